@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: MIT
+#
+#   make                 the library and the examples, in build/
+#   make deps            installs what examples and tests need (Debian and Ubuntu; elsewhere it says what)
+#   make test            builds and runs every test
+#   make demo            renders build/demo.png
+#   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
+#   make install         into $(DESTDIR)$(PREFIX)
+#   make format          clang-format over everything
+#   make clean
+#
+# Settings: CC=clang, OPTIMIZE=-O0, SAN=address,undefined or SAN=thread (builds in build/san-...), WERROR=1, V=1.
+
+PREFIX   ?= /usr/local
+LIBDIR   ?= $(PREFIX)/lib
+OPTIMIZE ?= -O2
+SAN      ?=
+V        ?=
+
+VERSION  := 0.1.0
+SOVERSION := 0
+
+empty :=
+comma := ,
+BUILD := build$(if $(SAN),/san-$(subst $(comma),-,$(SAN)))
+TARGET := $(shell $(CC) -dumpmachine)
+IS_X86 := $(filter x86_64% i386% i486% i586% i686%,$(TARGET))
+Q := $(if $(V),,@)
+
+CFLAGS   ?= -g
+STANDARD := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla $(if $(WERROR),-Werror)
+EXACT    := -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse)
+SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
+COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(CPPFLAGS) -pthread -Iinclude -MMD -MP
+LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
+
+# One object pair per instruction set: with and without counters.
+ISAS        := scalar $(if $(IS_X86),sse)
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
+                   $(foreach isa,$(ISAS),$(BUILD)/obj/kernels/$(isa).o $(BUILD)/obj/kernels/$(isa)_counting.o)
+
+# What is installed is looked at when it is needed, so that `make deps demo` works in one go.
+pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
+HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
+HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
+EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
+EXAMPLES    = $(foreach e,$(basename $(notdir $(wildcard examples/*.c))),$(if $(filter render,$(e)),$(if $(HAVE_PNG),$(e)),$(e)))
+EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng))
+EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) -lm
+
+TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
+TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
+
+.PHONY: all library examples deps demo test reproduce install format clean
+.SECONDARY:
+
+all: library examples
+
+library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
+
+# ---- library -------------------------------------------------------------------------------------------------------
+
+$(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -DMLRT_COUNTING=1 -c $< -o $@
+
+$(BUILD)/obj/%.o: src/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -c $< -o $@
+
+$(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
+
+$(BUILD)/libmlrt.so.$(VERSION): $(LIBRARY_OBJECTS)
+	$(Q)$(LINK) -shared -Wl,-soname,libmlrt.so.$(SOVERSION) $(if $(SAN),,-Wl,-z,defs) $^ -lm -o $@
+
+$(BUILD)/libmlrt.so: $(BUILD)/libmlrt.so.$(VERSION)
+	$(Q)ln -sf libmlrt.so.$(VERSION) $(BUILD)/libmlrt.so.$(SOVERSION) && ln -sf libmlrt.so.$(SOVERSION) $@
+
+# ---- examples ------------------------------------------------------------------------------------------------------
+
+examples: $(addprefix $(BUILD)/bin/,$(EXAMPLES))
+	$(if $(HAVE_PNG),,@echo "examples: no libpng, so no 'render': make deps installs it")
+
+$(BUILD)/examples/%.o: examples/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) -Iexamples -c $< -o $@
+
+$(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
+# ---- dependencies --------------------------------------------------------------------------------------------------
+
+APT_PACKAGES := gcc libc6-dev pkg-config libpng-dev libcmocka-dev libgmp-dev libassimp-dev
+MISSING = $(strip $(foreach p,$(APT_PACKAGES),$(if $(filter installed,$(shell dpkg-query -W -f='$${db:Status-Status}' $(p) 2>/dev/null)),,$(p))))
+SUDO = $(if $(filter 0,$(shell id -u)),,sudo)
+
+deps:
+	@if ! command -v apt-get >/dev/null; then \
+	    echo "Please install: a C compiler, pkg-config, and the development files of libpng, cmocka, GMP and (optional, to"; \
+	    echo "read mesh files) assimp. The library itself needs none of them."; exit 1; \
+	elif [ -n "$(MISSING)" ]; then \
+	    echo "installing: $(MISSING)"; \
+	    $(SUDO) apt-get update -qq && $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
+	fi
+
+# `make deps test` probes for packages after deps has run: the work is done by a second make.
+AFTER_DEPS := $(filter deps,$(MAKECMDGOALS))
+
+# ---- demo ----------------------------------------------------------------------------------------------------------
+
+demo: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/render
+	$(BUILD)/bin/render --scene office --stats -o $(BUILD)/demo.png
+
+# ---- tests ---------------------------------------------------------------------------------------------------------
+
+$(BUILD)/tests/%.o: tests/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) -Isrc -Iexamples -Itests -c $< -o $@
+
+$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
+
+build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
+
+test: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory build-tests
+	@BUILD=$(BUILD) sh tests/run.sh $(addprefix $(BUILD)/tests/,$(TESTS))
+
+# ---- install -------------------------------------------------------------------------------------------------------
+
+install: library
+	install -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(LIBDIR)/pkgconfig
+	install -m 644 include/mlrt.h $(DESTDIR)$(PREFIX)/include/
+	install -m 644 $(BUILD)/libmlrt.a $(DESTDIR)$(LIBDIR)/
+	install -m 755 $(BUILD)/libmlrt.so.$(VERSION) $(DESTDIR)$(LIBDIR)/
+	ln -sf libmlrt.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libmlrt.so.$(SOVERSION)
+	ln -sf libmlrt.so.$(SOVERSION) $(DESTDIR)$(LIBDIR)/libmlrt.so
+	printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$(LIBDIR)' 'includedir=$${prefix}/include' '' \
+	    'Name: mlrt' 'Description: Multi-Level Ray Tracing Algorithm' 'Version: $(VERSION)' \
+	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lmlrt' 'Libs.private: -lm -pthread' \
+	    > $(DESTDIR)$(LIBDIR)/pkgconfig/mlrt.pc
+
+# ---- housekeeping --------------------------------------------------------------------------------------------------
+
+format:
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] tests/*.[ch]
+
+clean:
+	rm -rf build
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

@@ -1,0 +1,531 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * mlrt.h - where do rays hit triangles: the Multi-Level Ray Tracing Algorithm behind a C ABI
+ *
+ * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
+ *
+ * A complete program: one triangle, one ray, the distance printed.
+ *
+ *     #include <mlrt.h>
+ *     #include <stdio.h>
+ *     int main(void)
+ *     {
+ *         const float corners[9] = {0, 0, 5, 1, 0, 5, 0, 1, 5};
+ *         mlrt_mesh mesh = {sizeof mesh, 0, corners, 3, 0, NULL, 1, 0, 0, 0};
+ *         mlrt_tree *tree = NULL;
+ *         int32_t status = mlrt_build_kdtree(&mesh, 1, NULL, &tree);
+ *         mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
+ *         mlrt_hit hit = {.struct_size = sizeof hit};
+ *         if (status == MLRT_OK) status = mlrt_trace_ray(tree, &ray, NULL, &hit);
+ *         printf("%s: t = %g, triangle %u\n", mlrt_status_string(status), (double)hit.t, (unsigned)hit.triangle);
+ *         mlrt_destroy_tree(tree);
+ *         return status != MLRT_OK;
+ *     }
+ *
+ * RULES OF THE WHOLE INTERFACE
+ *
+ * Answers. Every hit-or-miss and which-is-nearer decision equals exact arithmetic on the float numbers given: the same
+ * bits from one ray, a packet or a tile, from every method, instruction set and number of threads. The rule, in real
+ * arithmetic, for a ray o + t d and a triangle a b c with normal n = (b - a) x (c - a):
+ *
+ *   - Never hit: a triangle with a vertex that is not finite, or with n exactly 0. Hits nothing: a ray with a NaN, with
+ *     an o or d that is not finite, with d = 0, or without t_min < t_max. A t_min below 0 counts as 0.
+ *   - e_ij = d . ((v_i - o) x (v_j - o)), D = d . n = e_ab + e_bc + e_ca, N = (a - o) . n. The ray hits if D is not 0, no
+ *     D e_ij is negative, and t_min < N / D <= t_max. So triangles are closed and two-sided, the interval is half open,
+ *     and a ray in the plane of a triangle misses it.
+ *   - The closest hit has the smallest N / D; of equal ones the first in the input wins (mesh by position, then triangle).
+ *   - Any-hit says yes exactly if there is a closest hit.
+ *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), each correctly rounded, and
+ *     facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0,
+ *     mesh = triangle = MLRT_NONE, facing = 0.
+ *
+ * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length. Denormals
+ * count as what they are. The floating-point environment (rounding, flush-to-zero, exception masks) may be anything:
+ * each call sets what it needs and restores what it found.
+ *
+ * Structs start with `struct_size`, which the caller sets to sizeof; the rest zero means default. Later versions append
+ * fields and never change the meaning of those that are here. A size that no version had is MLRT_ERROR_STRUCT_SIZE.
+ *
+ * Arrays are a pointer and a byte stride; stride 0 means packed. An address aligned to 4 bytes is enough, and no byte
+ * outside the elements is read or written.
+ *
+ * Ownership. Arguments are borrowed for the length of the call. Only mlrt_create_* and mlrt_build_* hand something out,
+ * and it goes to the mlrt_destroy_* of the same name. Destroying NULL does nothing.
+ *
+ * Errors. Functions that can fail return an int32_t status, MLRT_OK = 0 or one of MLRT_ERROR_*; new codes may be added.
+ * After an error nothing is leaked and outputs given by handle are NULL. The library never prints, exits or aborts.
+ *
+ * Threads. There are no threads unless the caller made a pool, and no global state. A tree never changes after it is
+ * built: any number of threads may trace it at once. A pool serves one call at a time; calls that share one wait for
+ * each other.
+ */
+#ifndef MLRT_H
+#define MLRT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#ifndef MLRT_API
+#  if defined(__GNUC__)
+#    define MLRT_API __attribute__((visibility("default")))
+#  else
+#    define MLRT_API
+#  endif
+#endif
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Versions and codes
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+#define MLRT_VERSION_MAJOR 0
+#define MLRT_VERSION_MINOR 1
+#define MLRT_VERSION_PATCH 0
+#define MLRT_VERSION_STRING "0.1.0"
+
+enum {
+    MLRT_OK = 0,
+    MLRT_ERROR_ARGUMENT = 1,      /* a pointer is NULL that must not be, or a value is out of its range */
+    MLRT_ERROR_STRUCT_SIZE = 2,   /* a struct_size is not set, or not of any version */
+    MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; see build_options.message */
+    MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed; nothing was kept */
+    MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
+    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, or with vectors that are not finite or span no picture */
+    MLRT_ERROR_UNSUPPORTED = 7,   /* the instruction set asked for is not in this machine or build */
+    MLRT_ERROR_THREAD = 8,        /* the system would not start a thread */
+    MLRT_ERROR_CANCELLED = 9      /* a tile callback asked to stop */
+};
+
+/* The id reported for a miss; also what a `skip` entry holds to skip nothing. */
+#define MLRT_NONE 0xFFFFFFFFu
+
+/* The library's version as MAJOR * 10000 + MINOR * 100 + PATCH, which can differ from the header's. */
+MLRT_API uint32_t mlrt_version(void);
+
+/* What a status code means, as one English phrase. Never NULL: an unknown code has a text too. The string is static. */
+MLRT_API const char *mlrt_status_string(int32_t status);
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Building a tree
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* A tree: the triangles of any number of meshes, and a kd-tree over them. Immutable. */
+typedef struct mlrt_tree mlrt_tree;
+
+/*
+ * An indexed triangle mesh in the caller's memory.
+ *
+ * Vertices are three floats each. Indices are three unsigned integers per triangle, of 2 or 4 bytes; with
+ * `indices` = NULL, triangle i consists of the vertices 3i, 3i + 1, 3i + 2.
+ */
+typedef struct mlrt_mesh {
+    uint32_t struct_size;
+    uint32_t id;            /* reported with hits. Ids must differ; if all are 0, positions in the array take their place */
+    const void *vertices;   /* float[3] each, aligned to 4 bytes */
+    size_t vertex_count;
+    size_t vertex_stride;   /* bytes from one vertex to the next, a multiple of 4; 0 = 12 */
+    const void *indices;    /* NULL = consecutive vertices */
+    size_t triangle_count;
+    size_t triangle_stride; /* bytes from one index triple to the next, a multiple of index_size; 0 = 3 * index_size */
+    uint32_t index_size;    /* 2 or 4; 0 = 4 */
+    uint32_t reserved;      /* 0 */
+} mlrt_mesh;
+
+/* What kind of tree to build: mlrt_build_options.preset */
+enum {
+    MLRT_TREE_DEFAULT = 0, /* the tree that renders fastest here */
+    MLRT_TREE_PAPER = 1    /* the paper's kind of tree: deep, small leaves. It stays as it is, for comparisons */
+};
+
+/* Rules of the builder that can be switched off to measure their effect: mlrt_build_options.rules_off */
+enum {
+    MLRT_RULE_EMPTY_SPACE = 1,    /* an empty side of more than 10 % of a cell is cut off first */
+    MLRT_RULE_COPLANAR = 2,       /* a plane wholly covered by triangles in it is a split, they go to the smaller side */
+    MLRT_RULE_MINIMUM_CELL = 4,   /* cells under a minimum size are not split */
+    MLRT_RULE_CLIPPED_SPLITS = 8, /* candidates come from triangles clipped to the cell, not from their bounding boxes */
+    MLRT_RULE_RETRACTION = 16     /* a subtree that costs more than a leaf becomes a leaf */
+};
+
+typedef struct mlrt_build_options {
+    uint32_t struct_size;
+    int32_t preset;            /* MLRT_TREE_* */
+    uint32_t rules_off;        /* MLRT_RULE_* or-ed together; 0 = every rule is on */
+    uint32_t max_depth;        /* inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
+    uint64_t max_references;   /* leaf entries at most, bounding the tree's memory; 0 = 8 per triangle + 1024 */
+    float traversal_cost;      /* of one node step, relative to intersection_cost; 0 = the preset's */
+    float intersection_cost;   /* of one triangle test; 0 = the preset's */
+    char *message;             /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
+    size_t message_size;       /* its size in bytes */
+} mlrt_build_options;
+
+/*
+ * Builds a tree over the triangles of `meshes`.
+ *
+ *   meshes      array of mesh_count structs, all of the struct_size of the first. The mesh data may be freed on return.
+ *   mesh_count  0 is allowed, as is a mesh without triangles: the tree is empty and every ray misses.
+ *   options     NULL = defaults.
+ *   tree        receives the tree, or NULL after an error. Free it with mlrt_destroy_tree.
+ *
+ * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
+ * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
+ * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
+ * 2^31 - 1 triangles in all. Memory: about 36 bytes per triangle plus what mlrt_tree_info reports, and while building
+ * about 80 bytes per triangle more.
+ *
+ * Method: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
+ * shooting", 2002) with the three rules of the paper (section 3.1).
+ */
+MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
+                                   mlrt_tree **tree);
+
+/* Frees a tree. No call may be using it. NULL is allowed. */
+MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
+
+/* The build report. Counts are of the finished tree. */
+typedef struct mlrt_tree_info {
+    uint32_t struct_size;
+    uint32_t depth;                 /* inner nodes above the deepest leaf */
+    uint64_t triangle_count;        /* as given, left-out ones included */
+    uint64_t non_finite_count;      /* left out: a vertex is NaN or infinite */
+    uint64_t zero_area_count;       /* left out: the area is exactly zero */
+    uint64_t node_count;            /* inner nodes and leaves */
+    uint64_t leaf_count;            /* empty ones included */
+    uint64_t empty_leaf_count;
+    uint64_t reference_count;       /* entries of all leaves together: a triangle can be in several */
+    uint64_t retracted_count;       /* subtrees turned back into leaves */
+    uint64_t memory_size;           /* bytes held by the tree */
+    uint64_t peak_memory_size;      /* bytes held at most at one time while building */
+    uint64_t tree_hash;             /* over nodes and leaf entries: equal trees have equal hashes */
+    double sah_cost;                /* expected cost of a random ray through the scene box, in intersection_cost = 1 */
+    double build_seconds;
+    float bounds_min[3];            /* of the triangles in the tree; all 0 if there is none */
+    float bounds_max[3];
+} mlrt_tree_info;
+
+/* Fills *info (struct_size must be set). */
+MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info);
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Threads
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* A pool of pthreads that calls given it in their options share their work with. */
+typedef struct mlrt_pool mlrt_pool;
+
+/*
+ * Creates a pool for `thread_count` threads at work, 1..1024, the calling one included: thread_count - 1 threads are
+ * started, and sleep between calls. 0 = one per processor that is online. Free it with mlrt_destroy_pool.
+ */
+MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool);
+
+/* Ends the threads and frees the pool. No call may be using it. NULL is allowed. */
+MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Tracing: options, results, counters
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* How to trace: mlrt_trace_options.method. The answers are the same from each. */
+enum {
+    MLRT_METHOD_DEFAULT = 0,   /* multilevel; for a single ray, ray */
+    MLRT_METHOD_RAY = 1,       /* one ray at a time, plain C: the reference */
+    MLRT_METHOD_PACKET2 = 2,   /* 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray Tracing", 2001) */
+    MLRT_METHOD_PACKET4 = 3,   /* 4x4 rays by interval traversal from the root (the paper, section 4.3) */
+    MLRT_METHOD_MULTILEVEL = 4 /* the same from entry points found by beams (the paper, sections 3.3 to 4.2) */
+};
+
+/* Instruction sets: mlrt_trace_options.isa. The answers are the same from each. */
+enum {
+    MLRT_ISA_AUTO = 0,   /* the best that this machine has */
+    MLRT_ISA_SCALAR = 1, /* plain C, always there */
+    MLRT_ISA_SSE = 2     /* SSE2, on every x86-64 */
+};
+
+/* What to ask: mlrt_trace_options.query */
+enum {
+    MLRT_QUERY_CLOSEST = 0,
+    MLRT_QUERY_ANY = 1 /* is there a hit at all: only mlrt_hits.occluded is written */
+};
+
+/* How a beam is tested against a cell (the paper, section 3.3): mlrt_trace_options.culling */
+enum {
+    MLRT_CULLING_INVERSE = 0, /* the planes of the cell against the beam */
+    MLRT_CULLING_DIRECT = 1   /* the planes of the beam against the cell */
+};
+
+/* Results a tile callback receives: mlrt_trace_options.outputs */
+enum {
+    MLRT_OUTPUT_T = 1,
+    MLRT_OUTPUT_UV = 2,
+    MLRT_OUTPUT_IDS = 4,
+    MLRT_OUTPUT_FACING = 8
+};
+
+/*
+ * What traversal did, in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to what is there,
+ * so that one struct can collect several calls; they can differ between methods and instruction sets.
+ */
+typedef struct mlrt_counters {
+    uint32_t struct_size;
+    uint32_t reserved;                  /* 0 */
+    uint64_t ray_count;                 /* rays traced */
+    uint64_t packet_count;              /* packets (4x4 or 2x2) traced through the tree, or rays of method `ray` */
+    uint64_t beam_count;                /* beams for which an entry point was searched */
+    uint64_t cell_count;                /* nodes, inner or leaf, descended into or popped; those of the entry-point search included */
+    uint64_t entry_point_cell_count;    /* of these, in the entry-point search */
+    uint64_t triangle_test_count;       /* (packet, triangle) tests with at least one ray taking part */
+    uint64_t judged_lane_count;         /* (ray, triangle) pairs that the float filter left to the exact judge */
+    uint64_t entry_point_count;         /* entry points from which packets were traced */
+    uint64_t entry_point_depth_sum;     /* their depths below the root, added up */
+    uint64_t missed_beam_count;         /* beams that provably hit nothing: no ray of theirs was traced */
+    uint64_t undecided_cull_count;      /* inner nodes where the culling test could exclude no child */
+    uint64_t undecided_checked_count;   /* of these, still undecided after the extra check */
+} mlrt_counters;
+
+/*
+ * How to trace. NULL or all zero = defaults.
+ *
+ * The tile sizes are those of the paper, section 4.2: the picture is cut into squares of initial_tile_size; a tile larger
+ * than minimum_tile_size whose entry point is not a leaf is cut into split_factor pieces, and so on.
+ */
+typedef struct mlrt_trace_options {
+    uint32_t struct_size;
+    int32_t query;               /* MLRT_QUERY_* */
+    int32_t method;              /* MLRT_METHOD_* */
+    int32_t isa;                 /* MLRT_ISA_* */
+    int32_t culling;             /* MLRT_CULLING_* */
+    uint32_t culling_check_off;  /* 1 = without the extra check of cells that the culling test leaves undecided */
+    uint32_t initial_tile_size;  /* pixels, 4..1024, a power of two; 0 = default */
+    uint32_t minimum_tile_size;  /* pixels, 4..initial_tile_size, a power of two; 0 = default */
+    uint32_t split_factor;       /* 4 or 16; 0 = default */
+    uint32_t outputs;            /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
+    mlrt_pool *pool;             /* NULL = the calling thread alone */
+    mlrt_counters *counters;     /* NULL = not counted, at no cost */
+} mlrt_trace_options;
+
+/* An array of results. `data` = NULL: not wanted, and not computed. */
+typedef struct mlrt_array {
+    void *data;
+    size_t stride;     /* bytes from one element to the next; 0 = packed */
+    size_t row_stride; /* bytes from one row of pixels to the next; 0 = width * stride. Only in mlrt_render_tiles */
+} mlrt_array;
+
+/*
+ * Where results go. MLRT_QUERY_CLOSEST writes the first six, MLRT_QUERY_ANY the last; an array that the query does not
+ * write must be NULL.
+ */
+typedef struct mlrt_hits {
+    uint32_t struct_size;
+    uint32_t reserved;     /* 0 */
+    mlrt_array t;          /* float: the distance in units of |d|; inf = miss */
+    mlrt_array u;          /* float: the weight of the triangle's second vertex */
+    mlrt_array v;          /* float: the weight of its third */
+    mlrt_array mesh;       /* uint32_t: the id of the mesh; MLRT_NONE = miss */
+    mlrt_array triangle;   /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
+    mlrt_array facing;     /* int32_t: sign of d . n; 0 = miss */
+    mlrt_array occluded;   /* uint8_t: 1 = something is hit, 0 = nothing */
+} mlrt_hits;
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Tracing rays
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* An input array. */
+typedef struct mlrt_const_array {
+    const void *data;
+    size_t stride; /* bytes from one element to the next; 0 = packed */
+} mlrt_const_array;
+
+/*
+ * Rays. Neighbours should be alike: rays are grouped in the order given, 16 at a time and then more. Rows of pixels in
+ * `row_length` let groups be squares instead. Any rays give right answers; alike ones are faster.
+ */
+typedef struct mlrt_rays {
+    uint32_t struct_size;
+    uint32_t row_length;         /* rays per row of a picture; 0 = a plain list. A hint for speed only */
+    size_t count;                /* at most 2^31 - 1 */
+    mlrt_const_array origins;    /* float[3] */
+    mlrt_const_array directions; /* float[3], of any length */
+    mlrt_const_array t_min;      /* float; NULL = 0 for all */
+    mlrt_const_array t_max;      /* float; NULL = no limit for all. 0 here means 0 */
+    mlrt_const_array skip;       /* uint32_t[2]: the mesh and triangle, as reported, that this ray passes; NULL = none */
+} mlrt_rays;
+
+/*
+ * Traces any number of rays. The results of ray i go to element i of the arrays in *hits.
+ *
+ * `options` may be NULL. With a pool, the rays are shared out among its threads. Fewer or other threads, methods or
+ * groupings never change a bit of the results.
+ */
+MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
+                                   const mlrt_hits *hits);
+
+enum {
+    MLRT_RAY_SKIP = 1 /* mlrt_ray.flags: skip_mesh and skip_triangle hold */
+};
+
+typedef struct mlrt_ray {
+    uint32_t struct_size;
+    uint32_t flags;         /* MLRT_RAY_* */
+    float origin[3];
+    float direction[3];
+    float t_min;            /* 0 = hits in front of the origin */
+    float t_max;            /* 0 = no limit */
+    uint32_t skip_mesh;     /* with MLRT_RAY_SKIP: the triangle that this ray passes */
+    uint32_t skip_triangle;
+} mlrt_ray;
+
+typedef struct mlrt_hit {
+    uint32_t struct_size;
+    float t;           /* inf = miss */
+    float u;
+    float v;
+    uint32_t mesh;     /* MLRT_NONE = miss */
+    uint32_t triangle; /* MLRT_NONE = miss */
+    int32_t facing;    /* 0 = miss */
+    uint32_t occluded; /* 1 = something is hit. With MLRT_QUERY_ANY the only field written */
+} mlrt_hit;
+
+/* Traces one ray. For more than a few use mlrt_trace_packet: it is many times faster per ray. */
+MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                                mlrt_hit *hit);
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Tracing pictures
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+enum {
+    MLRT_PROJECTION_PINHOLE = 0, /* rays from one point */
+    MLRT_PROJECTION_PARALLEL = 1 /* rays in one direction: an orthographic camera, the view of a directional light */
+};
+
+/*
+ * A camera: pixel (i, j), counted from the upper left or wherever the caller likes, has with x = i + sample_x,
+ * y = j + sample_y the vector p = d00 + x dx + y dy, and the ray
+ *
+ *     pinhole:   origin eye, direction p               parallel:   origin p, direction `direction`
+ *
+ * in exactly this arithmetic, each step rounded to float, for each component k:
+ *     x = fl(i + sample_x), y = fl(j + sample_y), p_k = fl(fl(d00_k + fl(x dx_k)) + fl(y dy_k)).
+ * So mlrt_camera_rays, and anyone else, can write out the very rays that mlrt_render_tiles traces.
+ */
+typedef struct mlrt_camera {
+    uint32_t struct_size;
+    int32_t projection;     /* MLRT_PROJECTION_* */
+    uint32_t width;         /* pixels of the whole picture, 1..2^23 each */
+    uint32_t height;
+    uint32_t crop_x;        /* render only the crop_width x crop_height pixels from here; the results of its */
+    uint32_t crop_y;        /*   first pixel are the first of the frame */
+    uint32_t crop_width;    /* 0 = up to the right edge */
+    uint32_t crop_height;   /* 0 = up to the last row */
+    float eye[3];           /* pinhole: where the rays start */
+    float direction[3];     /* parallel: where the rays go */
+    float d00[3];           /* see above */
+    float dx[3];            /* from one pixel to the next in a row */
+    float dy[3];            /* from one row to the next */
+    float sample_x;         /* where in the pixel: 0.5 = the middle */
+    float sample_y;
+    float t_min;            /* 0 = hits in front of the origin */
+    float t_max;            /* 0 = no limit */
+} mlrt_camera;
+
+/*
+ * A finished tile, as arrays: the result of pixel (x + i, y + j), counted like the camera's pixels, is element
+ * j * width + i. Arrays not asked for in the options' `outputs` (with MLRT_QUERY_ANY: all but `occluded`) are NULL. They
+ * live in the worker's cache and are gone when the callback returns.
+ */
+typedef struct mlrt_tile {
+    uint32_t struct_size;
+    uint32_t worker;          /* 0..threads - 1: which worker calls; 0 is the caller's own thread */
+    uint32_t x;
+    uint32_t y;
+    uint32_t width;
+    uint32_t height;
+    const float *t;
+    const float *u;
+    const float *v;
+    const uint32_t *mesh;
+    const uint32_t *triangle;
+    const int32_t *facing;
+    const uint8_t *occluded;
+} mlrt_tile;
+
+/*
+ * Called once per tile of initial_tile_size squared (less at the edges), from the threads of the pool, several at a time.
+ * It may call any tracing function, without a pool. Return 0 to go on; anything else ends the render soon, and
+ * mlrt_render_tiles returns MLRT_ERROR_CANCELLED.
+ */
+typedef int32_t (*mlrt_tile_callback)(void *user, const mlrt_tile *tile);
+
+/*
+ * Renders a picture: traces the ray of every pixel of the camera's crop.
+ *
+ *   frame     where to write: element (column, row) of the crop, with the strides given. NULL = nowhere.
+ *   callback  called with each tile's results; NULL = none. `user` is handed to it.
+ *
+ * At least one of frame and callback must be given. Invalid pixels (a ray whose direction rounds to 0, say) are misses.
+ */
+MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
+                                   const mlrt_hits *frame, mlrt_tile_callback callback, void *user);
+
+/*
+ * Writes out the rays of a camera's crop, row by row: crop_width * crop_height origins and directions of float[3].
+ * Tracing them gives what mlrt_render_tiles gives, bit for bit. Either array may have data = NULL.
+ */
+MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions);
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Light
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+enum {
+    MLRT_LIGHT_POINT = 0,      /* position = where it is */
+    MLRT_LIGHT_DIRECTIONAL = 1 /* position = the direction towards it, of any length */
+};
+
+typedef struct mlrt_light {
+    uint32_t struct_size;
+    int32_t kind; /* MLRT_LIGHT_* */
+    float position[3];
+} mlrt_light;
+
+/* Points that may be in shadow. */
+typedef struct mlrt_points {
+    uint32_t struct_size;
+    uint32_t row_length;        /* as in mlrt_rays */
+    size_t count;
+    mlrt_const_array positions; /* float[3] */
+    mlrt_const_array skip;      /* uint32_t[2]: mesh and triangle that the point lies on, which do not shade it; NULL = none */
+} mlrt_points;
+
+/*
+ * Writes 1 to element i of *occluded (uint8_t) if something lies between point i and the light, 0 if nothing does.
+ *
+ * The ray is, for a point light at L, o = L, d = fl(P - L) per component, 0 < t <= 1; for a directional light o = P,
+ * d = position, 0 < t. A point at the light itself or with a coordinate that is not finite is not occluded.
+ * Give points moved off their surface by mlrt_offset_point, and the surface in `skip`. options->query is ignored.
+ */
+MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                                      const mlrt_trace_options *options, const mlrt_array *occluded);
+
+/*
+ * A point just off a triangle: next to (1 - u - v) a + u b + v c, strictly on the side that `side` names, of the triangle
+ * `triangle` of mesh id `mesh`. side = +1: where the normal (b - a) x (c - a) points; -1: the other. For the side a ray
+ * came from, give -facing of its hit.
+ *
+ * Promise: no ray that starts at the point and goes to the same side, or along the plane, hits that triangle.
+ *
+ * MLRT_ERROR_ARGUMENT if there is no such triangle, if it is one of those left out, if u or v is not finite, or if the
+ * point would leave the range of float.
+ */
+MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v, int32_t side,
+                                   float point[3]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* MLRT_H */

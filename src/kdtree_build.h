@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Builds the nodes and leaf entries of a tree over triangles that are already in it.
+ */
+#ifndef MLRT_KDTREE_BUILD_H
+#define MLRT_KDTREE_BUILD_H
+
+#include "kdtree.h"
+
+/*
+ * On entry: tree->triangles and triangle_count are set, options is checked (or NULL), the floating-point environment is
+ * ours. On return with MLRT_OK: nodes, references, bounds, float_safe and tree->info are set (except triangle_count,
+ * memory_size and build_seconds, which the caller knows). On MLRT_ERROR_OUT_OF_MEMORY: nodes and references are NULL,
+ * and nothing else is held in tree->memory than on entry.
+ */
+int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *options);
+
+#endif

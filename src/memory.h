@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Memory: the one place that allocates, and the one place where a count is multiplied by a size.
+ *
+ * A `struct mlrt_memory` counts what is held through it, so that a build can report its peak.
+ */
+#ifndef MLRT_MEMORY_H
+#define MLRT_MEMORY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct mlrt_memory {
+    uint64_t held_size; /* bytes allocated and not yet freed */
+    uint64_t peak_size; /* the largest held_size so far */
+};
+
+/* count * size bytes, aligned to 64, or NULL if there is no memory or the product overflows. count = 0 gives memory too. */
+void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size);
+
+/* Frees what mlrt_allocate(memory, count, size) returned; `count` and `size` are those given then. NULL is allowed. */
+void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t size);
+
+/*
+ * Grows (or shrinks) an array from old_count to new_count elements, keeping the common part. On failure returns NULL and
+ * the old block stays as it is.
+ */
+void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size);
+
+#endif

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the compiler and the processor differ in, and nothing else does: inlining, alignment, and the floating-point
+ * environment. Also the two settings without which no bound in this library holds: no contraction of a * b + c, and
+ * float arithmetic that is done in float.
+ */
+#ifndef MLRT_PLATFORM_H
+#define MLRT_PLATFORM_H
+
+#include <float.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__)
+#error "mlrt needs IEEE arithmetic: do not compile it with -ffast-math"
+#endif
+#if !defined(FLT_EVAL_METHOD) || FLT_EVAL_METHOD != 0
+#error "mlrt needs float arithmetic in float: on 32-bit x86 compile with -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+#if defined(__GNUC__)
+#define MLRT_INLINE static inline __attribute__((always_inline, unused))
+#define MLRT_NOINLINE __attribute__((noinline))
+#define MLRT_ALIGNED(bytes) __attribute__((aligned(bytes)))
+#define MLRT_LIKELY(condition) __builtin_expect(!!(condition), 1)
+#define MLRT_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
+#else
+#define MLRT_INLINE static inline
+#define MLRT_NOINLINE
+#define MLRT_ALIGNED(bytes)
+#define MLRT_LIKELY(condition) (condition)
+#define MLRT_UNLIKELY(condition) (condition)
+#endif
+
+#if defined(__SSE2__) || defined(__x86_64__)
+#define MLRT_HAVE_SSE 1
+#else
+#define MLRT_HAVE_SSE 0
+#endif
+
+/*
+ * The floating-point environment this library computes in: round to nearest, denormals kept, exceptions masked.
+ * Every exported function and every thread's work runs between a pair of these calls; what lies between must be a call
+ * of a function that is not inlined, so that no arithmetic moves across them.
+ */
+#if MLRT_HAVE_SSE
+#include <xmmintrin.h>
+MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+{
+    uint32_t saved = _mm_getcsr();
+    _mm_setcsr(0x1F80);
+    return saved;
+}
+MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+{
+    _mm_setcsr((uint32_t)saved);
+}
+#elif defined(__aarch64__) && defined(__GNUC__)
+MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+{
+    uint64_t saved;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(saved));
+    __asm__ volatile("msr fpcr, %0" : : "r"((uint64_t)0) : "memory");
+    return saved;
+}
+MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+{
+    __asm__ volatile("msr fpcr, %0" : : "r"(saved) : "memory");
+}
+#else
+#include <fenv.h>
+MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+{
+    uint64_t saved = (uint64_t)(uint32_t)fegetround();
+    fesetround(FE_TONEAREST);
+    return saved;
+}
+MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+{
+    fesetround((int)(uint32_t)saved);
+}
+#endif
+
+#endif
