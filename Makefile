@@ -31,7 +31,7 @@ CFLAGS   ?= -g
 STANDARD := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla $(if $(WERROR),-Werror)
 EXACT    := -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse)
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
-COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(CPPFLAGS) -pthread -Iinclude -MMD -MP
+COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object pair per instruction set: with and without counters.
@@ -118,7 +118,7 @@ demo: | $(AFTER_DEPS)
 
 $(BUILD)/tests/%.o: tests/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) -Isrc -Iexamples -Itests -c $< -o $@
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) -Iexamples -Itests -c $< -o $@
 
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@

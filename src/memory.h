@@ -11,8 +11,9 @@
 #include <stdint.h>
 
 struct mlrt_memory {
-    uint64_t held_size; /* bytes allocated and not yet freed */
-    uint64_t peak_size; /* the largest held_size so far */
+    uint64_t held_size;  /* bytes allocated and not yet freed */
+    uint64_t peak_size;  /* the largest held_size so far */
+    uint64_t limit_size; /* held_size may not exceed it: tests run out of memory this way. 0 = no limit */
 };
 
 /* count * size bytes, aligned to 64, or NULL if there is no memory or the product overflows. count = 0 gives memory too. */

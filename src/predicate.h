@@ -2,9 +2,9 @@
 /*
  * The judge of every hit: exact signs of the expressions in the hit rule (mlrt.h, "Answers"), for any finite floats.
  *
- * Each function first evaluates in double with a bound on its rounding error and answers if the sign is certain; what is
- * left goes to exact arithmetic (exact.h). So the answer is always that of real arithmetic, and almost always costs a
- * few dozen double operations.
+ * Each function first evaluates in double with a bound on its rounding error and answers if the sign is certain; what
+ * is left goes to exact arithmetic (exact.h). So the answer is always that of real arithmetic, and almost always costs
+ * a few dozen double operations.
  *
  * Everywhere here: coordinates are finite, the direction is not zero, 0 <= t_min < t_max, and triangles have an area
  * (mlrt_triangle_has_area), unless a function says that it copes with less.
@@ -27,18 +27,22 @@ struct mlrt_ray_segment {
 /* 1 if (b - a) x (c - a) is not exactly zero. The vertices must be finite. */
 int mlrt_triangle_has_area(const struct mlrt_triangle *triangle);
 
-/* Rule R2: 1 if the ray hits the triangle at some t in (t_min, t_max]. */
+/* Rule R2: 1 if the ray hits the triangle at some t in (t_min, t_max]. Copes with triangles without area: 0. */
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle);
 
 /*
- * Rule R3: the sign of t(first) - t(second), where the ray's line crosses the planes of two triangles that it hits.
- * t_min and t_max do not matter.
+ * Rule R3: the sign of t(first) - t(second), where the ray's line crosses the planes of the two triangles; neither may
+ * be parallel to the ray. t_min and t_max do not matter.
  */
 int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                           const struct mlrt_triangle *second);
 
-/* Floats around the t of a triangle that the ray hits: *lo <= t <= *hi, as close as double arithmetic shows it. */
-void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *lo, float *hi);
+/*
+ * Floats around the t of a triangle that the ray hits: 0 <= *lo <= t <= *hi <= inf, as close as double arithmetic shows
+ * it: nearly always equal or neighbours, 0 and inf if the ray is so nearly in the plane that double cannot tell.
+ */
+void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *lo,
+                         float *hi);
 
 /* Rule R5: t, u, v of a hit, each the exact quotient rounded once to the nearest float (ties to even). */
 struct mlrt_hit_report {
@@ -48,11 +52,17 @@ struct mlrt_hit_report {
     int32_t facing; /* sign of d . n */
 };
 
-/* `outputs`: MLRT_OUTPUT_T, _UV, _FACING or-ed together; what is not asked for is left as it is. */
+/*
+ * Of a triangle that the ray hits: so t, u, v are not negative. `outputs`: MLRT_OUTPUT_T, _UV, _FACING or-ed together;
+ * what is not asked for is left as it is.
+ */
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
                      struct mlrt_hit_report *report);
 
-/* The sign of (point - a) . n: +1 on the side that the normal points to, 0 in the plane, -1 on the other side. */
+/*
+ * The sign of (point - a) . n: +1 on the side that the normal points to, 0 in the plane, -1 on the other side. Copes
+ * with triangles without area: 0.
+ */
 int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3]);
 
 #endif

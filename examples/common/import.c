@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+/* import.c - mesh files through assimp: see import.h. Built without assimp, it says so instead. */
+#include "import.h"
+
+#include <stdio.h>
+
+#ifdef HAVE_ASSIMP
+
+#include <assimp/cimport.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <stdlib.h>
+
+struct count {
+    uint64_t vertices, triangles;
+};
+
+static int is_triangle(const struct aiFace *face)
+{
+    return face->mNumIndices == 3;
+}
+
+static void count_meshes(const struct aiScene *file, const struct aiNode *node, struct count *count)
+{
+    for (unsigned i = 0; i < node->mNumMeshes; i++) {
+        const struct aiMesh *mesh = file->mMeshes[node->mMeshes[i]];
+        count->vertices += mesh->mNumVertices;
+        for (unsigned k = 0; k < mesh->mNumFaces; k++) count->triangles += is_triangle(&mesh->mFaces[k]);
+    }
+    for (unsigned i = 0; i < node->mNumChildren; i++) count_meshes(file, node->mChildren[i], count);
+}
+
+// Rows of a 3x4 matrix: world = rows . (x, y, z, 1).
+struct transform {
+    double rows[3][4];
+    int is_identity; // nothing is computed then, so that the floats stay as they are
+};
+
+static struct transform within(const struct transform *outer, const struct aiMatrix4x4 *m)
+{
+    const double inner[4][4] = {{m->a1, m->a2, m->a3, m->a4}, {m->b1, m->b2, m->b3, m->b4}, {m->c1, m->c2, m->c3, m->c4}, {0, 0, 0, 1}};
+    struct transform result = {{{0}}, outer->is_identity};
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 4; k++) {
+            for (int j = 0; j < 3; j++) result.rows[i][k] += outer->rows[i][j] * inner[j][k];
+            result.rows[i][k] += outer->rows[i][3] * inner[3][k];
+            if (inner[i][k] != (i == k)) result.is_identity = 0;
+        }
+    }
+    return result;
+}
+
+static void append_mesh(const struct aiMesh *mesh, const struct transform *transform, struct scene *scene)
+{
+    uint32_t first = (uint32_t)scene->vertex_count;
+    for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+        const struct aiVector3D *p = &mesh->mVertices[i];
+        float *vertex = scene->vertices + 3 * scene->vertex_count++;
+        vertex[0] = p->x, vertex[1] = p->y, vertex[2] = p->z;
+        if (transform->is_identity) continue;
+        for (int k = 0; k < 3; k++) {
+            const double *row = transform->rows[k];
+            vertex[k] = (float)(row[0] * p->x + row[1] * p->y + row[2] * p->z + row[3]);
+        }
+    }
+    for (unsigned i = 0; i < mesh->mNumFaces; i++) {
+        if (!is_triangle(&mesh->mFaces[i])) continue;
+        for (int k = 0; k < 3; k++) {
+            uint32_t index = mesh->mFaces[i].mIndices[k];
+            // Out of range stays out of range, for import_mesh to find.
+            scene->indices[3 * scene->triangle_count + k] = index < mesh->mNumVertices ? first + index : UINT32_MAX;
+        }
+        scene->triangle_count++;
+    }
+}
+
+static void append_node(const struct aiScene *file, const struct aiNode *node, const struct transform *outer,
+                        struct scene *scene)
+{
+    struct transform transform = within(outer, &node->mTransformation);
+    for (unsigned i = 0; i < node->mNumMeshes; i++) append_mesh(file->mMeshes[node->mMeshes[i]], &transform, scene);
+    for (unsigned i = 0; i < node->mNumChildren; i++) append_node(file, node->mChildren[i], &transform, scene);
+}
+
+static int copy_scene(const char *path, const struct aiScene *file, struct scene *scene)
+{
+    static const struct transform identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, 1};
+    struct count count = {0, 0};
+    count_meshes(file, file->mRootNode, &count);
+    if (count.triangles == 0) {
+        fprintf(stderr, "%s: no triangles in this file\n", path);
+        return 1;
+    }
+    if (count.vertices >= UINT32_MAX || count.triangles > INT32_MAX) {
+        fprintf(stderr, "%s: more vertices or triangles than 32-bit numbers can name\n", path);
+        return 1;
+    }
+    scene->vertices = malloc(3 * sizeof(float) * (size_t)count.vertices);
+    scene->indices = malloc(3 * sizeof(uint32_t) * (size_t)count.triangles);
+    if (!scene->vertices || !scene->indices) {
+        fprintf(stderr, "%s: not enough memory for %llu triangles\n", path, (unsigned long long)count.triangles);
+        return 1;
+    }
+    append_node(file, file->mRootNode, &identity, scene);
+    for (size_t i = 0; i < 3 * scene->triangle_count; i++) {
+        if (scene->indices[i] < scene->vertex_count) continue;
+        fprintf(stderr, "%s: triangle %llu names a vertex that does not exist\n", path, (unsigned long long)(i / 3));
+        return 1;
+    }
+    return 0;
+}
+
+int import_mesh(const char *path, struct scene *scene)
+{
+    const struct aiScene *file = aiImportFile(path, aiProcess_Triangulate);
+    if (!file || !file->mRootNode) {
+        fprintf(stderr, "%s: %s\n", path, file ? "no scene in this file" : aiGetErrorString());
+        if (file) aiReleaseImport(file);
+        return 1;
+    }
+    int failed = copy_scene(path, file, scene);
+    aiReleaseImport(file);
+    return failed;
+}
+
+#else
+
+int import_mesh(const char *path, struct scene *scene)
+{
+    (void)scene;
+    fprintf(stderr,
+            "%s: this program was built without assimp, the library that reads mesh files. Install it (Debian, Ubuntu:\n"
+            "apt-get install libassimp-dev; or: make deps) and build again. Procedural scenes need no file: room, office,\n"
+            "building, scan, scan:N\n",
+            path);
+    return 1;
+}
+
+#endif

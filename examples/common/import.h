@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * import.h - mesh files through assimp (PLY, OBJ, STL, glTF and some forty more)
+ *
+ * All meshes of the file become one, in the order of the file's scene graph and in world space. Polygons become triangles;
+ * points and lines are left out. Nothing is cleaned: a triangle mesh arrives with its vertices bit for bit, its triangles in
+ * their order, degenerate ones included.
+ */
+#ifndef IMPORT_H
+#define IMPORT_H
+
+#include "scene.h"
+
+/* Fills vertices and indices of an empty scene. Returns 0, or 1 after saying on stderr what is wrong. */
+int import_mesh(const char *path, struct scene *scene);
+
+#endif

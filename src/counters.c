@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Adding up counters: a call's workers count for themselves and are summed at the end.
+ */
+#include "counters.h"
+
+void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
+{
+    to->ray_count += from->ray_count;
+    to->packet_count += from->packet_count;
+    to->beam_count += from->beam_count;
+    to->cell_count += from->cell_count;
+    to->entry_point_cell_count += from->entry_point_cell_count;
+    to->triangle_test_count += from->triangle_test_count;
+    to->judged_lane_count += from->judged_lane_count;
+    to->entry_point_count += from->entry_point_count;
+    to->entry_point_depth_sum += from->entry_point_depth_sum;
+    to->missed_beam_count += from->missed_beam_count;
+    to->undecided_cull_count += from->undecided_cull_count;
+    to->undecided_checked_count += from->undecided_checked_count;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What one instruction set provides: a function that traces one tile of a picture of rays.
+ */
+#ifndef MLRT_KERNELS_H
+#define MLRT_KERNELS_H
+
+#include "output.h"
+#include "source.h"
+
+/* One call of the interface, as all workers see it. */
+struct mlrt_job {
+    const struct mlrt_tree *tree;
+    const struct mlrt_kernels *kernels;
+    struct mlrt_source source;
+    int32_t method;  /* resolved: not DEFAULT */
+    int32_t culling;
+    int culling_check;
+    int any;
+    uint32_t initial_tile_size;
+    uint32_t minimum_tile_size;
+    uint32_t split_divisor; /* pieces per side: the root of the split factor */
+    struct mlrt_sink frame;
+    int has_frame;
+    uint32_t outputs; /* for the callback */
+    mlrt_tile_callback callback;
+    void *user;
+};
+
+/* What one worker has to itself. */
+struct mlrt_worker {
+    mlrt_counters counters;
+    struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
+    uint32_t tile_x;
+    uint32_t tile_y;
+};
+
+struct mlrt_kernels {
+    const char *name;
+    /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
+    void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
+                       uint32_t height);
+};
+
+extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_scalar_counting;
+extern const struct mlrt_kernels mlrt_kernels_sse, mlrt_kernels_sse_counting;
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * All kernels, in the words of the simd_*.h that was included before: one instruction set's file is that header, the
+ * names of its tables, and this. Compiled twice, with and without MLRT_COUNTING (counters.h). Everything is static but
+ * the table.
+ */
+#include <math.h>
+
+#include "counters.h"
+#include "hit.h"
+#include "kernels.h"
+#include "rounding.h"
+#include "trace_ray.h"
+
+#include "camera_packet.h"
+#include "triangle_filter.h"
+#include "interval_traversal.h"
+#include "masked_traversal.h"
+#include "beam_culling.h"
+#include "entry_point.h"
+#include "trace_tile.h"
+
+#if MLRT_COUNTING
+const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_NAME, trace_tile};
+#else
+const struct mlrt_kernels KERNELS = {KERNELS_NAME, trace_tile};
+#endif

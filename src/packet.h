@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Sixteen rays as arrays: what the kernels trace together.
+ *
+ * Lanes 4q .. 4q + 3 are a square of 2x2 pixels, and the four squares make one of 4x4: lane l is the pixel
+ * (mlrt_lane_x[l], mlrt_lane_y[l]) of its block. So one layout serves packets of both sizes.
+ *
+ * Only rays whose numbers float arithmetic carries without overflow or loss are `active`: their direction components,
+ * origin coordinates (and those of the tree, kdtree.h's float_safe) are 0 or of magnitude 2^-60 .. 2^60. Other rays that
+ * can hit something are `single`, and go through the tree one by one in double.
+ */
+#ifndef MLRT_PACKET_H
+#define MLRT_PACKET_H
+
+#include <stdint.h>
+
+#include "platform.h"
+
+#define MLRT_PACKET_RAYS 16
+#define MLRT_SAFE_MIN 0x1p-60f
+#define MLRT_SAFE_MAX 0x1p60f
+
+struct mlrt_packet {
+    MLRT_ALIGNED(64) float direction[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS]; /* not filled if has_apex */
+    MLRT_ALIGNED(64) float t_min[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float t_max[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];         /* the nearest hit so far, as struct mlrt_nearest */
+    MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t triangle[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS];    /* triangle number, MLRT_NONE = none; not filled if !has_skip */
+    float apex[3];     /* the common origin, if has_apex */
+    uint32_t active;   /* bit per lane */
+    uint32_t single;   /* bit per lane */
+    int has_apex;
+    int has_skip;
+};
+
+static const MLRT_ALIGNED(64) float mlrt_lane_x[MLRT_PACKET_RAYS] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
+static const MLRT_ALIGNED(64) float mlrt_lane_y[MLRT_PACKET_RAYS] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
+
+/* Bits of the lanes whose pixel lies in a block of width x height, each at most 4. */
+static inline uint32_t mlrt_block_lanes(uint32_t width, uint32_t height)
+{
+    static const uint16_t columns[5] = {0, 0x0505, 0x0F0F, 0x5F5F, 0xFFFF};
+    static const uint16_t rows[5] = {0, 0x0033, 0x00FF, 0x33FF, 0xFFFF};
+    return columns[width] & rows[height];
+}
+
+static inline int mlrt_is_float_safe(float a)
+{
+    float magnitude = a < 0 ? -a : a;
+    return a == 0 || (magnitude >= MLRT_SAFE_MIN && magnitude <= MLRT_SAFE_MAX);
+}
+
+#endif

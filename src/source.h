@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where rays come from: a camera, the caller's arrays, or a light and points. To the kernels all three are a picture: a
+ * rectangle of rays, cut into tiles and blocks, with a beam around each tile.
+ *
+ * A plain list is a picture four rays wide: so 16 neighbours in the list are a block, and a tile of n x n is 4 n of them.
+ */
+#ifndef MLRT_SOURCE_H
+#define MLRT_SOURCE_H
+
+#include "camera.h"
+#include "packet.h"
+#include "predicate.h"
+
+enum mlrt_source_kind {
+    MLRT_SOURCE_CAMERA,
+    MLRT_SOURCE_RAYS,
+    MLRT_SOURCE_POINT_LIGHT,      /* origins: the light; directions: from it to the points */
+    MLRT_SOURCE_DIRECTIONAL_LIGHT /* origins: the points; directions: the light's */
+};
+
+struct mlrt_source {
+    enum mlrt_source_kind kind;
+    uint32_t width;
+    uint32_t height;
+    uint32_t count;         /* of rays; the last row may be short */
+    struct mlrt_view view;  /* camera */
+    float light[3];
+    mlrt_const_array points; /* rays: the origins; lights: the points */
+    mlrt_const_array directions;
+    mlrt_const_array t_min;
+    mlrt_const_array t_max;
+    mlrt_const_array skip;
+    const struct mlrt_tree *tree; /* whose ids `skip` names */
+};
+
+/* Checks arrays (their struct_size is right) and resolves strides. */
+int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source);
+int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source);
+int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                               struct mlrt_source *source);
+
+/* Number of triangle `triangle` of the mesh with this id; MLRT_NONE if there is none. */
+uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle);
+
+/* The ray at (x, y): 0 if it can hit nothing. */
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
+                 uint32_t *skip);
+
+/* Fills a packet with the block of at most 4x4 rays at (x, y), for any kind of source. */
+void mlrt_get_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                     struct mlrt_packet *packet);
+
+/* The beam of a tile; 0 if its rays differ in sign, are not float-safe, or are all invalid. */
+int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                  struct mlrt_beam *beam);
+
+#endif

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One ray through the tree: near child first, far child on a stack, nearest hit so far cuts both short.
+ *
+ * Node tests are in double, where no finite float overflows or underflows: with x = fl(c - o) and r = fl(1 / d), the
+ * distance to a plane is x r with a relative error under 3 * 2^-53 (1 + 2^-50), so [x r (1 - 2^-50), x r (1 + 2^-50)]
+ * contains it, and a cell is left out only if its interval is surely empty or surely behind the nearest hit.
+ *
+ * Based on: V. Havran, "Heuristic Ray Shooting Algorithms", 2000, appendix C (recursive traversal with a stack).
+ */
+#include "trace_ray.h"
+
+#include "platform.h"
+
+#define SLACK 0x1p-50
+
+struct interval {
+    double enter;
+    double exit;
+};
+
+/* Distances at which the ray can cross the plane x_k = c; d_k is not 0. */
+MLRT_INLINE struct interval plane_distance(double c, double origin, double reciprocal)
+{
+    double t = (c - origin) * reciprocal;
+    double slack = (t < 0 ? -t : t) * SLACK;
+    return (struct interval){t - slack, t + slack};
+}
+
+/* The part of the ray inside the closed box, or a little more. 0 if there is surely none. */
+static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciprocal[3], const struct mlrt_box *box,
+                       struct interval *part)
+{
+    part->enter = ray->t_min;
+    part->exit = ray->t_max;
+    for (int k = 0; k < 3; ++k) {
+        if (ray->direction[k] == 0) {
+            if (ray->origin[k] < box->lo[k] || ray->origin[k] > box->hi[k]) return 0;
+            continue;
+        }
+        int negative = ray->direction[k] < 0;
+        struct interval near = plane_distance(negative ? box->hi[k] : box->lo[k], ray->origin[k], reciprocal[k]);
+        struct interval far = plane_distance(negative ? box->lo[k] : box->hi[k], ray->origin[k], reciprocal[k]);
+        if (near.enter > part->enter) part->enter = near.enter;
+        if (far.exit < part->exit) part->exit = far.exit;
+    }
+    return part->enter <= part->exit;
+}
+
+struct pending {
+    uint32_t node;
+    struct interval part;
+};
+
+MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
+                           mlrt_counters *counters)
+{
+    struct mlrt_nearest nearest = {MLRT_NONE, ray->t_max, ray->t_max};
+    double reciprocal[3];
+    for (int k = 0; k < 3; ++k) reciprocal[k] = ray->direction[k] == 0 ? 0 : 1.0 / ray->direction[k];
+
+    struct pending stack[MLRT_DEPTH_LIMIT];
+    int pending_count = 0;
+    uint32_t node = 0;
+    struct interval part;
+    if (!clip_to_box(ray, reciprocal, &tree->bounds, &part)) return MLRT_NONE;
+
+    for (;;) {
+        const struct mlrt_node *here = &tree->nodes[node];
+        if (counters) ++counters->cell_count;
+        if (!mlrt_node_is_leaf(here)) {
+            uint32_t axis = mlrt_node_axis(here), child = mlrt_node_child(here);
+            float d = ray->direction[axis], o = ray->origin[axis], c = here->u.split;
+            uint32_t first = child + (d < 0), second = child + !(d < 0);
+            struct interval plane = {part.enter, part.exit};
+            if (d != 0) {
+                plane = plane_distance(c, o, reciprocal[axis]);
+            } else if (o != c) {
+                node = o < c ? child : child + 1;
+                continue;
+            }
+            if (part.exit < plane.enter) {
+                node = first;
+            } else if (part.enter > plane.exit) {
+                node = second;
+            } else {
+                struct interval far = {plane.enter > part.enter ? plane.enter : part.enter, part.exit};
+                stack[pending_count++] = (struct pending){second, far};
+                if (plane.exit < part.exit) part.exit = plane.exit;
+                node = first;
+            }
+            continue;
+        }
+        const uint32_t *entries = tree->references + here->u.offset;
+        uint32_t count = mlrt_leaf_count(here);
+        for (uint32_t i = 0; i < count; ++i) {
+            if (entries[i] == skip) continue;
+            if (counters) ++counters->triangle_test_count;
+            if (mlrt_offer_triangle(tree, ray, entries[i], &nearest) && any) return nearest.triangle;
+        }
+        do {
+            if (pending_count == 0) return nearest.triangle;
+            --pending_count;
+            node = stack[pending_count].node;
+            part = stack[pending_count].part;
+        } while (part.enter > nearest.hi);
+        if (part.exit > nearest.hi) part.exit = nearest.hi;
+    }
+}
+
+uint32_t mlrt_trace_segment(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
+                            mlrt_counters *counters)
+{
+    return counters ? trace(tree, ray, skip, any, counters) : trace(tree, ray, skip, any, NULL);
+}

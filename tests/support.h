@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the tests share: random numbers, triangles and rays that hurt, every way to trace them, and the comparison with
+ * the reference, bit for bit. The first difference ends the test and prints what is needed to repeat it: the seed, the
+ * way of tracing, the ray and the triangles in %a format.
+ */
+#ifndef TESTS_SUPPORT_H
+#define TESTS_SUPPORT_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "mlrt.h"
+#include "reference.h"
+
+/* `count` as it is, or an eighth of it (at least 1) in a build with sanitizers. */
+size_t scaled(size_t count);
+
+/* ---- random numbers ---------------------------------------------------------------------------------------------- */
+
+struct random {
+    uint64_t state;
+};
+
+uint32_t random_bits(struct random *random);
+uint32_t random_below(struct random *random, uint32_t limit);
+float random_range(struct random *random, float lo, float hi);
+float random_finite(struct random *random); /* any finite float: all bit patterns are equally likely */
+void random_point(struct random *random, float lo, float hi, float point[3]);
+float float_of_bits(uint32_t bits);
+uint32_t bits_of_float(float value);
+float next_float(float value, int steps); /* `steps` floats up (or down); finite values only */
+
+/* ---- triangles --------------------------------------------------------------------------------------------------- */
+
+struct soup {
+    float *corners; /* 9 per triangle */
+    size_t count;
+    size_t capacity;
+};
+
+void add_triangle(struct soup *soup, const float a[3], const float b[3], const float c[3]);
+void add_quad(struct soup *soup, const float corner[3], const float side[3], const float other_side[3]);
+void add_grid(struct soup *soup, int axis, float level, int cells); /* cells^2 quads over [0, cells]^2 */
+void add_box(struct soup *soup, const float lo[3], const float hi[3]);
+void add_random(struct soup *soup, struct random *random, size_t count, float extent, float size);
+void add_needles(struct soup *soup, struct random *random, size_t count, float aspect);
+void add_icosphere(struct soup *soup, int subdivisions, float radius);
+void add_torus(struct soup *soup, int around, int across, float radius, float tube);
+void move_soup(struct soup *soup, float scale, const float offset[3]); /* rounded to float */
+void swap_axes(struct soup *soup, int turns);                         /* x -> y -> z -> x, `turns` times */
+void free_soup(struct soup *soup);
+
+/* A mesh of the soup's triangles, without indices. */
+mlrt_mesh soup_mesh(const struct soup *soup);
+
+/* ---- fixtures ---------------------------------------------------------------------------------------------------- */
+
+struct fixture {
+    const char *name;
+    uint64_t seed;
+    mlrt_tree *tree;
+    struct reference_scene *reference;
+};
+
+/* Tree and reference of the same meshes. */
+struct fixture make_fixture(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count);
+struct fixture make_fixture_with(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count,
+                                 const mlrt_build_options *options);
+/* Of one soup, which it frees. */
+struct fixture fixture_of_soup(const char *name, uint64_t seed, struct soup *soup);
+/* Of a procedural scene of the examples: room, office, building, scan:N. */
+struct fixture fixture_of_example(const char *scene_name);
+void free_fixture(struct fixture *fixture);
+
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
+
+struct ray_list {
+    struct reference_ray *rays;
+    size_t count;
+    size_t capacity;
+    uint32_t row_length;
+};
+
+struct reference_ray *add_ray(struct ray_list *list, const float origin[3], const float direction[3]);
+struct reference_ray *add_ray_towards(struct ray_list *list, const float origin[3], const float target[3]);
+/* Towards vertices, points on edges and inner points of random triangles, from random points in [lo, hi]^3. */
+void add_aimed_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t count, float lo,
+                    float hi);
+void add_random_rays(struct ray_list *list, struct random *random, size_t count, float lo, float hi);
+/* Axis-parallel ones whose origins share coordinates with vertices; zeros of both signs. */
+void add_axis_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t count);
+/* From vertices and points on edges, in random directions and along edges. */
+void add_surface_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t count);
+/* Everything above, a few hundred of each, and then some with t ranges and skips. The box of the rays is [lo, hi]^3. */
+void add_mixed_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t count, float lo,
+                    float hi);
+void free_rays(struct ray_list *list);
+mlrt_rays public_rays(const struct ray_list *list);
+
+/* ---- ways of tracing --------------------------------------------------------------------------------------------- */
+
+struct variant {
+    mlrt_trace_options options;
+    uint32_t threads; /* 0 = no pool */
+    int probe;        /* 1 = one of the few that small tests use */
+};
+
+size_t variant_count(void);
+const struct variant *variant_at(size_t index);
+int isa_is_supported(int32_t isa);
+
+/* The pool of that many threads, made when it is first asked for. NULL for 0. */
+mlrt_pool *shared_pool(uint32_t threads);
+
+/* ---- checks ------------------------------------------------------------------------------------------------------ */
+
+void trace_reference(const struct fixture *fixture, const struct ray_list *list, struct reference_hit *hits);
+
+/* trace_packet and trace_ray, closest and any hit, by every variant. */
+void check_rays(const struct fixture *fixture, const struct ray_list *list);
+/* Only the variants with `probe`. */
+void check_rays_quickly(const struct fixture *fixture, const struct ray_list *list);
+
+/* camera_rays, and render_tiles into a frame and a callback at once, closest and any hit, by every variant. */
+void check_camera(const struct fixture *fixture, const mlrt_camera *camera);
+void check_camera_quickly(const struct fixture *fixture, const mlrt_camera *camera);
+
+/* occluded_points by every variant. `skip` may be NULL: two per point. */
+void check_points(const struct fixture *fixture, const float *positions, const uint32_t *skip, size_t count,
+                  uint32_t row_length, const mlrt_light *light);
+
+/* Where a camera's crop lies, with the zeros replaced by what they mean. */
+void camera_crop(const mlrt_camera *camera, uint32_t *width, uint32_t *height);
+
+/* The rays of the camera by the reference's arithmetic. */
+void add_camera_rays(struct ray_list *list, const mlrt_camera *camera);
+
+/* A pinhole camera at `eye` that looks at `target`; `field` is the picture's width at distance 1. */
+mlrt_camera look_at(const float eye[3], const float target[3], float field, uint32_t width, uint32_t height);
+
+/* A parallel camera with a picture of `extent` length units around `centre`. */
+mlrt_camera look_along(const float centre[3], const float direction[3], float extent, uint32_t width, uint32_t height);
+
+/* One hit against another, for tests that trace by themselves. `what` tells the ways of tracing apart. */
+void check_hit(const struct fixture *fixture, const char *what, size_t index, const struct reference_ray *ray,
+               const struct reference_hit *expected, const struct reference_hit *got);
+
+/* mlrt_trace_ray with default options, as a reference_hit. */
+struct reference_hit trace_one(const mlrt_tree *tree, const struct reference_ray *ray,
+                               const mlrt_trace_options *options);
+
+/* `size` bytes, the last of which is followed by a page that must not be touched. Free with free_guarded. */
+void *allocate_guarded(size_t size);
+void free_guarded(void *block, size_t size);
+
+void *allocate_or_fail(size_t count, size_t size);
+
+#endif

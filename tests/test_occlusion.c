@@ -1,0 +1,444 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * mlrt_occluded_points: points and lights against the shadow rays that they stand for.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support.h"
+
+enum { GUARD = 0xA5 };
+
+struct points {
+    float *positions;
+    uint32_t *skip;
+    size_t count;
+    uint32_t row_length;
+};
+
+static struct points make_points(size_t count)
+{
+    struct points points = {allocate_or_fail(count, 12), allocate_or_fail(count, 8), count, 0};
+    for (size_t i = 0; i < 2 * count; i++) points.skip[i] = MLRT_NONE;
+    return points;
+}
+
+static void free_points(struct points *points)
+{
+    free(points->positions);
+    free(points->skip);
+}
+
+static mlrt_light light_at(float x, float y, float z)
+{
+    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {x, y, z}};
+    return light;
+}
+
+static mlrt_light light_from(float x, float y, float z)
+{
+    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {x, y, z}};
+    return light;
+}
+
+static void check(const struct fixture *fixture, const struct points *points, const mlrt_light *light)
+{
+    check_points(fixture, points->positions, points->skip, points->count, points->row_length, light);
+}
+
+static struct fixture boxes(void)
+{
+    struct random random = {2};
+    struct soup soup = {0};
+    const float lo[3] = {-4, -4, -1}, hi[3] = {4, 4, 4};
+    add_box(&soup, lo, hi);
+    for (int i = 0; i < 24; i++) {
+        float from[3], to[3];
+        for (int k = 0; k < 3; k++) {
+            from[k] = (float)random_below(&random, 6) - 3;
+            to[k] = from[k] + 0.5f + 0.25f * (float)random_below(&random, 4);
+        }
+        add_box(&soup, from, to);
+    }
+    return fixture_of_soup("boxes", 2, &soup);
+}
+
+/* What a picture sees: hit points moved off their surfaces, the surfaces in `skip`. Misses become points far away. */
+static struct points seen_points(const struct fixture *fixture, const mlrt_camera *camera)
+{
+    struct ray_list list = {0};
+    add_camera_rays(&list, camera);
+    struct points points = make_points(list.count);
+    points.row_length = list.row_length;
+    for (size_t i = 0; i < list.count; i++) {
+        struct reference_hit hit;
+        float *point = points.positions + 3 * i;
+        reference_trace(fixture->reference, &list.rays[i], &hit);
+        for (int k = 0; k < 3; k++) point[k] = 1000 * list.rays[i].direction[k];
+        if (hit.mesh == MLRT_NONE) continue;
+        int32_t status =
+            mlrt_offset_point(fixture->tree, hit.mesh, hit.triangle, hit.u, hit.v, -hit.facing, point);
+        assert_int_equal(status, MLRT_OK);
+        points.skip[2 * i] = hit.mesh;
+        points.skip[2 * i + 1] = hit.triangle;
+    }
+    free_rays(&list);
+    return points;
+}
+
+static struct points points_of_boxes(const struct fixture *fixture, uint32_t width, uint32_t height)
+{
+    const float eye[3] = {-3.5f, -3.25f, 2.5f}, target[3] = {1, 1, 0};
+    mlrt_camera camera = look_at(eye, target, 1.3f, width, height);
+    return seen_points(fixture, &camera);
+}
+
+static void point_lights_inside_the_scene(void **state)
+{
+    (void)state;
+    struct random random = {3};
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 48, 40);
+    for (size_t i = 0; i < scaled(8); i++) {
+        float position[3];
+        random_point(&random, -3.9f, 3.9f, position);
+        mlrt_light light = light_at(position[0], position[1], position[2]);
+        check(&fixture, &points, &light);
+    }
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void point_lights_outside_the_scene(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 40, 40);
+    mlrt_light lights[] = {light_at(0, 0, 10), light_at(100, 3, 0), light_at(1e6f, 1e6f, 1e6f), light_at(-1e30f, 0, 5)};
+    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) check(&fixture, &points, &lights[i]);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void lights_on_planes_edges_and_vertices(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 40, 30);
+    mlrt_light lights[] = {light_at(0, 0, 4), light_at(4, 4, 4), light_at(4, 0, 4), light_at(1, 1, 1), light_at(0, 0.5f, 0),
+                           light_at(-0.0f, 0.0f, -0.0f)};
+    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) check(&fixture, &points, &lights[i]);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void directional_lights(void **state)
+{
+    (void)state;
+    struct random random = {4};
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 40, 40);
+    for (size_t i = 0; i < scaled(6); i++) {
+        float direction[3];
+        random_point(&random, -1, 1, direction);
+        mlrt_light light = light_from(direction[0], direction[1], direction[2]);
+        check(&fixture, &points, &light);
+    }
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void directional_lights_along_axes(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 33, 33);
+    for (int axis = 0; axis < 3; axis++) {
+        for (int back = 0; back < 2; back++) {
+            mlrt_light light = light_from(-0.0f, 0.0f, -0.0f);
+            light.position[axis] = back ? -1.0f : 1.0f;
+            check(&fixture, &points, &light);
+        }
+    }
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void the_length_of_a_light_direction_does_not_matter(void **state)
+{
+    (void)state;
+    static const float lengths[] = {1e-44f, 1e-38f, 1e-20f, 1e20f, 1e38f};
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 20, 20);
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        mlrt_light light = light_from(0.5f * lengths[i], 0.25f * lengths[i], lengths[i]);
+        check(&fixture, &points, &light);
+    }
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+/* Points on vertices and edges themselves, and on a lattice that faces run through. */
+static void points_on_surfaces(void **state)
+{
+    (void)state;
+    struct random random = {5};
+    struct fixture fixture = boxes();
+    size_t triangle_count = reference_triangle_count(fixture.reference);
+    struct points points = make_points(600);
+    for (size_t i = 0; i < points.count; i++) {
+        uint32_t number = random_below(&random, (uint32_t)triangle_count);
+        const struct reference_triangle *triangle = reference_triangle_at(fixture.reference, number);
+        float *point = points.positions + 3 * i;
+        memcpy(point, triangle->corner[i % 3], 12);
+        if (i % 2) {
+            points.skip[2 * i] = triangle->mesh;
+            points.skip[2 * i + 1] = triangle->triangle;
+        }
+        if (i % 5 == 0) {
+            for (int k = 0; k < 3; k++) point[k] = 0.25f * (float)random_below(&random, 32) - 4;
+        }
+    }
+    mlrt_light lights[] = {light_at(0.5f, 0.5f, 3.5f), light_at(0, 0, 0), light_from(0, 0, 1), light_from(1, 1, 0)};
+    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) check(&fixture, &points, &lights[i]);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void a_point_at_the_light_is_lit(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 20, 20);
+    for (size_t i = 0; i < points.count; i += 7) {
+        float *point = points.positions + 3 * i;
+        point[0] = 1.5f;
+        point[1] = 0.5f;
+        point[2] = 3.5f;
+    }
+    mlrt_light light = light_at(1.5f, 0.5f, 3.5f);
+    check(&fixture, &points, &light);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void points_that_are_not_finite_are_lit(void **state)
+{
+    (void)state;
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 24, 24);
+    for (size_t i = 0; i < points.count; i += 5) points.positions[3 * i + i % 3] = bad[i % 3];
+    mlrt_light lights[] = {light_at(0.3f, 0.2f, 3), light_from(0.3f, 0.2f, 3)};
+    check(&fixture, &points, &lights[0]);
+    check(&fixture, &points, &lights[1]);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+/* P - light overflows float: the direction is infinite, so the ray hits nothing. */
+static void directions_that_overflow_are_lit(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 12, 12);
+    for (size_t i = 0; i < points.count; i += 3) points.positions[3 * i] = 3e38f;
+    mlrt_light light = light_at(-3e38f, 0, 0);
+    check(&fixture, &points, &light);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+/* The end of the interval belongs to it: a surface through the point itself is in the way unless it is skipped. */
+static void a_surface_at_the_point_shades_it_unless_skipped(void **state)
+{
+    (void)state;
+    const float a[3] = {0, 0, 1}, b[3] = {4, 0, 1}, c[3] = {0, 4, 1};
+    struct soup soup = {0};
+    add_triangle(&soup, a, b, c);
+    struct fixture fixture = fixture_of_soup("one triangle", 0, &soup);
+    const float position[3] = {1, 1, 1};
+    uint32_t skip[2] = {0, 0};
+    uint8_t got = 9;
+    mlrt_light light = light_at(1, 1, 0);
+    mlrt_points points = {.struct_size = sizeof points, .count = 1, .positions = {position, 0}};
+    mlrt_array out = {&got, 0, 0};
+    assert_int_equal(mlrt_occluded_points(fixture.tree, &points, &light, NULL, &out), MLRT_OK);
+    assert_int_equal(got, 1);
+    points.skip.data = skip;
+    assert_int_equal(mlrt_occluded_points(fixture.tree, &points, &light, NULL, &out), MLRT_OK);
+    assert_int_equal(got, 0);
+    free_fixture(&fixture);
+}
+
+static void a_surface_at_the_light_does_not_shade(void **state)
+{
+    (void)state;
+    const float a[3] = {0, 0, 1}, b[3] = {4, 0, 1}, c[3] = {0, 4, 1};
+    struct soup soup = {0};
+    add_triangle(&soup, a, b, c);
+    struct fixture fixture = fixture_of_soup("light on a triangle", 0, &soup);
+    struct points points = make_points(64);
+    struct random random = {6};
+    for (size_t i = 0; i < points.count; i++) random_point(&random, -1, 3, points.positions + 3 * i);
+    mlrt_light light = light_at(1, 1, 1);
+    check(&fixture, &points, &light);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void points_behind_and_before_a_depth_step(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    add_grid(&soup, 2, 0, 8);
+    add_grid(&soup, 2, 4, 3);
+    struct fixture fixture = fixture_of_soup("a step", 0, &soup);
+    struct points points = make_points(40 * 40);
+    points.row_length = 40;
+    for (size_t i = 0; i < points.count; i++) {
+        points.positions[3 * i] = 0.2f * (float)(i % 40);
+        points.positions[3 * i + 1] = 0.2f * (float)(i / 40);
+        points.positions[3 * i + 2] = (i % 40 + i / 40) % 3 ? 0 : 4;
+        if (i % 4 == 0) points.positions[3 * i + 2] = next_float(points.positions[3 * i + 2], 1);
+    }
+    mlrt_light lights[] = {light_at(1.5f, 1.5f, 9), light_at(4, 4, 2), light_at(3, 3, 4), light_from(0.1f, 0, 1)};
+    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) check(&fixture, &points, &lights[i]);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void scenes_of_every_scale(void **state)
+{
+    (void)state;
+    static const float scales[] = {1e-38f, 1e-30f, 1e-10f, 1e10f, 1e30f, 1e37f};
+    for (uint64_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
+        const float zero[3] = {0, 0, 0};
+        struct random random = {70 + i};
+        struct soup soup = {0};
+        add_random(&soup, &random, 150, 1, 0.3f);
+        move_soup(&soup, scales[i], zero);
+        struct fixture fixture = fixture_of_soup("scaled", 70 + i, &soup);
+        struct points points = make_points(scaled(500));
+        for (size_t p = 0; p < points.count; p++) random_point(&random, -scales[i], scales[i], points.positions + 3 * p);
+        mlrt_light lights[] = {light_at(0.1f * scales[i], 0.2f * scales[i], 2 * scales[i]), light_from(1, -2, 0.5f)};
+        check(&fixture, &points, &lights[0]);
+        check(&fixture, &points, &lights[1]);
+        free_points(&points);
+        free_fixture(&fixture);
+    }
+}
+
+static void every_count_up_to_40(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 40, 1);
+    mlrt_light light = light_at(0.5f, 0.25f, 3.5f);
+    for (points.count = 0; points.count <= 40; points.count++) {
+        points.row_length = (uint32_t)(points.count % 3) * 4;
+        check(&fixture, &points, &light);
+    }
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void the_room_with_its_light(void **state)
+{
+    (void)state;
+    const float eye[3] = {1, 1, 1.5f}, target[3] = {2, 2.5f, 1};
+    struct fixture fixture = fixture_of_example("room");
+    mlrt_camera camera = look_at(eye, target, 1.3f, 64, 48);
+    struct points points = seen_points(&fixture, &camera);
+    mlrt_light light = light_at(2, 2, 2.2f);
+    check(&fixture, &points, &light);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void an_empty_tree_shades_nothing(void **state)
+{
+    (void)state;
+    struct fixture fixture = make_fixture("empty", 0, NULL, 0);
+    struct points points = make_points(30);
+    mlrt_light light = light_at(1, 2, 3);
+    check(&fixture, &points, &light);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void strides_of_points_and_results(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 12, 10);
+    uint8_t packed[120];
+    mlrt_light light = light_at(0.5f, 0.25f, 3.5f);
+    mlrt_points in = {.struct_size = sizeof in, .count = 120, .positions = {points.positions, 0}, .skip = {points.skip, 0}};
+    mlrt_array out = {packed, 0, 0};
+    assert_int_equal(mlrt_occluded_points(fixture.tree, &in, &light, NULL, &out), MLRT_OK);
+
+    // Records of 28 bytes, at 4 mod 8: skip before position; results 5 bytes apart.
+    unsigned char *records = allocate_or_fail(4 + 120 * 28, 1), results[5 * 120 + 3];
+    for (size_t i = 0; i < 120; i++) {
+        memcpy(records + 4 + 28 * i, points.skip + 2 * i, 8);
+        memcpy(records + 4 + 28 * i + 12, points.positions + 3 * i, 12);
+    }
+    memset(results, GUARD, sizeof results);
+    in.positions = (mlrt_const_array){records + 4 + 12, 28};
+    in.skip = (mlrt_const_array){records + 4, 28};
+    out = (mlrt_array){results + 1, 5, 0};
+    assert_int_equal(mlrt_occluded_points(fixture.tree, &in, &light, NULL, &out), MLRT_OK);
+    for (size_t i = 0; i < sizeof results; i++) {
+        int is_element = i >= 1 && (i - 1) % 5 == 0 && (i - 1) / 5 < 120;
+        assert_int_equal(results[i], is_element ? packed[(i - 1) / 5] : GUARD);
+    }
+    free(records);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+static void the_query_option_is_ignored(void **state)
+{
+    (void)state;
+    struct fixture fixture = boxes();
+    struct points points = points_of_boxes(&fixture, 10, 10);
+    mlrt_light light = light_at(0.5f, 0.25f, 3.5f);
+    uint8_t results[2][100];
+    mlrt_points in = {.struct_size = sizeof in, .count = 100, .positions = {points.positions, 0}};
+    for (int32_t query = 0; query < 2; query++) {
+        mlrt_trace_options options = {.struct_size = sizeof options, .query = query};
+        mlrt_array out = {results[query], 0, 0};
+        assert_int_equal(mlrt_occluded_points(fixture.tree, &in, &light, &options, &out), MLRT_OK);
+    }
+    assert_memory_equal(results[0], results[1], 100);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(point_lights_inside_the_scene),
+        cmocka_unit_test(point_lights_outside_the_scene),
+        cmocka_unit_test(lights_on_planes_edges_and_vertices),
+        cmocka_unit_test(directional_lights),
+        cmocka_unit_test(directional_lights_along_axes),
+        cmocka_unit_test(the_length_of_a_light_direction_does_not_matter),
+        cmocka_unit_test(points_on_surfaces),
+        cmocka_unit_test(a_point_at_the_light_is_lit),
+        cmocka_unit_test(points_that_are_not_finite_are_lit),
+        cmocka_unit_test(directions_that_overflow_are_lit),
+        cmocka_unit_test(a_surface_at_the_point_shades_it_unless_skipped),
+        cmocka_unit_test(a_surface_at_the_light_does_not_shade),
+        cmocka_unit_test(points_behind_and_before_a_depth_step),
+        cmocka_unit_test(scenes_of_every_scale),
+        cmocka_unit_test(every_count_up_to_40),
+        cmocka_unit_test(the_room_with_its_light),
+        cmocka_unit_test(an_empty_tree_shades_nothing),
+        cmocka_unit_test(strides_of_points_and_results),
+        cmocka_unit_test(the_query_option_is_ignored),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

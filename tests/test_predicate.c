@@ -1,0 +1,1085 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * predicate.c against the hit rule in GMP integers: every decision and every rounded quotient, on inputs made to be
+ * close or equal; and a search for inputs that break a bound on the error of a double.
+ *
+ * predicate.c is included: its parts in double and its exact part are also checked one by one.
+ */
+#include "predicate.c"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+#include <gmp.h>
+
+#define CASES_PER_KIND 5000
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Random input
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+static uint64_t random_state;
+
+static uint32_t next_random(void)
+{
+    random_state = random_state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)(random_state >> 33) ^ (uint32_t)(random_state >> 13);
+}
+
+static float float_of_bits(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* The float `steps` further from 0, or nearer if negative, if that is finite and of the same sign. */
+static float nudge(float value, int32_t steps)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    uint32_t nudged = bits + (uint32_t)steps;
+    if (((nudged ^ bits) & 0x80000000u) != 0 || (nudged & 0x7F800000u) == 0x7F800000u) return value;
+    return float_of_bits(nudged);
+}
+
+/* -1 .. 1 */
+static float unit_float(void)
+{
+    return (float)((int32_t)(next_random() % 0x2000001u) - 0x1000000) * 0x1p-24f;
+}
+
+static float small_integer(void)
+{
+    float value = (float)(next_random() % 3);
+    return next_random() % 2 ? value : -value; // so that there are zeros of both signs
+}
+
+static float grid_point(void)
+{
+    return (float)((int32_t)(next_random() % 4097) - 2048) * 0x1p-6f;
+}
+
+static float any_finite_float(void)
+{
+    uint32_t bits = next_random();
+    if ((bits & 0x7F800000u) == 0x7F800000u) bits ^= 0x40000000u;
+    return float_of_bits(bits);
+}
+
+/* One of the sizes that do not mix well. */
+static float extreme_float(void)
+{
+    static const float sizes[] = {0x1p-149f, 0x1.8p-140f, FLT_MIN, 1e-20f, 0, 1, 1.5f, 1e20f, 0x1p127f, FLT_MAX};
+    float value = sizes[next_random() % (sizeof sizes / sizeof sizes[0])];
+    return next_random() % 2 ? value : -value;
+}
+
+struct test_case {
+    struct mlrt_ray_segment ray;
+    struct mlrt_triangle triangle;
+};
+
+static void fill(struct test_case *test, float (*coordinate)(void))
+{
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 3; ++i) test->triangle.v[i][k] = coordinate();
+        test->ray.origin[k] = coordinate();
+        test->ray.direction[k] = coordinate();
+    }
+    test->ray.t_min = 0;
+    test->ray.t_max = INFINITY;
+}
+
+/* Points the ray at the sum of the vertices with these weights, as well as float can. */
+static void aim(struct test_case *test, float weight_a, float weight_b, float weight_c)
+{
+    for (int k = 0; k < 3; ++k) {
+        float target =
+            weight_a * test->triangle.v[0][k] + weight_b * test->triangle.v[1][k] + weight_c * test->triangle.v[2][k];
+        test->ray.direction[k] = target - test->ray.origin[k];
+    }
+}
+
+static void aim_inside(struct test_case *test)
+{
+    float weight_b = fabsf(unit_float()), weight_c = (1 - weight_b) * fabsf(unit_float());
+    aim(test, 1 - weight_b - weight_c, weight_b, weight_c);
+}
+
+static void make_ordinary(struct test_case *test)
+{
+    fill(test, unit_float);
+    if (next_random() % 2) aim_inside(test);
+}
+
+static void make_small_integers(struct test_case *test)
+{
+    fill(test, small_integer);
+}
+
+static void make_any_exponents(struct test_case *test)
+{
+    fill(test, any_finite_float);
+}
+
+static void make_extremes(struct test_case *test)
+{
+    fill(test, extreme_float);
+}
+
+static void make_far_away(struct test_case *test)
+{
+    fill(test, unit_float);
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 3; ++i) test->triangle.v[i][k] = 1e7f + 8 * test->triangle.v[i][k];
+        test->ray.origin[k] = 1e7f * (float)(next_random() % 2) + 8 * test->ray.origin[k];
+    }
+    aim_inside(test);
+}
+
+static void make_sliver(struct test_case *test)
+{
+    fill(test, unit_float);
+    float along = unit_float();
+    for (int k = 0; k < 3; ++k) {
+        float a = test->triangle.v[0][k], b = test->triangle.v[1][k];
+        test->triangle.v[2][k] = a + along * (b - a);
+    }
+    aim_inside(test);
+}
+
+/* Grid points make the aim exact: at vertices, at points of edges, along edges. */
+static void make_aimed_at_vertex(struct test_case *test)
+{
+    fill(test, grid_point);
+    uint32_t vertex = next_random() % 3;
+    aim(test, vertex == 0, vertex == 1, vertex == 2);
+}
+
+static void make_aimed_at_edge(struct test_case *test)
+{
+    fill(test, grid_point);
+    float weight = (float)(next_random() % 17) / 8 - 0.5f;
+    uint32_t vertex = next_random() % 3;
+    float weights[3];
+    weights[vertex] = 0;
+    weights[(vertex + 1) % 3] = weight;
+    weights[(vertex + 2) % 3] = 1 - weight;
+    aim(test, weights[0], weights[1], weights[2]);
+}
+
+static void make_in_plane(struct test_case *test)
+{
+    fill(test, grid_point);
+    float s = small_integer(), t = small_integer(), p = small_integer(), q = small_integer();
+    for (int k = 0; k < 3; ++k) {
+        float a = test->triangle.v[0][k], ab = test->triangle.v[1][k] - a, ac = test->triangle.v[2][k] - a;
+        test->ray.origin[k] = a + s * ab + t * ac;
+        test->ray.direction[k] = p * ab + q * ac;
+    }
+}
+
+/* Walls and rays along axes: most products are zeros, of both signs. */
+static void make_axis_parallel(struct test_case *test)
+{
+    fill(test, small_integer);
+    uint32_t wall = next_random() % 3, axis = next_random() % 4 ? wall : next_random() % 3;
+    for (uint32_t k = 0; k < 3; ++k) {
+        if (k == wall) test->triangle.v[1][k] = test->triangle.v[2][k] = test->triangle.v[0][k];
+        if (k != axis) test->ray.direction[k] = next_random() % 2 ? 0.0f : -0.0f;
+    }
+}
+
+/* Moves a coordinate or two by a few steps, so that what was equal is now close. */
+static void disturb(struct test_case *test)
+{
+    for (uint32_t i = next_random() % 3; i > 0; --i) {
+        uint32_t which = next_random() % 15, k = which % 3;
+        float *value = which < 9    ? &test->triangle.v[which / 3][k]
+                       : which < 12 ? &test->ray.origin[k]
+                                    : &test->ray.direction[k];
+        *value = nudge(*value, (int32_t)(next_random() % 5) - 2);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * The hit rule in integers
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* Coordinates in units of 2^-149; e_ab, e_bc, e_ca, D and N in units of 2^-447. */
+struct integers {
+    mpz_t origin[3], direction[3], vertex[3][3], normal[3];
+    mpz_t edge[3], d, n;
+    mpz_t x, y, z; /* scratch */
+};
+
+static struct integers first_integers, second_integers;
+
+static void init_integers(struct integers *integers)
+{
+    for (int k = 0; k < 3; ++k) {
+        mpz_inits(integers->origin[k], integers->direction[k], integers->normal[k], integers->edge[k], NULL);
+        for (int i = 0; i < 3; ++i) mpz_init(integers->vertex[i][k]);
+    }
+    mpz_inits(integers->d, integers->n, integers->x, integers->y, integers->z, NULL);
+}
+
+static void clear_integers(struct integers *integers)
+{
+    for (int k = 0; k < 3; ++k) {
+        mpz_clears(integers->origin[k], integers->direction[k], integers->normal[k], integers->edge[k], NULL);
+        for (int i = 0; i < 3; ++i) mpz_clear(integers->vertex[i][k]);
+    }
+    mpz_clears(integers->d, integers->n, integers->x, integers->y, integers->z, NULL);
+}
+
+/* value * 2^scale, which must be an integer */
+static void set_scaled(mpz_t result, double value, int scale)
+{
+    int exponent;
+    mpz_set_d(result, ldexp(frexp(value, &exponent), 53));
+    exponent += scale - 53;
+    if (exponent >= 0) mpz_mul_2exp(result, result, (mp_bitcnt_t)exponent);
+    if (exponent < 0) mpz_tdiv_q_2exp(result, result, (mp_bitcnt_t)-exponent);
+}
+
+static void set_integers(struct integers *integers, const struct test_case *test)
+{
+    struct integers *z = integers;
+    for (int k = 0; k < 3; ++k) {
+        set_scaled(z->origin[k], test->ray.origin[k], 149);
+        set_scaled(z->direction[k], test->ray.direction[k], 149);
+        for (int i = 0; i < 3; ++i) set_scaled(z->vertex[i][k], test->triangle.v[i][k], 149);
+    }
+    mpz_t to[3][3], ab[3], ac[3];
+    for (int k = 0; k < 3; ++k) {
+        mpz_inits(ab[k], ac[k], NULL);
+        mpz_sub(ab[k], z->vertex[1][k], z->vertex[0][k]);
+        mpz_sub(ac[k], z->vertex[2][k], z->vertex[0][k]);
+        for (int i = 0; i < 3; ++i) {
+            mpz_init(to[i][k]);
+            mpz_sub(to[i][k], z->vertex[i][k], z->origin[k]);
+        }
+    }
+    for (int i = 0; i < 3; ++i) mpz_set_ui(z->edge[i], 0);
+    mpz_set_ui(z->d, 0);
+    mpz_set_ui(z->n, 0);
+    for (int k = 0; k < 3; ++k) {
+        int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+        mpz_mul(z->normal[k], ab[k1], ac[k2]);
+        mpz_submul(z->normal[k], ab[k2], ac[k1]);
+        mpz_addmul(z->d, z->direction[k], z->normal[k]);
+        mpz_addmul(z->n, to[0][k], z->normal[k]);
+        for (int i = 0; i < 3; ++i) {
+            int j = (i + 1) % 3;
+            mpz_mul(z->x, to[i][k1], to[j][k2]);
+            mpz_submul(z->x, to[i][k2], to[j][k1]);
+            mpz_addmul(z->edge[i], z->direction[k], z->x);
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        mpz_clears(ab[k], ac[k], to[0][k], to[1][k], to[2][k], NULL);
+    }
+    mpz_add(z->x, z->edge[0], z->edge[1]);
+    mpz_add(z->x, z->x, z->edge[2]);
+    assert_true(mpz_cmp(z->x, z->d) == 0);
+}
+
+/* The sign of N - t D. */
+static int expected_beyond(struct integers *z, float t)
+{
+    set_scaled(z->x, t, 149);
+    mpz_mul(z->x, z->x, z->d);
+    mpz_mul_2exp(z->y, z->n, 149);
+    return mpz_cmp(z->y, z->x) > 0 ? 1 : mpz_cmp(z->y, z->x) < 0 ? -1 : 0;
+}
+
+static int expected_facing(const struct integers *z)
+{
+    int d = mpz_sgn(z->d);
+    for (int i = 0; i < 3; ++i) {
+        if (d * mpz_sgn(z->edge[i]) < 0) return 0;
+    }
+    return d;
+}
+
+static int expected_hit(struct integers *z, const struct mlrt_ray_segment *ray)
+{
+    int facing = expected_facing(z);
+    if (facing * expected_beyond(z, ray->t_min) <= 0) return 0;
+    return isinf(ray->t_max) || facing * expected_beyond(z, ray->t_max) <= 0;
+}
+
+static int expected_order(struct integers *first, const struct integers *second)
+{
+    mpz_mul(first->x, first->n, second->d);
+    mpz_mul(first->y, second->n, first->d);
+    return mpz_sgn(first->d) * mpz_sgn(second->d) * mpz_cmp(first->x, first->y);
+}
+
+static int sign_of_int(int value)
+{
+    return (value > 0) - (value < 0);
+}
+
+/* The sign of |x / d| - value, for a value that is a multiple of 2^-150 and may be 2^128. */
+static int compare_quotient(struct integers *z, const mpz_t x, double value)
+{
+    set_scaled(z->x, value, 150);
+    mpz_mul(z->x, z->x, z->d);
+    mpz_mul_2exp(z->y, x, 150);
+    return sign_of_int(mpz_cmpabs(z->y, z->x));
+}
+
+/* A float as a double, where the one after FLT_MAX is 2^128. */
+static double wide(float value)
+{
+    return isinf(value) ? 0x1p128 : value;
+}
+
+/* Whether |x / d|, rounded to nearest even, is the float: it lies between the midpoints to the neighbours. */
+static int is_rounded_quotient(struct integers *z, const mpz_t x, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    if (bits > 0x7F800000u) return 0; // NaN or with a sign
+    int odd = (int)(bits & 1);
+    if (bits > 0) {
+        double below = 0.5 * (wide(float_of_bits(bits - 1)) + wide(value));
+        int order = compare_quotient(z, x, below);
+        if (order < 0 || (order == 0 && odd)) return 0;
+    }
+    if (!isinf(value)) {
+        double above = 0.5 * (wide(value) + wide(float_of_bits(bits + 1)));
+        int order = compare_quotient(z, x, above);
+        if (order > 0 || (order == 0 && odd)) return 0;
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * One case
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+static void fail_case(const char *what, const struct test_case *test)
+{
+    print_error("%s, random state 0x%llx\n", what, (unsigned long long)random_state);
+    print_error("origin %a %a %a direction %a %a %a t_min %a t_max %a\n", test->ray.origin[0], test->ray.origin[1],
+                test->ray.origin[2], test->ray.direction[0], test->ray.direction[1], test->ray.direction[2],
+                test->ray.t_min, test->ray.t_max);
+    for (int i = 0; i < 3; ++i) {
+        print_error("vertex %a %a %a\n", test->triangle.v[i][0], test->triangle.v[i][1], test->triangle.v[i][2]);
+    }
+    fail();
+}
+
+static void check(int condition, const char *what, const struct test_case *test)
+{
+    if (!condition) fail_case(what, test);
+}
+
+static void check_triangle(const struct test_case *test)
+{
+    struct integers *z = &first_integers;
+    int has_area = mpz_sgn(z->normal[0]) != 0 || mpz_sgn(z->normal[1]) != 0 || mpz_sgn(z->normal[2]) != 0;
+    check(mlrt_triangle_has_area(&test->triangle) == has_area, "has_area", test);
+    check(has_area_exactly(&test->triangle) == has_area, "has_area_exactly", test);
+    int side = -mpz_sgn(z->n);
+    check(mlrt_side_of_plane(&test->triangle, test->ray.origin) == side, "side_of_plane", test);
+    check(side_of_plane_exactly(&test->triangle, test->ray.origin) == side, "side_of_plane_exactly", test);
+}
+
+static void check_hit(const struct test_case *test)
+{
+    int hit = expected_hit(&first_integers, &test->ray);
+    check(mlrt_hits_triangle(&test->ray, &test->triangle) == hit, "hits_triangle", test);
+}
+
+/* The interval's ends at, just below and just above t. */
+static void check_intervals(struct test_case *test, float t)
+{
+    check_hit(test);
+    if (isinf(t)) t = FLT_MAX;
+    const float around[] = {0, nudge(t, -1), t, nudge(t, 1), INFINITY};
+    for (int i = 0; i < 4; ++i) {
+        for (int j = i + 1; j < 5; ++j) {
+            test->ray.t_min = around[i];
+            test->ray.t_max = around[j];
+            if (test->ray.t_min < test->ray.t_max) check_hit(test);
+        }
+        check(sign_beyond_exactly(&test->ray, &test->triangle, around[i]) ==
+                  expected_beyond(&first_integers, around[i]),
+              "sign_beyond_exactly", test);
+    }
+    test->ray.t_min = 0;
+    test->ray.t_max = INFINITY;
+}
+
+static void check_report(const struct test_case *test, const struct mlrt_hit_report *report)
+{
+    struct integers *z = &first_integers;
+    check(is_rounded_quotient(z, z->n, report->t), "t", test);
+    check(is_rounded_quotient(z, z->edge[2], report->u), "u", test);
+    check(is_rounded_quotient(z, z->edge[0], report->v), "v", test);
+    check(report->facing == mpz_sgn(z->d), "facing", test);
+}
+
+static void check_distance_bounds(const struct test_case *test)
+{
+    struct integers *z = &first_integers;
+    float lo, hi;
+    mlrt_bound_distance(&test->ray, &test->triangle, &lo, &hi);
+    check(lo >= 0 && compare_quotient(z, z->n, lo) >= 0, "lo", test);
+    check(isinf(hi) || compare_quotient(z, z->n, hi) <= 0, "hi", test);
+}
+
+#define ALL_OUTPUTS (MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING)
+
+/* Everything about one ray and one triangle. 1 if it is a hit. */
+static int check_case(struct test_case *test)
+{
+    struct integers *z = &first_integers;
+    set_integers(z, test);
+    check_triangle(test);
+    int facing = expected_facing(z);
+    check(facing_exactly(&test->ray, &test->triangle, (const int[3]){0, 0, 0}) == facing, "facing_exactly", test);
+    if (!expected_hit(z, &test->ray)) {
+        check_hit(test);
+        return 0;
+    }
+    struct mlrt_hit_report report, exact_report;
+    report_hit_exactly(&test->ray, &test->triangle, ALL_OUTPUTS, &exact_report);
+    check_report(test, &exact_report);
+    mlrt_report_hit(&test->ray, &test->triangle, ALL_OUTPUTS, &report);
+    check_report(test, &report);
+    check_distance_bounds(test);
+    check_intervals(test, report.t);
+    return 1;
+}
+
+static void check_kind(void (*make)(struct test_case *), uint64_t seed, int least_hit_count)
+{
+    random_state = seed;
+    int hit_count = 0;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test;
+        make(&test);
+        if (i % 2) disturb(&test);
+        hit_count += check_case(&test);
+    }
+    assert_true(hit_count >= least_hit_count);
+}
+
+static void ordinary_rays(void **state)
+{
+    (void)state;
+    check_kind(make_ordinary, 1, CASES_PER_KIND / 3);
+}
+
+static void small_integers(void **state)
+{
+    (void)state;
+    check_kind(make_small_integers, 2, CASES_PER_KIND / 50);
+}
+
+static void any_exponents(void **state)
+{
+    (void)state;
+    check_kind(make_any_exponents, 3, 1);
+}
+
+static void extremes_in_one_triangle(void **state)
+{
+    (void)state;
+    check_kind(make_extremes, 4, CASES_PER_KIND / 50);
+}
+
+static void far_from_the_origin(void **state)
+{
+    (void)state;
+    check_kind(make_far_away, 5, CASES_PER_KIND / 10);
+}
+
+static void slivers(void **state)
+{
+    (void)state;
+    check_kind(make_sliver, 6, 1);
+}
+
+static void rays_at_vertices(void **state)
+{
+    (void)state;
+    check_kind(make_aimed_at_vertex, 7, CASES_PER_KIND / 2);
+}
+
+static void rays_at_edges(void **state)
+{
+    (void)state;
+    check_kind(make_aimed_at_edge, 8, CASES_PER_KIND / 4);
+}
+
+static void rays_in_the_plane(void **state)
+{
+    (void)state;
+    check_kind(make_in_plane, 9, 1);
+}
+
+static void axis_parallel_rays(void **state)
+{
+    (void)state;
+    check_kind(make_axis_parallel, 10, CASES_PER_KIND / 50);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Two triangles
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* Compares in both directions, fast and exactly. 1 if the distances are equal. */
+static int check_pair(const struct test_case *test, const struct mlrt_triangle *second)
+{
+    struct test_case other = *test;
+    other.triangle = *second;
+    set_integers(&first_integers, test);
+    set_integers(&second_integers, &other);
+    if (mpz_sgn(first_integers.d) == 0 || mpz_sgn(second_integers.d) == 0) return 0;
+    int order = sign_of_int(expected_order(&first_integers, &second_integers));
+    const struct mlrt_ray_segment *ray = &test->ray;
+    const struct mlrt_triangle *first = &test->triangle;
+    check(mlrt_compare_distance(ray, first, second) == order, "compare_distance", test);
+    check(mlrt_compare_distance(ray, second, first) == -order, "compare_distance, swapped", test);
+    check(compare_close_distance(ray, first, second) == order, "compare_close_distance", test);
+    check(compare_distance_exactly(ray, first, second) == order, "compare_distance_exactly", test);
+    return order == 0;
+}
+
+static void disturb_triangle(struct mlrt_triangle *triangle)
+{
+    float *value = &triangle->v[next_random() % 3][next_random() % 3];
+    *value = nudge(*value, (int32_t)(next_random() % 3) - 1);
+}
+
+static void unrelated_triangles(void **state)
+{
+    (void)state;
+    random_state = 20;
+    void (*const kinds[])(struct test_case *) = {make_ordinary, make_small_integers, make_any_exponents,
+                                                 make_extremes, make_far_away,       make_axis_parallel};
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test, other;
+        kinds[i % 6](&test);
+        kinds[(i / 6) % 6](&other);
+        check_pair(&test, &other.triangle);
+    }
+}
+
+static void the_same_triangle_twice(void **state)
+{
+    (void)state;
+    random_state = 21;
+    int equal_count = 0;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test;
+        (i % 4 ? make_ordinary : make_any_exponents)(&test);
+        struct mlrt_triangle second;
+        for (int j = 0; j < 3; ++j) {
+            int from = i % 2 ? (i + j) % 3 : (i + 3 - j) % 3;
+            memcpy(second.v[j], test.triangle.v[from], sizeof second.v[j]);
+        }
+        equal_count += check_pair(&test, &second);
+        disturb_triangle(&second);
+        check_pair(&test, &second);
+    }
+    assert_true(equal_count > CASES_PER_KIND / 2);
+}
+
+static void the_same_vertices_in_any_order(void **state)
+{
+    (void)state;
+    const int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    const struct mlrt_triangle first = {{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}};
+    for (int i = 0; i < 6; ++i) {
+        struct mlrt_triangle second;
+        for (int j = 0; j < 3; ++j) memcpy(second.v[j], first.v[orders[i][j]], sizeof second.v[j]);
+        if (second.v[0][0] == 0) second.v[0][0] = -0.0f;
+        assert_int_equal(same_vertices(&first, &second), 1);
+        second.v[i / 2][i % 3] += 1;
+        assert_int_equal(same_vertices(&first, &second), 0);
+    }
+}
+
+static void triangles_in_one_plane(void **state)
+{
+    (void)state;
+    random_state = 22;
+    int equal_count = 0;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test;
+        fill(&test, grid_point);
+        struct mlrt_triangle second;
+        for (int j = 0; j < 3; ++j) {
+            float p = small_integer(), q = small_integer();
+            for (int k = 0; k < 3; ++k) {
+                float a = test.triangle.v[0][k];
+                second.v[j][k] = a + p * (test.triangle.v[1][k] - a) + q * (test.triangle.v[2][k] - a);
+            }
+        }
+        equal_count += check_pair(&test, &second);
+        disturb_triangle(&second);
+        check_pair(&test, &second);
+    }
+    assert_true(equal_count > CASES_PER_KIND / 3);
+}
+
+static void walls_across_one_axis(void **state)
+{
+    (void)state;
+    random_state = 23;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        float (*const coordinate)(void) = i % 3 == 0 ? any_finite_float : i % 3 == 1 ? unit_float : small_integer;
+        struct test_case test, other;
+        fill(&test, coordinate);
+        fill(&other, coordinate);
+        uint32_t axis = next_random() % 3;
+        float plane = test.triangle.v[0][axis], other_plane = nudge(plane, (int32_t)(next_random() % 3) - 1);
+        for (int j = 0; j < 3; ++j) {
+            test.triangle.v[j][axis] = plane;
+            other.triangle.v[j][axis] = other_plane;
+        }
+        check_pair(&test, &other.triangle);
+    }
+}
+
+static void triangles_that_meet_where_the_ray_hits(void **state)
+{
+    (void)state;
+    random_state = 24;
+    int equal_count = 0;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test, other;
+        fill(&test, grid_point);
+        fill(&other, grid_point);
+        memcpy(other.triangle.v[i % 3], test.triangle.v[0], sizeof test.triangle.v[0]);
+        aim(&test, 1, 0, 0);
+        equal_count += check_pair(&test, &other.triangle);
+        disturb_triangle(&other.triangle);
+        check_pair(&test, &other.triangle);
+    }
+    assert_true(equal_count > CASES_PER_KIND / 2);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Single facts
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* A right triangle in z = depth with legs along x and y, seen along z from (x, y, z) with direction (0, 0, speed). */
+static struct test_case make_facing_case(float corner, float end, float x, float y, float z, float depth, float speed)
+{
+    struct test_case test = {{{x, y, z}, {0, 0, speed}, 0, INFINITY},
+                             {{{corner, corner, depth}, {end, corner, depth}, {corner, end, depth}}}};
+    return test;
+}
+
+static void assert_t(float z, float depth, float speed, float expected)
+{
+    struct test_case test = make_facing_case(-1, 2, 0, 0, z, depth, speed);
+    assert_true(check_case(&test));
+    struct mlrt_hit_report report;
+    mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_T, &report);
+    assert_true(report.t == expected);
+}
+
+static void ties_of_t_go_to_even(void **state)
+{
+    (void)state;
+    assert_t(-0x1p24f, 1, 1, 0x1p24f);
+    assert_t(-0x1p24f, 3, 1, 0x1p24f + 4);
+    assert_t(-0x1p24f, 0x1.000002p0f, 1, 0x1p24f + 2);
+    assert_t(-0x1p24f, 0x1.fffffep-1f, 1, 0x1p24f);
+}
+
+static void ties_of_u_and_v_go_to_even(void **state)
+{
+    (void)state;
+    struct test_case test = make_facing_case(-0x1p24f, 0x1p24f, 1, -3, 0, 1, 1);
+    assert_true(check_case(&test));
+    struct mlrt_hit_report report;
+    mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_UV, &report);
+    assert_true(report.u == 0.5f);
+    assert_true(report.v == (0x1p24f - 3) / 0x1p25f);
+    test = make_facing_case(-0x1p24f, 0x1p24f, -5, 3, 0, 1, 1);
+    assert_true(check_case(&test));
+    mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_UV, &report);
+    assert_true(report.u == (0x1p24f - 5) / 0x1p25f);
+    assert_true(report.v == (0x1p24f + 4) / 0x1p25f);
+}
+
+static void t_can_be_denormal_or_vanish(void **state)
+{
+    (void)state;
+    assert_t(0, 0x1p-40f, 0x1p109f, 0x1p-149f);
+    assert_t(0, 0x1.8p-40f, 0x1p109f, 0x1p-148f); // a tie: 1.5 to 2 units
+    assert_t(0, 0x1.4p-39f, 0x1p109f, 0x1p-148f); // a tie: 2.5 to 2 units
+    assert_t(0, 0x1p-41f, 0x1p109f, 0);           // a tie: 0.5 to 0 units
+    assert_t(0, 0x1.000002p-41f, 0x1p109f, 0x1p-149f);
+    assert_t(0, 0x1p-149f, FLT_MAX, 0);
+    assert_t(0, 0x1p-149f, 0x1p-149f, 1);
+}
+
+static void t_can_overflow(void **state)
+{
+    (void)state;
+    assert_t(1, 0x1p25f, 0x1p-103f, INFINITY); // 2^25 - 1: midway between FLT_MAX and 2^128
+    assert_t(0x1.000002p0f, 0x1p25f, 0x1p-103f, FLT_MAX);
+    assert_t(0x1.fffffep-1f, 0x1p25f, 0x1p-103f, INFINITY);
+    assert_t(0, FLT_MAX, 1, FLT_MAX);
+    assert_t(-FLT_MAX, FLT_MAX, 0x1p-149f, INFINITY);
+}
+
+/* In the plane x + z = 2^78, D is proportional to d_x + d_z: it moves t off the midpoint by less than double shows. */
+static void t_close_to_overflow(void **state)
+{
+    (void)state;
+    struct test_case test = {
+        {{0, 0, 0x1p53f}, {0x1p-101f, 0, 0x1p-50f}, 0, INFINITY},
+        {{{-0x1p60f, -0x1p60f, 0x1p78f + 0x1p60f}, {0x1p60f, -0x1p60f, 0x1p78f - 0x1p60f}, {0, 0x1p60f, 0x1p78f}}}};
+    assert_true(check_case(&test));
+    struct mlrt_hit_report report;
+    mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_T, &report);
+    assert_true(report.t == FLT_MAX);
+    test.ray.direction[0] = -test.ray.direction[0];
+    assert_true(check_case(&test));
+    mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_T, &report);
+    assert_true(report.t == INFINITY);
+}
+
+static void a_hit_beyond_all_floats_needs_an_infinite_t_max(void **state)
+{
+    (void)state;
+    struct test_case test = make_facing_case(-1, 2, 0, 0, -FLT_MAX, FLT_MAX, 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    test.ray.t_max = FLT_MAX;
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    test.ray.t_min = FLT_MAX;
+    test.ray.t_max = INFINITY;
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+}
+
+static void the_interval_is_half_open(void **state)
+{
+    (void)state;
+    struct test_case test = make_facing_case(-1, 2, 0, 0, 0, 3, 1);
+    test.ray.t_max = 3;
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    test.ray.t_max = nudge(3, -1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    test.ray.t_max = INFINITY;
+    test.ray.t_min = 3;
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    test.ray.t_min = nudge(3, -1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+}
+
+static void an_origin_in_the_triangle_misses(void **state)
+{
+    (void)state;
+    struct test_case test = make_facing_case(-1, 2, 0, 0, 5, 5, 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    test.ray.origin[2] = nudge(5, -1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    test.ray.origin[2] = nudge(5, 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+}
+
+static void corners_report_zero_and_one(void **state)
+{
+    (void)state;
+    const float weights[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    struct test_case test = make_facing_case(0.1f, 0.7f, 0, 0, -1, 2, -0.3f);
+    test.ray.origin[2] = 5;
+    for (int i = 0; i < 3; ++i) {
+        memcpy(test.ray.origin, test.triangle.v[i], 2 * sizeof(float));
+        assert_true(check_case(&test));
+        struct mlrt_hit_report report;
+        mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_UV, &report);
+        assert_true(report.u == weights[i][0] && report.v == weights[i][1]);
+        assert_false(signbit(report.u) || signbit(report.v));
+    }
+}
+
+static void only_what_is_asked_for_is_written(void **state)
+{
+    (void)state;
+    struct test_case test = make_facing_case(-1, 2, 0, 0, 0, 3, 1);
+    struct test_case grazing = test; // so nearly in the plane that double cannot tell which side it faces
+    for (int i = 0; i < 3; ++i) grazing.triangle.v[i][2] = 3 + 0x1p-20f * grazing.triangle.v[i][0];
+    grazing.ray.direction[0] = 0x1p60f;
+    grazing.ray.origin[0] = -0x1p59f;
+    const struct test_case *const cases[] = {&test, &grazing};
+    for (int i = 0; i < 2; ++i) {
+        for (uint32_t outputs = 0; outputs < 16; ++outputs) {
+            struct mlrt_hit_report report = {-7, -7, -7, -7};
+            mlrt_report_hit(&cases[i]->ray, &cases[i]->triangle, outputs, &report);
+            assert_int_equal(report.t != -7, (outputs & MLRT_OUTPUT_T) != 0);
+            assert_int_equal(report.u != -7, (outputs & MLRT_OUTPUT_UV) != 0);
+            assert_int_equal(report.v != -7, (outputs & MLRT_OUTPUT_UV) != 0);
+            assert_int_equal(report.facing != -7, (outputs & MLRT_OUTPUT_FACING) != 0);
+        }
+    }
+}
+
+static void triangles_without_area(void **state)
+{
+    (void)state;
+    const struct mlrt_triangle flat[] = {{{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}},
+                                         {{{1, 2, 3}, {4, 5, 6}, {1, 2, 3}}},
+                                         {{{1, 2, 3}, {4, 5, 6}, {4, 5, 6}}},
+                                         {{{0, 0, 0}, {1, 2, 3}, {3, 6, 9}}},
+                                         {{{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}, {0.7f, 0.7f, 0.7f}}},
+                                         {{{0, -0.0f, 0}, {-0.0f, 0, 0}, {1, 1, 1}}},
+                                         {{{FLT_MAX, 0, 0}, {-FLT_MAX, 0, 0}, {0x1p-149f, 0, 0}}}};
+    for (size_t i = 0; i < sizeof flat / sizeof flat[0]; ++i) {
+        assert_int_equal(mlrt_triangle_has_area(&flat[i]), 0);
+        struct test_case test = {{{-1, -2, -3}, {4, 5, 7}, 0, INFINITY}, flat[i]};
+        assert_int_equal(check_case(&test), 0);
+    }
+    const struct mlrt_triangle thin = {{{0, 0, 0}, {FLT_MAX, 0, 0}, {FLT_MAX, 0x1p-149f, 0}}};
+    assert_int_equal(mlrt_triangle_has_area(&thin), 1);
+    const struct mlrt_triangle tiny = {{{0, 0, 0}, {0x1p-149f, 0, 0}, {0, 0x1p-149f, 0}}};
+    assert_int_equal(mlrt_triangle_has_area(&tiny), 1);
+}
+
+/* A fan around a vertex, seen along rays that meet its edges: no ray slips through. */
+static void no_ray_slips_between_neighbours(void **state)
+{
+    (void)state;
+    random_state = 30;
+    for (int i = 0; i < CASES_PER_KIND / 4; ++i) {
+        float corner[4][3];
+        for (int j = 0; j < 4; ++j) {
+            corner[j][0] = (float)(j % 2 * 2 - 1) * (1 + fabsf(unit_float()));
+            corner[j][1] = (float)(j / 2 * 2 - 1) * (1 + fabsf(unit_float()));
+            corner[j][2] = unit_float();
+        }
+        struct test_case test;
+        fill(&test, unit_float);
+        test.ray.origin[2] = -8;
+        const int order[5] = {0, 1, 3, 2, 0};
+        int hit_count = 0;
+        float along = fabsf(unit_float());
+        for (int k = 0; k < 3; ++k) {
+            float apex = 0.25f * unit_float();
+            test.triangle.v[0][k] = apex;
+            test.ray.direction[k] = apex + along * (corner[i % 4][k] - apex) - test.ray.origin[k];
+        }
+        for (int j = 0; j < 4; ++j) {
+            memcpy(test.triangle.v[1], corner[order[j]], sizeof corner[0]);
+            memcpy(test.triangle.v[2], corner[order[j + 1]], sizeof corner[0]);
+            hit_count += check_case(&test);
+        }
+        check(hit_count >= 1, "a ray through the fan", &test);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Hunting for errors above the bounds
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+enum quantity {
+    EDGE_AB,
+    EDGE_CA,
+    EDGE_BC,
+    CROSSING_D,
+    CROSSING_N,
+    BEYOND,
+    ORDER,
+    QUOTIENT_T,
+    QUOTIENT_U,
+    QUANTITY_COUNT
+};
+
+/* The largest error that predicate.c proves, in units of 2^-53 times the size; for quotients, of the width. */
+static const double proven_error[QUANTITY_COUNT] = {8.001, 8.001, 9.001, 8.001, 8.001, 9.001, 17.001, 1, 1};
+static const char *const quantity_name[QUANTITY_COUNT] = {"e_ab",    "e_ca",  "e_bc", "D", "N",
+                                                          "N - t D", "order", "t",    "u"};
+
+/* |numerator| / (2^scale * size) for numbers out of the range of double */
+static double ratio_of(const mpz_t numerator, double size, int scale)
+{
+    if (mpz_sgn(numerator) == 0) return 0;
+    if (size == 0) return INFINITY;
+    long numerator_exponent;
+    int size_exponent;
+    double top = fabs(mpz_get_d_2exp(&numerator_exponent, numerator));
+    double bottom = frexp(size, &size_exponent);
+    return ldexp(top / bottom, (int)numerator_exponent - scale - size_exponent);
+}
+
+/* The error of a measured value whose true value is `exact` in units of 2^-scale, over its size. */
+static double measured_error(struct measured measured, const mpz_t exact, int scale)
+{
+    struct integers *z = &first_integers;
+    set_scaled(z->z, measured.value, scale);
+    mpz_sub(z->z, z->z, exact);
+    return ratio_of(z->z, measured.size, scale - 53);
+}
+
+/* The distance of x / d from the middle of its enclosure, over the enclosure's half width. */
+static double quotient_error(struct measured x, struct measured d, const mpz_t exact_x)
+{
+    struct integers *z = &first_integers;
+    if (!is_safe_denominator(d)) return 0;
+    struct enclosure enclosure = enclose_quotient(x, invert(d));
+    double middle = 0.5 * enclosure.low + 0.5 * enclosure.high, half = 0.5 * enclosure.high - 0.5 * enclosure.low;
+    // |x / d - middle| / half = |x - middle d| / |half d|, in units of 2^-950: above all bits of `middle`
+    set_scaled(z->z, middle, 950);
+    mpz_mul(z->z, z->z, z->d);
+    mpz_mul_2exp(z->y, exact_x, 950);
+    mpz_sub(z->z, z->z, z->y);
+    mpz_abs(z->x, z->d);
+    return ratio_of(z->z, half, 950) / mpz_get_d(z->x);
+}
+
+static double error_of(enum quantity quantity, const struct test_case *first, const struct test_case *second)
+{
+    struct integers *z = &first_integers;
+    set_integers(z, first);
+    struct operands operands = load_operands(&first->ray, &first->triangle);
+    struct two_edges edges = measure_edges(&operands);
+    struct crossing crossing = measure_crossing(&operands);
+    switch (quantity) {
+    case EDGE_AB:
+        return measured_error(edges.ab, z->edge[0], 447);
+    case EDGE_CA:
+        return measured_error(edges.ca, z->edge[2], 447);
+    case EDGE_BC:
+        return measured_error(measure_third_edge(&edges, crossing.d), z->edge[1], 447);
+    case CROSSING_D:
+        return measured_error(crossing.d, z->d, 447);
+    case CROSSING_N:
+        return measured_error(crossing.n, z->n, 447);
+    case BEYOND:
+        set_scaled(z->x, fabsf(second->ray.origin[0]), 149);
+        mpz_mul(z->x, z->x, z->d);
+        mpz_mul_2exp(z->y, z->n, 149);
+        mpz_sub(z->y, z->y, z->x);
+        return measured_error(measure_beyond(&crossing, fabsf(second->ray.origin[0])), z->y, 596);
+    case ORDER: {
+        struct test_case other = {first->ray, second->triangle};
+        set_integers(&second_integers, &other);
+        struct operands other_operands = load_operands(&other.ray, &other.triangle);
+        struct crossing other_crossing = measure_crossing(&other_operands);
+        mpz_mul(z->x, z->n, second_integers.d);
+        mpz_submul(z->x, second_integers.n, z->d);
+        return measured_error(measure_order(&crossing, &other_crossing), z->x, 894);
+    }
+    case QUOTIENT_T:
+        return quotient_error(crossing.n, crossing.d, z->n);
+    default:
+        return quotient_error(edges.ca, crossing.d, z->edge[2]);
+    }
+}
+
+/* Changes up to three coordinates: a low bit, any bit of the mantissa, the exponent by one, or the sign. */
+static void mutate(struct test_case *test)
+{
+    for (uint32_t i = next_random() % 3; i < 3; ++i) {
+        uint32_t which = next_random() % 15, k = which % 3, bits;
+        float *value = which < 9    ? &test->triangle.v[which / 3][k]
+                       : which < 12 ? &test->ray.origin[k]
+                                    : &test->ray.direction[k];
+        memcpy(&bits, value, sizeof bits);
+        uint32_t kind = next_random() % 8;
+        if (kind < 6) bits ^= 1u << next_random() % (kind < 3 ? 4 : 23);
+        if (kind == 6) bits += next_random() % 2 ? 0x00800000u : 0xFF800000u;
+        if (kind == 7) bits ^= 0x80000000u;
+        if ((bits & 0x7F800000u) != 0x7F800000u) memcpy(value, &bits, sizeof bits);
+    }
+}
+
+/* Climbs from random starts towards the largest error. */
+static void errors_stay_below_their_bounds(void **state)
+{
+    (void)state;
+    random_state = 40;
+    void (*const kinds[])(struct test_case *) = {make_ordinary, make_any_exponents, make_sliver,
+                                                 make_far_away, make_extremes,      make_ordinary};
+    for (int quantity = 0; quantity < QUANTITY_COUNT; ++quantity) {
+        double worst = 0;
+        for (int start = 0; start < 12; ++start) {
+            struct test_case first, second;
+            kinds[start % 6](&first);
+            kinds[start % 6](&second);
+            double best = 0;
+            for (int step = 0; step < 2000; ++step) {
+                struct test_case next_first = first, next_second = second;
+                mutate(&next_first);
+                if (quantity == ORDER || quantity == BEYOND) mutate(&next_second);
+                double error = error_of((enum quantity)quantity, &next_first, &next_second);
+                check(error <= proven_error[quantity], quantity_name[quantity], &next_first);
+                if (error < best) continue;
+                best = error;
+                first = next_first;
+                second = next_second;
+            }
+            if (best > worst) worst = best;
+        }
+        print_message("%-8s largest error found %.3f, proven bound %.3f\n", quantity_name[quantity], worst,
+                      proven_error[quantity]);
+    }
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    init_integers(&first_integers);
+    init_integers(&second_integers);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    clear_integers(&first_integers);
+    clear_integers(&second_integers);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ordinary_rays),
+        cmocka_unit_test(small_integers),
+        cmocka_unit_test(any_exponents),
+        cmocka_unit_test(extremes_in_one_triangle),
+        cmocka_unit_test(far_from_the_origin),
+        cmocka_unit_test(slivers),
+        cmocka_unit_test(rays_at_vertices),
+        cmocka_unit_test(rays_at_edges),
+        cmocka_unit_test(rays_in_the_plane),
+        cmocka_unit_test(axis_parallel_rays),
+        cmocka_unit_test(unrelated_triangles),
+        cmocka_unit_test(the_same_triangle_twice),
+        cmocka_unit_test(the_same_vertices_in_any_order),
+        cmocka_unit_test(triangles_in_one_plane),
+        cmocka_unit_test(walls_across_one_axis),
+        cmocka_unit_test(triangles_that_meet_where_the_ray_hits),
+        cmocka_unit_test(ties_of_t_go_to_even),
+        cmocka_unit_test(ties_of_u_and_v_go_to_even),
+        cmocka_unit_test(t_can_be_denormal_or_vanish),
+        cmocka_unit_test(t_can_overflow),
+        cmocka_unit_test(t_close_to_overflow),
+        cmocka_unit_test(a_hit_beyond_all_floats_needs_an_infinite_t_max),
+        cmocka_unit_test(the_interval_is_half_open),
+        cmocka_unit_test(an_origin_in_the_triangle_misses),
+        cmocka_unit_test(corners_report_zero_and_one),
+        cmocka_unit_test(only_what_is_asked_for_is_written),
+        cmocka_unit_test(triangles_without_area),
+        cmocka_unit_test(no_ray_slips_between_neighbours),
+        cmocka_unit_test(errors_stay_below_their_bounds),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
