@@ -13,7 +13,7 @@
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
-OPTIMIZE ?= -O2
+OPTIMIZE ?= -O3
 SAN      ?=
 V        ?=
 
@@ -43,10 +43,13 @@ LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
 HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
 HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
+HAVE_CJSON  = $(call pkg,--exists libcjson && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
 EXAMPLES    = $(foreach e,$(basename $(notdir $(wildcard examples/*.c))),$(if $(filter render,$(e)),$(if $(HAVE_PNG),$(e)),$(e)))
-EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng))
-EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) -lm
+EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
+                $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
+EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) \
+                $(if $(HAVE_CJSON),$(call pkg,--libs,libcjson)) -lm
 
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
@@ -92,14 +95,14 @@ $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 
 # ---- dependencies --------------------------------------------------------------------------------------------------
 
-APT_PACKAGES := gcc libc6-dev pkg-config libpng-dev libcmocka-dev libgmp-dev libassimp-dev
+APT_PACKAGES := gcc libc6-dev pkg-config libpng-dev libcmocka-dev libgmp-dev libassimp-dev libcjson-dev
 MISSING = $(strip $(foreach p,$(APT_PACKAGES),$(if $(filter installed,$(shell dpkg-query -W -f='$${db:Status-Status}' $(p) 2>/dev/null)),,$(p))))
 SUDO = $(if $(filter 0,$(shell id -u)),,sudo)
 
 deps:
 	@if ! command -v apt-get >/dev/null; then \
 	    echo "Please install: a C compiler, pkg-config, and the development files of libpng, cmocka, GMP and (optional, to"; \
-	    echo "read mesh files) assimp. The library itself needs none of them."; exit 1; \
+	    echo "read mesh files and files of views) assimp and cJSON. The library itself needs none of them."; exit 1; \
 	elif [ -n "$(MISSING)" ]; then \
 	    echo "installing: $(MISSING)"; \
 	    $(SUDO) apt-get update -qq && $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \

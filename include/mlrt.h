@@ -281,6 +281,7 @@ typedef struct mlrt_counters {
     uint64_t entry_point_count;         /* entry points from which packets were traced */
     uint64_t entry_point_depth_sum;     /* their depths below the root, added up */
     uint64_t missed_beam_count;         /* beams that provably hit nothing: no ray of theirs was traced */
+    uint64_t covered_beam_count;        /* beams whose rays provably all hit one triangle first: none was traced */
     uint64_t undecided_cull_count;      /* inner nodes where the culling test could exclude no child */
     uint64_t undecided_checked_count;   /* of these, still undecided after the extra check */
 } mlrt_counters;
@@ -297,11 +298,14 @@ typedef struct mlrt_trace_options {
     int32_t method;              /* MLRT_METHOD_* */
     int32_t isa;                 /* MLRT_ISA_* */
     int32_t culling;             /* MLRT_CULLING_* */
-    uint32_t culling_check_off;  /* 1 = without the extra check of cells that the culling test leaves undecided */
+    uint32_t culling_check;      /* 1 = check cells that the culling test leaves undecided against all their faces */
     uint32_t initial_tile_size;  /* pixels, 4..1024, a power of two; 0 = default */
     uint32_t minimum_tile_size;  /* pixels, 4..initial_tile_size, a power of two; 0 = default */
     uint32_t split_factor;       /* 4 or 16; 0 = default */
     uint32_t outputs;            /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
+    uint32_t whole_tile_hits_off; /* 1 = trace packets also where one triangle provably covers the whole tile, as the
+                                   * paper does; the counters are then comparable with its tables */
+    uint32_t reserved;           /* 0 */
     mlrt_pool *pool;             /* NULL = the calling thread alone */
     mlrt_counters *counters;     /* NULL = not counted, at no cost */
 } mlrt_trace_options;

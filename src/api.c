@@ -268,7 +268,7 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_MULTILEVEL) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_SSE) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if (options->culling_check_off > 1 || options->outputs & ~15u) return MLRT_ERROR_ARGUMENT;
+    if (options->culling_check > 1 || options->whole_tile_hits_off > 1 || options->outputs & ~15u) return MLRT_ERROR_ARGUMENT;
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
         return MLRT_ERROR_ARGUMENT;
     }
@@ -277,7 +277,8 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     job->any = options->query == MLRT_QUERY_ANY;
     job->method = options->method == MLRT_METHOD_DEFAULT ? MLRT_METHOD_MULTILEVEL : options->method;
     job->culling = options->culling;
-    job->culling_check = !options->culling_check_off;
+    job->culling_check = options->culling_check != 0;
+    job->whole_tile_hits = !options->whole_tile_hits_off;
     const uint32_t standard_tile =
         job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_INITIAL_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
     job->initial_tile_size = resolve_size(options->initial_tile_size, standard_tile, 4, 1024);

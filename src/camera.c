@@ -166,6 +166,7 @@ static int make_pinhole_beam(const struct mlrt_view *view, const struct corners 
         struct range range = is_zero_component(view, k) ? (struct range){0, 0} : component_range(corners, k);
         if (range.lo < 0 && range.hi >= 0) return 0;
         if (!mlrt_is_float_safe(view->eye[k])) return 0;
+        if (range.lo < -MLRT_SAFE_MAX || range.hi > MLRT_SAFE_MAX) return 0;
         beam->negative[k] = range.hi < 0;
         beam->origin_lo[k] = beam->origin_hi[k] = view->eye[k];
         set_region(beam, k, range.lo, range.hi, view->t_max);
@@ -176,6 +177,7 @@ static int make_pinhole_beam(const struct mlrt_view *view, const struct corners 
             beam->main_axis = k;
         }
     }
+    if (largest <= 0) return 0;
     for (int a = 0; a < 3; ++a) {
         for (int j = 0; j < 3; ++j) {
             if (j == a) continue;
@@ -227,5 +229,6 @@ int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, ui
     struct corners corners;
     find_corners(view, x, y, width, height, &corners);
     beam->may_cover = view->t_min == 0;
+    beam->is_unlimited = isinf(view->t_max);
     return view->parallel ? make_parallel_beam(view, &corners, beam) : make_pinhole_beam(view, &corners, beam);
 }

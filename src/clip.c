@@ -6,31 +6,36 @@
  * Based on: Ivan Sutherland, Gary Hodgman, "Reentrant Polygon Clipping", 1974. Vlastimil Havran, Jiri Bittner, "On
  * Improving KD-Trees for Ray Shooting", 2002. The proof is our own.
  *
- * Why no point is lost. Let T be the triangle, M_k the largest |coordinate| of its vertices along axis k, u = 2^-53. A
- * cut replaces vertices that are outside by points on edges (p inside, q outside),
+ * Why no point is lost. Let T be the triangle, M_k the largest |coordinate| of its vertices along axis k, u = 2^-53.
+ * A cut replaces vertices that are outside by points on edges (p inside, q outside),
  *
  *     x_k = fl(p_k + fl(t fl(q_k - p_k))),      t = fl(d_p / fl(d_p - d_q)) in [0, 1],
  *
- * where d is the distance from the plane. Besides each computed vertex x think of a true point w of T: w = x for T's own
- * vertices, and w = (1 - t) w_p + t w_q for new ones, exactly, with the t that was computed.
+ * where d is the distance from the plane. Besides each computed vertex x think of a true point w of T: w = x for the
+ * vertices of T, and w = (1 - t) w_p + t w_q for new ones, exactly, with the t that was computed.
  *
- *   (a) |x_k - w_k| <= 5.01 u M_k after the first cut: the difference and the product are off by 2 u of t |q_k - p_k| <=
- *       2 M_k, the sum by u M_k. The errors of p and q pass into w with weights that add up to 1. So after s cuts
- *       |x_k - w_k| <= 5.01 s u M_k; underflow adds at most 2^-1074 times M_k, or of a number times 2^-149 <= M_k.
- *   (b) The points w, in their order, are a convex polygon W: new ones lie exactly on edges of the polygon before.
- *   (c) The part of W that a cut removes is the hull of the outside vertices and the two new ones. Along the axis of the
- *       cut, the x of an outside vertex is beyond the plane. t is off by 4.01 u t, so a new vertex is off the plane by
- *       4.01 u |d_p| <= 8.03 u M_k before its coordinates are rounded. So all w of the removed part are beyond the plane
- *       or at most (5.01 * 6 + 8.03) u M_k < 39 u M_k before it.
- *   (d) Here are at most seven cuts: six by the box and one that halves it. The planes lie MARGIN * M_k outside of
- *       the box (within u M_k, from rounding; a plane farther out than 2 M_k cuts nothing or everything). A MARGIN of
- *       40 u is therefore enough for the removed parts to have no point in the box: every point that T and the box
- *       share is in W to the end, and so is at most 7 * 5.01 u M_k < 36 u M_k away from the bounds of the computed x.
+ * (a) |x_k - w_k| <= 5.01 u M_k after the first cut: the difference and the product are off by 2 u of
+ *     t |q_k - p_k| <= 2 M_k, the sum by u M_k. The errors of p and q pass into those of x with weights that add up
+ *     to 1, so after s cuts |x_k - w_k| <= 5.01 s u M_k. Underflow adds at most 2^-1074 (1 + 2 M_k), which is nothing
+ *     beside u M_k >= 2^-202.
  *
- * MARGIN = 64 u serves for both. T's own vertices are exact and are not widened.
+ * (b) The points w, in their order, are a convex polygon W: new ones lie exactly on edges of the polygon before.
+ *
+ * (c) What a cut removes of W is, for each run of outside vertices, the hull of these and the two new ones. Along the
+ *     axis of the cut, the x of outside vertices are beyond the plane, and their w at most 5.01 * 6 u M_k before it.
+ *     The t of new vertices is off by 4.01 u t, which moves them by 4.01 u |d_p| <= 8.03 u M_k. So no w of the removed
+ *     part is more than (5.01 * 6 + 8.03) u M_k < 39 u M_k before the plane.
+ *
+ * (d) There are at most seven cuts: six by the box and one that halves it. The planes lie MARGIN * M_k outside of the
+ *     box, within 2 u M_k from rounding (a plane farther out than 2 M_k cuts nothing, or everything and rightly so). A
+ *     MARGIN of 41 u is therefore enough for the removed parts to have no point in the box: every point that T and the
+ *     box share is in W to the end. W is at most 7 * 5.01 u M_k < 36 u M_k outside of the bounds of the computed x.
+ *
+ * MARGIN = 64 u serves for both. Vertices of T are exact, and the bounds are not widened for them.
  */
 #include "clip.h"
 
+#include "platform.h"
 #include "rounding.h"
 
 #include <math.h>
@@ -62,7 +67,7 @@ struct plane {
     double position;
 };
 
-static double distance_inside(const struct plane *plane, const double point[3])
+MLRT_INLINE double distance_inside(const struct plane *plane, const double point[3])
 {
     return plane->sign * (point[plane->axis] - plane->position);
 }
@@ -71,8 +76,7 @@ static void cut_edge(const double inner[3], double inner_distance, const double 
                      double point[3])
 {
     double t = inner_distance / (inner_distance - outer_distance);
-    for (int k = 0; k < 3; k++)
-        point[k] = inner[k] + t * (outer[k] - inner[k]);
+    for (int k = 0; k < 3; k++) point[k] = inner[k] + t * (outer[k] - inner[k]);
 }
 
 static void add_vertex(struct polygon *polygon, const double point[3], int computed)
@@ -97,8 +101,7 @@ static void cut_polygon(const struct polygon *polygon, const struct plane *plane
             cut_edge(polygon->vertex[i], distance, polygon->vertex[last], last_distance, point);
             add_vertex(result, point, 1);
         }
-        if (distance >= 0)
-            add_vertex(result, polygon->vertex[i], polygon->computed[i]);
+        if (distance >= 0) add_vertex(result, polygon->vertex[i], polygon->computed[i]);
         last = i;
         last_distance = distance;
     }
@@ -116,21 +119,20 @@ static void bound_triangle(const struct mlrt_triangle *triangle, struct bounds *
 
 static void find_margins(const struct bounds *bounds, double margin[3])
 {
-    for (int k = 0; k < 3; k++)
-        margin[k] = MARGIN * (-bounds->lo[k] > bounds->hi[k] ? -bounds->lo[k] : bounds->hi[k]);
+    for (int k = 0; k < 3; k++) margin[k] = MARGIN * (-bounds->lo[k] > bounds->hi[k] ? -bounds->lo[k] : bounds->hi[k]);
 }
 
 static void copy_triangle(const struct mlrt_triangle *triangle, struct polygon *polygon)
 {
     polygon->vertex_count = 3;
     for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++)
-            polygon->vertex[i][k] = triangle->v[i][k];
+        for (int k = 0; k < 3; k++) polygon->vertex[i][k] = triangle->v[i][k];
         polygon->computed[i] = 0;
     }
 }
 
-/* Cuts with those planes of the box that the triangle reaches beyond. Returns which of the two polygons is the result. */
+/* Cuts with those planes of the box that the triangle reaches beyond. Returns which of the two polygons is the result.
+ */
 static int cut_by_box(const struct bounds *whole, const double margin[3], const struct mlrt_box *box,
                       struct polygon polygon[2])
 {
@@ -150,7 +152,7 @@ static int cut_by_box(const struct bounds *whole, const double margin[3], const 
     return current;
 }
 
-static void extend(struct bounds *bounds, const double point[3], const double margin[3])
+MLRT_INLINE void extend(struct bounds *bounds, const double point[3], const double margin[3])
 {
     for (int k = 0; k < 3; k++) {
         double lo = point[k] - margin[k], hi = point[k] + margin[k];
@@ -180,18 +182,16 @@ static void bound_inside(const struct polygon *polygon, const struct plane *plan
             cut_edge(polygon->vertex[i], distance, polygon->vertex[last], last_distance, point);
             extend(bounds, point, margin);
         }
-        if (distance >= 0)
-            extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : nothing);
+        if (distance >= 0) extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : nothing);
         last = i;
         last_distance = distance;
     }
 }
 
 /* The largest float <= x that is allowed, +0 instead of -0. */
-static float round_down(double x, float tiny)
+MLRT_INLINE float round_down(double x, float tiny)
 {
-    if (x > -tiny && x < tiny)
-        return x < 0 ? -tiny : 0.0f;
+    if (x > -tiny && x < tiny) return x < 0 ? -tiny : 0.0f;
     return mlrt_float_down(x) + 0.0f;
 }
 
@@ -204,8 +204,7 @@ static float round_up(double x, float tiny)
 static int intersect_bounds(const struct bounds *bounds, float tiny, struct mlrt_box *box)
 {
     for (int k = 0; k < 3; k++) {
-        if (bounds->lo[k] > box->hi[k] || bounds->hi[k] < box->lo[k])
-            return 0;
+        if (bounds->lo[k] > box->hi[k] || bounds->hi[k] < box->lo[k]) return 0;
         if (bounds->lo[k] > box->lo[k]) {
             float lo = round_down(bounds->lo[k], tiny);
             box->lo[k] = lo > box->lo[k] ? lo : box->lo[k];

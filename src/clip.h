@@ -2,8 +2,9 @@
 /*
  * Bounds of the part of a triangle that lies in a box ("perfect splits").
  *
- * Bounds always hold every point that the triangle, in exact arithmetic, shares with the closed box, and lie in the box.
- * They are as tight as double arithmetic shows, rounded outward to float. Coordinates are finite; any magnitude will do.
+ * Bounds always hold every point that the triangle, in exact arithmetic, shares with the closed box, and lie in the
+ * box. They are as tight as double arithmetic shows, rounded outward to float. Coordinates are finite; any magnitude
+ * will do.
  */
 #ifndef MLRT_CLIP_H
 #define MLRT_CLIP_H

@@ -16,6 +16,7 @@ void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
     to->entry_point_count += from->entry_point_count;
     to->entry_point_depth_sum += from->entry_point_depth_sum;
     to->missed_beam_count += from->missed_beam_count;
+    to->covered_beam_count += from->covered_beam_count;
     to->undecided_cull_count += from->undecided_cull_count;
     to->undecided_checked_count += from->undecided_checked_count;
 }

@@ -11,7 +11,7 @@
  * On entry: tree->triangles and triangle_count are set, options is checked (or NULL), the floating-point environment is
  * ours. On return with MLRT_OK: nodes, references, bounds, float_safe and tree->info are set (except triangle_count,
  * memory_size and build_seconds, which the caller knows). On MLRT_ERROR_OUT_OF_MEMORY: nodes and references are NULL,
- * and nothing else is held in tree->memory than on entry.
+ * and nothing else is held in tree->memory than on entry. So with MLRT_ERROR_TOO_LARGE: over 2^30 - 1 triangles.
  */
 int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *options);
 

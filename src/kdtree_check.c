@@ -44,16 +44,15 @@ static void push_children(const struct mlrt_tree *tree, const struct visit *pare
     above->cell.lo[axis] = below->cell.hi[axis] = node->u.split;
 }
 
-/* ---- statistics --------------------------------------------------------------------------------------------------- */
+/* ---- statistics ---------------------------------------------------------------------------------------------- */
 
 /* FNV-1a, 64 bits: http://www.isthe.com/chongo/tech/comp/fnv. Words go in by their bytes, the lowest first. */
-#define HASH_START 0xCBF29CE484222325u
+#define HASH_START  0xCBF29CE484222325u
 #define HASH_FACTOR 0x100000001B3u
 
 static uint64_t hash_word(uint64_t hash, uint32_t word)
 {
-    for (int shift = 0; shift < 32; shift += 8)
-        hash = (hash ^ (word >> shift & 255)) * HASH_FACTOR;
+    for (int shift = 0; shift < 32; shift += 8) hash = (hash ^ (word >> shift & 255)) * HASH_FACTOR;
     return hash;
 }
 
@@ -65,8 +64,7 @@ static uint64_t hash_tree(const struct mlrt_tree *tree)
         memcpy(&first_word, &tree->nodes[i].u, sizeof first_word);
         hash = hash_word(hash_word(hash, first_word), tree->nodes[i].word);
     }
-    for (uint32_t i = 0; i < tree->reference_count; i++)
-        hash = hash_word(hash, tree->references[i]);
+    for (uint32_t i = 0; i < tree->reference_count; i++) hash = hash_word(hash, tree->references[i]);
     return hash;
 }
 
@@ -78,7 +76,8 @@ int mlrt_is_float_safe(float x)
 
 static double half_area(const struct mlrt_box *box)
 {
-    double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1], z = (double)box->hi[2] - box->lo[2];
+    double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1],
+           z = (double)box->hi[2] - box->lo[2];
     return x * y + y * z + z * x;
 }
 
@@ -95,7 +94,8 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
     for (int k = 0; k < 3; k++) {
         info->bounds_min[k] = tree->bounds.lo[k];
         info->bounds_max[k] = tree->bounds.hi[k];
-        tree->float_safe = tree->float_safe && mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
+        tree->float_safe =
+            tree->float_safe && mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
     }
     for (start_walk(tree, &walk); walk.count > 0;) {
         struct visit visit = walk.waiting[--walk.count];
@@ -116,7 +116,7 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
     info->tree_hash = hash_tree(tree);
 }
 
-/* ---- invariants --------------------------------------------------------------------------------------------------- */
+/* ---- invariants ---------------------------------------------------------------------------------------------- */
 
 static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf)
 {
@@ -124,8 +124,7 @@ static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_no
     if (offset > tree->reference_count || count > tree->reference_count - offset)
         return "a leaf's entries are outside of the references";
     for (uint32_t i = 0; i < count; i++) {
-        if (tree->references[offset + i] >= tree->triangle_count)
-            return "an entry is not a triangle";
+        if (tree->references[offset + i] >= tree->triangle_count) return "an entry is not a triangle";
         if (i > 0 && tree->references[offset + i - 1] >= tree->references[offset + i])
             return "I5: the entries of a leaf are not ascending";
     }
@@ -141,8 +140,7 @@ static const char *check_inner(const struct mlrt_tree *tree, const struct visit 
         return "I1: children are not where depth-first order has them";
     if (!(visit->cell.lo[axis] <= node->u.split && node->u.split <= visit->cell.hi[axis]))
         return "I2: a plane is outside of its cell";
-    if (visit->depth >= MLRT_DEPTH_LIMIT)
-        return "I4: a path is too long";
+    if (visit->depth >= MLRT_DEPTH_LIMIT) return "I4: a path is too long";
     return NULL;
 }
 
@@ -153,10 +151,8 @@ static const char *check_nodes(const struct mlrt_tree *tree)
     for (start_walk(tree, &walk); walk.count > 0;) {
         struct visit visit = walk.waiting[--walk.count];
         const struct mlrt_node *node = &tree->nodes[visit.node];
-        const char *wrong =
-            mlrt_node_is_leaf(node) ? check_leaf(tree, node) : check_inner(tree, &visit, next);
-        if (wrong != NULL)
-            return wrong;
+        const char *wrong = mlrt_node_is_leaf(node) ? check_leaf(tree, node) : check_inner(tree, &visit, next);
+        if (wrong != NULL) return wrong;
         if (!mlrt_node_is_leaf(node)) {
             push_children(tree, &visit, &walk);
             next += 2;
@@ -186,15 +182,12 @@ static int is_found_at(const struct mlrt_tree *tree, uint32_t triangle, const do
     while (count > 0) {
         const struct mlrt_node *node = &tree->nodes[waiting[--count]];
         if (mlrt_node_is_leaf(node)) {
-            if (leaf_refers_to(tree, node, triangle))
-                return 1;
+            if (leaf_refers_to(tree, node, triangle)) return 1;
             continue;
         }
         double x = point[mlrt_node_axis(node)];
-        if (x >= node->u.split)
-            waiting[count++] = mlrt_node_child(node) + 1;
-        if (x <= node->u.split)
-            waiting[count++] = mlrt_node_child(node);
+        if (x >= node->u.split) waiting[count++] = mlrt_node_child(node) + 1;
+        if (x <= node->u.split) waiting[count++] = mlrt_node_child(node);
     }
     return 0;
 }
@@ -213,8 +206,7 @@ static int find_point(const struct mlrt_triangle *triangle, const int weight[3],
     for (int k = 0; k < 3; k++) {
         double a = triangle->v[0][k] * (weight[0] / 16.0), b = triangle->v[1][k] * (weight[1] / 16.0),
                c = triangle->v[2][k] * (weight[2] / 16.0);
-        if (!add_exactly(a, b, &point[k]) || !add_exactly(point[k], c, &point[k]))
-            return 0;
+        if (!add_exactly(a, b, &point[k]) || !add_exactly(point[k], c, &point[k])) return 0;
     }
     return 1;
 }
@@ -223,8 +215,7 @@ static int is_inside(const struct mlrt_box *box, const struct mlrt_triangle *tri
 {
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-            if (!(box->lo[k] <= triangle->v[i][k] && triangle->v[i][k] <= box->hi[k]))
-                return 0;
+            if (!(box->lo[k] <= triangle->v[i][k] && triangle->v[i][k] <= box->hi[k])) return 0;
     return 1;
 }
 
@@ -232,18 +223,16 @@ static int is_in_tree(const struct mlrt_triangle *triangle)
 {
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-            if (!isfinite(triangle->v[i][k]))
-                return 0;
+            if (!isfinite(triangle->v[i][k])) return 0;
     return mlrt_triangle_has_area(triangle);
 }
 
 static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
-    static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0}, {0, 8, 8},  {8, 0, 8},
+    static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
                                      {4, 4, 8},  {4, 8, 4},  {8, 4, 4},  {1, 15, 0}, {3, 0, 13}, {0, 11, 5}};
     const struct mlrt_triangle *triangle = &tree->triangles[number];
-    if (!is_inside(&tree->bounds, triangle))
-        return "a triangle is outside of the bounds";
+    if (!is_inside(&tree->bounds, triangle)) return "a triangle is outside of the bounds";
     for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
         double point[3];
         if (find_point(triangle, WEIGHTS[i], point) && !is_found_at(tree, number, point))
@@ -256,8 +245,7 @@ static const char *check_triangles(const struct mlrt_tree *tree)
 {
     for (uint32_t i = 0; i < tree->triangle_count; i++) {
         const char *wrong = is_in_tree(&tree->triangles[i]) ? check_triangle(tree, i) : NULL;
-        if (wrong != NULL)
-            return wrong;
+        if (wrong != NULL) return wrong;
     }
     for (uint32_t i = 0; i < tree->reference_count; i++)
         if (!is_in_tree(&tree->triangles[tree->references[i]]))
@@ -267,8 +255,7 @@ static const char *check_triangles(const struct mlrt_tree *tree)
 
 const char *mlrt_check_tree(const struct mlrt_tree *tree)
 {
-    if (tree->node_count % 2 == 0)
-        return "I1: the number of nodes is even";
+    if (tree->node_count % 2 == 0) return "I1: the number of nodes is even";
     const char *wrong = check_nodes(tree);
     return wrong != NULL ? wrong : check_triangles(tree);
 }

@@ -16,6 +16,7 @@ struct mlrt_job {
     int32_t method;  /* resolved: not DEFAULT */
     int32_t culling;
     int culling_check;
+    int whole_tile_hits;
     int any;
     uint32_t initial_tile_size;
     uint32_t minimum_tile_size;
@@ -27,9 +28,23 @@ struct mlrt_job {
     void *user;
 };
 
+/* What a packet needs to know of a triangle, as far as it depends on their common origin alone (triangle_filter.h). */
+struct mlrt_triangle_setup {
+    uint32_t number; /* of the triangle; MLRT_NONE = empty entry */
+    float cross[3][4];
+    float size[3][4];
+    float distance;
+    float distance_bound;
+};
+
+#define MLRT_SETUP_COUNT 128 /* 14 KiB: fits the first-level cache beside a tile's packets and nodes */
+
 /* What one worker has to itself. */
 struct mlrt_worker {
     mlrt_counters counters;
+    struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
+    uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
+    float apex[3];
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
     uint32_t tile_x;
     uint32_t tile_y;

@@ -27,39 +27,57 @@ static int within_limit(const struct mlrt_memory *memory, size_t block_size)
            (memory->held_size <= memory->limit_size && block_size <= memory->limit_size - memory->held_size);
 }
 
-void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size)
+/* The aligned block in what malloc gave, with that address just below it. */
+static void *place_block(char *start)
 {
-    if (!product_fits(count, size) || !within_limit(memory, count * size))
-        return NULL;
-    char *start = malloc(count * size + MARGIN_SIZE);
-    if (start == NULL)
-        return NULL;
     char *lowest = start + sizeof(void *);
     char *block = lowest + (ALIGNMENT - (uintptr_t)lowest % ALIGNMENT) % ALIGNMENT;
     memcpy(block - sizeof(void *), &start, sizeof(void *));
-    memory->held_size += count * size;
-    if (memory->held_size > memory->peak_size)
-        memory->peak_size = memory->held_size;
     return block;
+}
+
+static char *start_of(const void *block)
+{
+    char *start;
+    memcpy(&start, (const char *)block - sizeof(void *), sizeof(void *));
+    return start;
+}
+
+static void count_held(struct mlrt_memory *memory, size_t added_size)
+{
+    memory->held_size += added_size;
+    if (memory->held_size > memory->peak_size) memory->peak_size = memory->held_size;
+}
+
+void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size)
+{
+    if (!product_fits(count, size) || !within_limit(memory, count * size)) return NULL;
+    char *start = malloc(count * size + MARGIN_SIZE);
+    if (start == NULL) return NULL;
+    count_held(memory, count * size);
+    return place_block(start);
 }
 
 void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t size)
 {
-    if (block == NULL)
-        return;
-    void *start;
-    memcpy(&start, (char *)block - sizeof(void *), sizeof(void *));
-    free(start);
+    if (block == NULL) return;
+    free(start_of(block));
     memory->held_size -= count * size;
 }
 
+/* realloc moves the bytes behind its own start, which can be off the next aligned address by a different amount. */
 void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size)
 {
-    void *resized = mlrt_allocate(memory, new_count, size);
-    if (resized == NULL)
-        return NULL;
-    if (block != NULL)
-        memcpy(resized, block, (old_count < new_count ? old_count : new_count) * size);
-    mlrt_free(memory, block, old_count, size);
-    return resized;
+    if (block == NULL) return mlrt_allocate(memory, new_count, size);
+    size_t kept_size = (old_count < new_count ? old_count : new_count) * size;
+    if (!product_fits(new_count, size) || !within_limit(memory, new_count * size - kept_size)) return NULL;
+    size_t old_offset = (size_t)((char *)block - start_of(block));
+    char *start = realloc(start_of(block), new_count * size + MARGIN_SIZE);
+    if (start == NULL) return NULL;
+    size_t lowest = (uintptr_t)start % ALIGNMENT + sizeof(void *);
+    size_t new_offset = sizeof(void *) + (ALIGNMENT - lowest % ALIGNMENT) % ALIGNMENT;
+    if (new_offset != old_offset) memmove(start + new_offset, start + old_offset, kept_size);
+    memory->held_size -= old_count * size;
+    count_held(memory, new_count * size);
+    return place_block(start);
 }

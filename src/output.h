@@ -50,6 +50,13 @@ void mlrt_write_packet(const struct mlrt_tree *tree, const struct mlrt_packet *p
 /* Writes misses to a run of elements of one row. */
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t count, const struct mlrt_sink *sink);
 
+/* Does the sink want nothing that differs between rays that hit the same triangle? */
+int mlrt_sink_wants_ids_only(const struct mlrt_sink *sink);
+
+/* Writes hits of one triangle to a run of elements of one row of such a sink. */
+void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t count,
+                          const struct mlrt_sink *sink);
+
 /* The ray of a lane. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);
 

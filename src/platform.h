@@ -34,6 +34,14 @@
 #define MLRT_UNLIKELY(condition) (condition)
 #endif
 
+/* Bits set. */
+MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
+{
+    uint32_t count = 0;
+    for (; bits; bits &= bits - 1) ++count;
+    return count;
+}
+
 #if defined(__SSE2__) || defined(__x86_64__)
 #define MLRT_HAVE_SSE 1
 #else

@@ -5,6 +5,7 @@
  */
 #include "render.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "counters.h"
@@ -113,6 +114,11 @@ int32_t mlrt_run_job(const struct mlrt_job *job, mlrt_pool *pool, mlrt_counters 
     if (!buffers) {
         free(workers);
         return MLRT_ERROR_OUT_OF_MEMORY;
+    }
+    for (uint32_t w = 0; w < worker_count; ++w) {
+        /* Only the multi-level method shares set-up triangles among packets. */
+        workers[w].setup_mask = job->method == MLRT_METHOD_MULTILEVEL ? MLRT_SETUP_COUNT - 1 : 0;
+        for (int k = 0; k < 3; ++k) workers[w].apex[k] = NAN;
     }
     struct run run = {job, workers, columns};
     const int32_t answer = mlrt_run_items(pool, (uint32_t)item_count, run_item, &run);

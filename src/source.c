@@ -264,6 +264,7 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
         }
     }
     beam->may_cover = source->skip.data == NULL;
+    beam->is_unlimited = 0;
     for (uint32_t j = y; j < y + height; ++j) {
         for (uint32_t i = x; i < x + width; ++i) {
             struct mlrt_ray_segment ray;

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "clip.h"
+#include "platform.h"
 
 uint32_t mlrt_float_key(float x)
 {
@@ -27,7 +28,7 @@ static float key_float(uint32_t key)
     return x;
 }
 
-/* ---- sorting ------------------------------------------------------------------------------------------------------ */
+/* ---- sorting ------------------------------------------------------------------------------------------------- */
 
 /* Up to here, insertion beats counting digits: four passes over 256 counters cost as much as 48 keys inserted. */
 #define INSERTION_LIMIT 48
@@ -37,8 +38,7 @@ static void insertion_sort(uint32_t *keys, size_t count)
     for (size_t i = 1; i < count; i++) {
         uint32_t key = keys[i];
         size_t j = i;
-        for (; j > 0 && keys[j - 1] > key; j--)
-            keys[j] = keys[j - 1];
+        for (; j > 0 && keys[j - 1] > key; j--) keys[j] = keys[j - 1];
         keys[j] = key;
     }
 }
@@ -47,8 +47,7 @@ static void count_digits(const uint32_t *keys, size_t count, uint32_t counts[4][
 {
     memset(counts, 0, 4 * sizeof counts[0]);
     for (size_t i = 0; i < count; i++)
-        for (int digit = 0; digit < 4; digit++)
-            counts[digit][keys[i] >> (8 * digit) & 255]++;
+        for (int digit = 0; digit < 4; digit++) counts[digit][keys[i] >> (8 * digit) & 255]++;
 }
 
 static void sort_by_digit(const uint32_t *keys, size_t count, int shift, const uint32_t counts[256], uint32_t *sorted)
@@ -59,8 +58,7 @@ static void sort_by_digit(const uint32_t *keys, size_t count, int shift, const u
         place[value] = sum;
         sum += counts[value];
     }
-    for (size_t i = 0; i < count; i++)
-        sorted[place[keys[i] >> shift & 255]++] = keys[i];
+    for (size_t i = 0; i < count; i++) sorted[place[keys[i] >> shift & 255]++] = keys[i];
 }
 
 void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count)
@@ -73,18 +71,16 @@ void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count)
     count_digits(keys, count, counts);
     uint32_t *from = keys, *to = spare;
     for (int digit = 0; digit < 4; digit++) {
-        if (counts[digit][keys[0] >> (8 * digit) & 255] == count)
-            continue;
+        if (counts[digit][keys[0] >> (8 * digit) & 255] == count) continue;
         sort_by_digit(from, count, 8 * digit, counts[digit], to);
         uint32_t *swap = from;
         from = to;
         to = swap;
     }
-    if (from != keys)
-        memcpy(keys, from, count * sizeof *keys);
+    if (from != keys) memcpy(keys, from, count * sizeof *keys);
 }
 
-/* ---- boxes -------------------------------------------------------------------------------------------------------- */
+/* ---- boxes --------------------------------------------------------------------------------------------------- */
 
 static double extent(const struct mlrt_box *box, uint32_t axis)
 {
@@ -114,14 +110,13 @@ struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references
         for (uint32_t k = 0; k < 3; k++) {
             content.bounds.lo[k] = box->lo[k] < content.bounds.lo[k] ? box->lo[k] : content.bounds.lo[k];
             content.bounds.hi[k] = box->hi[k] > content.bounds.hi[k] ? box->hi[k] : content.bounds.hi[k];
-            if (is_planar(box, k))
-                content.planar_area[k] += cross_section(box, k);
+            if (is_planar(box, k)) content.planar_area[k] += cross_section(box, k);
         }
     }
     return content;
 }
 
-/* ---- rule 1: empty space ------------------------------------------------------------------------------------------ */
+/* ---- rule 1: empty space ------------------------------------------------------------------------------------- */
 
 /* The paper's value: an empty side must be more than this part of the cell's volume. */
 #define EMPTY_SIDE 0.1
@@ -132,8 +127,7 @@ int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *con
     for (uint32_t k = 0; k < 3; k++) {
         double below = (double)content->lo[k] - cell->lo[k], above = (double)cell->hi[k] - content->hi[k];
         double gap = below > above ? below : above;
-        if (gap <= largest * extent(cell, k))
-            continue;
+        if (gap <= largest * extent(cell, k)) continue;
         largest = gap / extent(cell, k);
         split->axis = k;
         split->planar_above = gap == below;
@@ -142,7 +136,7 @@ int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *con
     return largest > EMPTY_SIDE;
 }
 
-/* ---- rule 2: covered planes --------------------------------------------------------------------------------------- */
+/* ---- rule 2: covered planes ---------------------------------------------------------------------------------- */
 
 /* Areas of triangles that cover a rectangle add up to its own but for rounding: 2^-20 is far above the error. */
 #define COVERED (1 - 0x1p-20)
@@ -162,7 +156,7 @@ static struct slicing cut_slices(double lo, double hi, int count)
     return slicing;
 }
 
-static int slice_of(const struct slicing *slicing, float x, int count)
+MLRT_INLINE int slice_of(const struct slicing *slicing, float x, int count)
 {
     int slice = (int)((x - slicing->start) * slicing->scale);
     return slice < count ? slice : count - 1;
@@ -201,8 +195,7 @@ static size_t gather_planes(const struct mlrt_box *cell, const struct mlrt_refer
     mlrt_sort_keys(keys, keys + key_count, key_count);
     size_t unique_count = 0;
     for (size_t i = 0; i < key_count; i++)
-        if (unique_count == 0 || keys[unique_count - 1] != keys[i])
-            keys[unique_count++] = keys[i];
+        if (unique_count == 0 || keys[unique_count - 1] != keys[i]) keys[unique_count++] = keys[i];
     return unique_count;
 }
 
@@ -236,11 +229,9 @@ static void measure_planes(const struct mlrt_triangle *triangles, const struct m
     for (size_t i = 0; i < count; i++) {
         const struct mlrt_box *box = &references[i].box;
         size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
-        if (plane < key_count)
-            areas[plane] += cross_section(box, axis);
+        if (plane < key_count) areas[plane] += cross_section(box, axis);
     }
-    for (size_t plane = 0; plane < key_count; plane++)
-        areas[plane] = areas[plane] >= enough ? 0 : -1;
+    for (size_t plane = 0; plane < key_count; plane++) areas[plane] = areas[plane] >= enough ? 0 : -1;
     for (size_t i = 0; i < count; i++) {
         const struct mlrt_box *box = &references[i].box;
         size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
@@ -256,8 +247,7 @@ int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct 
 {
     double best = -1;
     for (uint32_t k = 0; k < 3; k++) {
-        if (!may_be_covered_along(cell, content, k))
-            continue;
+        if (!may_be_covered_along(cell, content, k)) continue;
         double enough = COVERED * cross_section(cell, k);
         size_t plane_count = gather_planes(cell, references, count, k, keys);
         measure_planes(triangles, references, count, k, enough, keys, plane_count, areas);
@@ -265,8 +255,7 @@ int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct 
             float position = key_float(keys[plane]);
             double below = (double)position - cell->lo[k], above = (double)cell->hi[k] - position;
             double smaller = (above < below ? above : below) / extent(cell, k);
-            if (areas[plane] < enough || smaller <= best)
-                continue;
+            if (areas[plane] < enough || smaller <= best) continue;
             best = smaller;
             split->axis = k;
             split->position = position;
@@ -276,7 +265,7 @@ int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct 
     return best >= 0;
 }
 
-/* ---- surface area heuristic --------------------------------------------------------------------------------------- */
+/* ---- surface area heuristic ---------------------------------------------------------------------------------- */
 
 /* A cell as seen along an axis, and what a split of it costs. */
 struct sweep {
@@ -297,7 +286,7 @@ static struct sweep start_sweep(const struct mlrt_cost_model *model, const struc
     return sweep;
 }
 
-static double split_cost(const struct sweep *sweep, double position, size_t below_count, size_t above_count)
+MLRT_INLINE double cost_at(const struct sweep *sweep, double position, size_t below_count, size_t above_count)
 {
     double below_area = sweep->cross_section + (position - sweep->lo) * sweep->perimeter;
     double above_area = sweep->cross_section + (sweep->hi - position) * sweep->perimeter;
@@ -306,10 +295,17 @@ static double split_cost(const struct sweep *sweep, double position, size_t belo
     return factor * (sweep->model->traversal + tests);
 }
 
+double mlrt_split_cost(const struct mlrt_cost_model *model, const struct mlrt_box *cell, const struct mlrt_split *split,
+                       size_t below_count, size_t above_count)
+{
+    struct sweep sweep = start_sweep(model, cell, split->axis);
+    return cost_at(&sweep, split->position, below_count, above_count);
+}
+
 static void offer_split(const struct sweep *sweep, float position, size_t below_count, size_t above_count,
                         int planar_above, struct mlrt_split *best)
 {
-    double cost = split_cost(sweep, position, below_count, above_count);
+    double cost = cost_at(sweep, position, below_count, above_count);
     if (cost < best->cost) {
         best->cost = cost;
         best->position = position;
@@ -318,7 +314,8 @@ static void offer_split(const struct sweep *sweep, float position, size_t below_
     }
 }
 
-/* Bounds of references along an axis, sorted: of those that are not planar where they start and end, and of the others. */
+/* Bounds of references along an axis, sorted: of those that are not planar where they start and end, and of the others.
+ */
 struct events {
     uint32_t *starts;
     uint32_t *ends;
@@ -328,11 +325,10 @@ struct events {
     size_t planar_count;
 };
 
-static size_t skip_equal(const uint32_t *keys, size_t count, size_t *next, uint32_t key)
+MLRT_INLINE size_t skip_equal(const uint32_t *keys, size_t count, size_t *next, uint32_t key)
 {
     size_t first = *next;
-    while (*next < count && keys[*next] == key)
-        ++*next;
+    while (*next < count && keys[*next] == key) ++*next;
     return *next - first;
 }
 
@@ -346,8 +342,8 @@ static uint32_t first_key(const uint32_t *keys, size_t count, size_t next, uint3
  * `below_count` references start before the first event, `above_count` do not end before it. A face of the cell is a
  * split only if that takes planar references out of the rest of the cell.
  */
-static void sweep_events(const struct sweep *sweep, const struct events *events, size_t below_count,
-                         size_t above_count, struct mlrt_split *best)
+static void sweep_events(const struct sweep *sweep, const struct events *events, size_t below_count, size_t above_count,
+                         struct mlrt_split *best)
 {
     size_t start = 0, end = 0, planar = 0;
     while (start < events->start_count || end < events->end_count || planar < events->planar_count) {
@@ -398,15 +394,14 @@ void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlr
 {
     split->cost = HUGE_VAL;
     for (uint32_t k = 0; k < 3; k++) {
-        if (extent(cell, k) <= 0)
-            continue;
+        if (extent(cell, k) <= 0) continue;
         struct sweep sweep = start_sweep(model, cell, k);
         struct events events = gather_all_events(references, count, k, keys);
         sweep_events(&sweep, &events, 0, count, split);
     }
 }
 
-/* ---- the same with bins ------------------------------------------------------------------------------------------- */
+/* ---- the same with bins -------------------------------------------------------------------------------------- */
 
 /* Planes tried per axis before the exact search around the best of them. */
 #define BIN_COUNT 256
@@ -423,8 +418,7 @@ static void fill_bins(const struct mlrt_reference *references, size_t count, con
 {
     memset(bins, 0, 3 * sizeof *bins);
     for (uint32_t k = 0; k < 3; k++) {
-        if (extent(content, k) <= 0)
-            continue;
+        if (extent(content, k) <= 0) continue;
         struct bins *axis_bins = &bins[k];
         axis_bins->slicing = cut_slices(content->lo[k], content->hi[k], BIN_COUNT);
         for (size_t i = 0; i < count; i++) {
@@ -443,7 +437,7 @@ static int find_best_boundary(const struct sweep *sweep, const struct bins *bins
         below_count += bins->starts[bin - 1];
         above_count -= bins->ends[bin - 1];
         double boundary_cost =
-            split_cost(sweep, bins->slicing.start + bin / bins->slicing.scale, below_count, above_count);
+            cost_at(sweep, bins->slicing.start + bin / bins->slicing.scale, below_count, above_count);
         if (boundary_cost < *cost) {
             *cost = boundary_cost;
             best = bin;
@@ -469,10 +463,8 @@ static struct events gather_events(const struct mlrt_reference *references, size
             }
             continue;
         }
-        if (starts)
-            events.starts[events.start_count++] = mlrt_float_key(box->lo[axis]);
-        if (ends)
-            events.ends[events.end_count++] = mlrt_float_key(box->hi[axis]);
+        if (starts) events.starts[events.start_count++] = mlrt_float_key(box->lo[axis]);
+        if (ends) events.ends[events.end_count++] = mlrt_float_key(box->hi[axis]);
     }
     sort_events(&events, keys + 2 * count);
     return events;
@@ -488,8 +480,7 @@ void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct ml
     int best = 0;
     uint32_t axis = 0;
     for (uint32_t k = 0; k < 3; k++) {
-        if (extent(content, k) <= 0)
-            continue;
+        if (extent(content, k) <= 0) continue;
         struct sweep sweep = start_sweep(model, cell, k);
         int boundary = find_best_boundary(&sweep, &bins[k], count, &cost);
         if (boundary > 0) {
@@ -508,6 +499,5 @@ void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct ml
         struct events events = gather_events(references, count, axis, &bins[axis].slicing, best - 1, keys);
         sweep_events(&sweep, &events, below_count, above_count, split);
     }
-    if (split->cost == HUGE_VAL)
-        mlrt_find_exact_split(model, cell, references, count, keys, split);
+    if (split->cost == HUGE_VAL) mlrt_find_exact_split(model, cell, references, count, keys, split);
 }

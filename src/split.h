@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where to split a cell: the surface area heuristic and the rules of the paper that come before it. Pure functions: they
- * look at the references of one cell and keep nothing.
+ * Where to split a cell: the surface area heuristic and the rules of the paper that come before it. Pure functions:
+ * they look at the references of one cell and keep nothing.
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Ingo Wald, Vlastimil Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", 2006.
@@ -53,22 +53,28 @@ double mlrt_half_area(const struct mlrt_box *box);
 static inline int mlrt_side_of_split(const struct mlrt_reference *reference, const struct mlrt_split *split)
 {
     float lo = reference->box.lo[split->axis], hi = reference->box.hi[split->axis];
-    if (lo == hi && lo == split->position)
-        return split->planar_above ? 1 : -1;
+    if (lo == hi && lo == split->position) return split->planar_above ? 1 : -1;
     return (lo >= split->position) - (hi <= split->position);
 }
 
+/* What a split costs by the model that leaves so many references on its sides. Not for cells of zero area. */
+double mlrt_split_cost(const struct mlrt_cost_model *model, const struct mlrt_box *cell, const struct mlrt_split *split,
+                       size_t below_count, size_t above_count);
+
 struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count);
 
-/* Rule 1: the split that cuts off the largest empty side, if it is more than 10 % of the cell. Returns whether it is. */
+/*
+ * Rule 1: the split that cuts off the largest empty side, if it is more than 10 % of the cell. Returns whether it is;
+ * the cost is not set.
+ */
 int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *content, struct mlrt_split *split);
 
-/* 1 = rule 2 may find a plane: enough area is planar in some axis. */
+/* Whether rule 2 may find a plane: enough area is planar in some axis. */
 int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *content);
 
 /*
  * Rule 2: a plane that triangles in it cover wholly; of several the one nearest to the middle of the cell. `keys` has
- * room for 2 * count, `areas` for count. Returns whether there is one.
+ * room for 2 * count, `areas` for count. Returns whether there is one; the cost is not set.
  */
 int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_box *cell,
                             const struct mlrt_reference *references, size_t count, const struct mlrt_content *content,

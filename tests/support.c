@@ -50,7 +50,7 @@ static void *grow(void *block, size_t *capacity, size_t needed, size_t size)
 /* ---- random numbers ---------------------------------------------------------------------------------------------- */
 
 /* SplitMix64 (Sebastiano Vigna): every seed is good, 0 too. */
-uint32_t random_bits(struct random *random)
+uint32_t draw_bits(struct random *random)
 {
     uint64_t z = random->state += 0x9E3779B97F4A7C15u;
     z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -58,14 +58,14 @@ uint32_t random_bits(struct random *random)
     return (uint32_t)((z ^ (z >> 31)) >> 32);
 }
 
-uint32_t random_below(struct random *random, uint32_t limit)
+uint32_t draw_below(struct random *random, uint32_t limit)
 {
-    return (uint32_t)(((uint64_t)random_bits(random) * limit) >> 32);
+    return (uint32_t)(((uint64_t)draw_bits(random) * limit) >> 32);
 }
 
-float random_range(struct random *random, float lo, float hi)
+float draw_range(struct random *random, float lo, float hi)
 {
-    double unit = (double)(random_bits(random) >> 8) / 16777216.0;
+    double unit = (double)(draw_bits(random) >> 8) / 16777216.0;
     return (float)((double)lo + ((double)hi - (double)lo) * unit);
 }
 
@@ -83,16 +83,16 @@ uint32_t bits_of_float(float value)
     return bits;
 }
 
-float random_finite(struct random *random)
+float draw_finite(struct random *random)
 {
-    uint32_t bits = random_bits(random);
-    while ((bits & 0x7F800000u) == 0x7F800000u) bits = random_bits(random);
+    uint32_t bits = draw_bits(random);
+    while ((bits & 0x7F800000u) == 0x7F800000u) bits = draw_bits(random);
     return float_of_bits(bits);
 }
 
-void random_point(struct random *random, float lo, float hi, float point[3])
+void draw_point(struct random *random, float lo, float hi, float point[3])
 {
-    for (int k = 0; k < 3; k++) point[k] = random_range(random, lo, hi);
+    for (int k = 0; k < 3; k++) point[k] = draw_range(random, lo, hi);
 }
 
 /* Floats in order are integers in order, if those with a sign bit count downwards. */
@@ -106,7 +106,7 @@ float next_float(float value, int steps)
 
 /* ---- triangles --------------------------------------------------------------------------------------------------- */
 
-void add_triangle(struct soup *soup, const float a[3], const float b[3], const float c[3])
+void soup_add_triangle(struct soup *soup, const float a[3], const float b[3], const float c[3])
 {
     soup->corners = grow(soup->corners, &soup->capacity, soup->count + 1, 9 * sizeof(float));
     float *corner = soup->corners + 9 * soup->count++;
@@ -115,7 +115,7 @@ void add_triangle(struct soup *soup, const float a[3], const float b[3], const f
     memcpy(corner + 6, c, 3 * sizeof(float));
 }
 
-void add_quad(struct soup *soup, const float corner[3], const float side[3], const float other_side[3])
+void soup_add_quad(struct soup *soup, const float corner[3], const float side[3], const float other_side[3])
 {
     float b[3], c[3], d[3];
     for (int k = 0; k < 3; k++) {
@@ -123,11 +123,11 @@ void add_quad(struct soup *soup, const float corner[3], const float side[3], con
         c[k] = b[k] + other_side[k];
         d[k] = corner[k] + other_side[k];
     }
-    add_triangle(soup, corner, b, c);
-    add_triangle(soup, corner, c, d);
+    soup_add_triangle(soup, corner, b, c);
+    soup_add_triangle(soup, corner, c, d);
 }
 
-void add_grid(struct soup *soup, int axis, float level, int cells)
+void soup_add_grid(struct soup *soup, int axis, float level, int cells)
 {
     for (int row = 0; row < cells; row++) {
         for (int column = 0; column < cells; column++) {
@@ -137,12 +137,12 @@ void add_grid(struct soup *soup, int axis, float level, int cells)
             corner[(axis + 2) % 3] = (float)row;
             side[(axis + 1) % 3] = 1;
             other_side[(axis + 2) % 3] = 1;
-            add_quad(soup, corner, side, other_side);
+            soup_add_quad(soup, corner, side, other_side);
         }
     }
 }
 
-void add_box(struct soup *soup, const float lo[3], const float hi[3])
+void soup_add_box(struct soup *soup, const float lo[3], const float hi[3])
 {
     for (int axis = 0; axis < 3; axis++) {
         for (int end = 0; end < 2; end++) {
@@ -153,38 +153,38 @@ void add_box(struct soup *soup, const float lo[3], const float hi[3])
                 p[n][i] = (n == 1 || n == 2) ? hi[i] : lo[i];
                 p[n][j] = n >= 2 ? hi[j] : lo[j];
             }
-            add_triangle(soup, p[0], p[end ? 1 : 2], p[end ? 2 : 1]);
-            add_triangle(soup, p[0], p[end ? 2 : 3], p[end ? 3 : 2]);
+            soup_add_triangle(soup, p[0], p[end ? 1 : 2], p[end ? 2 : 1]);
+            soup_add_triangle(soup, p[0], p[end ? 2 : 3], p[end ? 3 : 2]);
         }
     }
 }
 
-void add_random(struct soup *soup, struct random *random, size_t count, float extent, float size)
+void soup_add_random(struct soup *soup, struct random *random, size_t count, float extent, float size)
 {
     for (size_t i = 0; i < count; i++) {
         float centre[3], p[3][3];
-        random_point(random, -extent, extent, centre);
+        draw_point(random, -extent, extent, centre);
         for (int c = 0; c < 3; c++) {
-            random_point(random, -size, size, p[c]);
+            draw_point(random, -size, size, p[c]);
             for (int k = 0; k < 3; k++) p[c][k] += centre[k];
         }
-        add_triangle(soup, p[0], p[1], p[2]);
+        soup_add_triangle(soup, p[0], p[1], p[2]);
     }
 }
 
 /* Long, thin, in pairs that share the long edge. */
-void add_needles(struct soup *soup, struct random *random, size_t count, float aspect)
+void soup_add_needles(struct soup *soup, struct random *random, size_t count, float aspect)
 {
     for (size_t i = 0; i < count; i++) {
         float from[3], to[3], above[3], below[3];
-        random_point(random, -1, 1, from);
-        random_point(random, -1, 1, to);
+        draw_point(random, -1, 1, from);
+        draw_point(random, -1, 1, to);
         for (int k = 0; k < 3; k++) {
-            above[k] = to[k] + random_range(random, -1, 1) / aspect;
-            below[k] = from[k] + random_range(random, -1, 1) / aspect;
+            above[k] = to[k] + draw_range(random, -1, 1) / aspect;
+            below[k] = from[k] + draw_range(random, -1, 1) / aspect;
         }
-        add_triangle(soup, from, to, above);
-        add_triangle(soup, to, from, below);
+        soup_add_triangle(soup, from, to, above);
+        soup_add_triangle(soup, to, from, below);
     }
 }
 
@@ -203,7 +203,7 @@ static void add_sphere_part(struct soup *soup, const float a[3], const float b[3
                             float radius)
 {
     if (subdivisions == 0) {
-        add_triangle(soup, a, b, c);
+        soup_add_triangle(soup, a, b, c);
         return;
     }
     float ab[3], bc[3], ca[3];
@@ -216,7 +216,7 @@ static void add_sphere_part(struct soup *soup, const float a[3], const float b[3
     add_sphere_part(soup, ab, bc, ca, subdivisions - 1, radius);
 }
 
-void add_icosphere(struct soup *soup, int subdivisions, float radius)
+void soup_add_icosphere(struct soup *soup, int subdivisions, float radius)
 {
     static const signed char corner[12][3] = {{-1, 2, 0}, {1, 2, 0}, {-1, -2, 0}, {1, -2, 0}, {0, -1, 2}, {0, 1, 2},
                                               {0, -1, -2}, {0, 1, -2}, {2, 0, -1}, {2, 0, 1}, {-2, 0, -1}, {-2, 0, 1}};
@@ -247,15 +247,15 @@ static void torus_point(int i, int around, int j, int across, float radius, floa
     point[2] = (float)((double)tube * sin(b));
 }
 
-void add_torus(struct soup *soup, int around, int across, float radius, float tube)
+void soup_add_torus(struct soup *soup, int around, int across, float radius, float tube)
 {
     for (int i = 0; i < around; i++) {
         for (int j = 0; j < across; j++) {
             float p[4][3];
             for (int n = 0; n < 4; n++)
                 torus_point(i + (n == 1 || n == 2), around, j + (n >= 2), across, radius, tube, p[n]);
-            add_triangle(soup, p[0], p[1], p[2]);
-            add_triangle(soup, p[0], p[2], p[3]);
+            soup_add_triangle(soup, p[0], p[1], p[2]);
+            soup_add_triangle(soup, p[0], p[2], p[3]);
         }
     }
 }
@@ -407,15 +407,15 @@ struct reference_ray *add_ray_towards(struct ray_list *list, const float origin[
 static const struct reference_triangle *random_triangle(struct random *random, const struct fixture *fixture)
 {
     size_t count = reference_triangle_count(fixture->reference);
-    return count ? reference_triangle_at(fixture->reference, random_below(random, (uint32_t)count)) : NULL;
+    return count ? reference_triangle_at(fixture->reference, draw_below(random, (uint32_t)count)) : NULL;
 }
 
 /* A vertex, a point near an edge (on it as far as floats go), or one inside. */
 static void point_of_triangle(struct random *random, const struct reference_triangle *triangle, float point[3])
 {
-    int kind = (int)random_below(random, 3);
-    float u = random_range(random, 0, 1), v = random_range(random, 0, 1 - u);
-    int first = (int)random_below(random, 3);
+    int kind = (int)draw_below(random, 3);
+    float u = draw_range(random, 0, 1), v = draw_range(random, 0, 1 - u);
+    int first = (int)draw_below(random, 3);
     const float *a = triangle->corner[first];
     const float *b = triangle->corner[(first + 1) % 3], *c = triangle->corner[(first + 2) % 3];
     if (kind < 2) v = 0;
@@ -432,7 +432,7 @@ void add_aimed_rays(struct ray_list *list, struct random *random, const struct f
     for (size_t i = 0; i < count; i++) {
         const struct reference_triangle *triangle = random_triangle(random, fixture);
         float origin[3], target[3] = {0, 0, 0};
-        random_point(random, lo, hi, origin);
+        draw_point(random, lo, hi, origin);
         if (triangle) point_of_triangle(random, triangle, target);
         add_ray_towards(list, origin, target);
     }
@@ -442,8 +442,8 @@ void add_random_rays(struct ray_list *list, struct random *random, size_t count,
 {
     for (size_t i = 0; i < count; i++) {
         float origin[3], direction[3];
-        random_point(random, lo, hi, origin);
-        random_point(random, -1, 1, direction);
+        draw_point(random, lo, hi, origin);
+        draw_point(random, -1, 1, direction);
         add_ray(list, origin, direction);
     }
 }
@@ -453,13 +453,13 @@ void add_axis_rays(struct ray_list *list, struct random *random, const struct fi
     for (size_t i = 0; i < count; i++) {
         const struct reference_triangle *triangle = random_triangle(random, fixture);
         float origin[3] = {0, 0, 0}, direction[3];
-        int axis = (int)random_below(random, 3), back = (int)random_below(random, 2);
-        if (triangle) memcpy(origin, triangle->corner[random_below(random, 3)], sizeof origin);
-        for (int k = 0; k < 3; k++) direction[k] = random_below(random, 2) ? 0.0f : -0.0f;
+        int axis = (int)draw_below(random, 3), back = (int)draw_below(random, 2);
+        if (triangle) memcpy(origin, triangle->corner[draw_below(random, 3)], sizeof origin);
+        for (int k = 0; k < 3; k++) direction[k] = draw_below(random, 2) ? 0.0f : -0.0f;
         direction[axis] = back ? -1.0f : 1.0f;
-        if (random_below(random, 4) == 0) direction[(axis + 1) % 3] = 1;
-        if (random_below(random, 2)) origin[axis] -= 8 * direction[axis];
-        if (random_below(random, 4) == 0) origin[(axis + 1) % 3] += random_range(random, -1, 1);
+        if (draw_below(random, 4) == 0) direction[(axis + 1) % 3] = 1;
+        if (draw_below(random, 2)) origin[axis] -= 8 * direction[axis];
+        if (draw_below(random, 4) == 0) origin[(axis + 1) % 3] += draw_range(random, -1, 1);
         add_ray(list, origin, direction);
     }
 }
@@ -469,11 +469,11 @@ void add_surface_rays(struct ray_list *list, struct random *random, const struct
     for (size_t i = 0; i < count; i++) {
         const struct reference_triangle *triangle = random_triangle(random, fixture);
         float origin[3] = {0, 0, 0}, direction[3];
-        random_point(random, -1, 1, direction);
+        draw_point(random, -1, 1, direction);
         if (triangle) {
             point_of_triangle(random, triangle, origin);
-            uint32_t from = random_below(random, 3);
-            if (random_below(random, 3) == 0)
+            uint32_t from = draw_below(random, 3);
+            if (draw_below(random, 3) == 0)
                 reference_difference(triangle->corner[(from + 1) % 3], triangle->corner[from], direction);
         }
         add_ray(list, origin, direction);
@@ -487,7 +487,7 @@ static void restrict_rays(struct ray_list *list, struct random *random, const st
         struct reference_ray *ray = &list->rays[i];
         struct reference_hit hit;
         reference_trace(fixture->reference, ray, &hit);
-        switch (random_below(random, 6)) {
+        switch (draw_below(random, 6)) {
         case 0: ray->t_max = hit.t; break;
         case 1: ray->t_min = isinf(hit.t) ? 0 : hit.t; break;
         case 2: ray->t_max = isinf(hit.t) ? 1 : next_float(hit.t, -1); break;
@@ -496,7 +496,7 @@ static void restrict_rays(struct ray_list *list, struct random *random, const st
             ray->skip[0] = hit.mesh;
             ray->skip[1] = hit.triangle;
             break;
-        default: ray->t_min = -random_range(random, 0, 1); break;
+        default: ray->t_min = -draw_range(random, 0, 1); break;
         }
     }
 }
@@ -650,7 +650,7 @@ struct tiling {
     uint32_t factor;
 };
 
-static void add_variant(int32_t method, int32_t isa, int32_t culling, uint32_t check_off, struct tiling tiling, int probe)
+static struct variant *add_variant(int32_t method, int32_t isa, struct tiling tiling, int probe)
 {
     static const uint32_t threads[] = {0, 2, 0, 3, 1, 0, 8};
     assert_true(variants_used < VARIANT_LIMIT);
@@ -658,40 +658,38 @@ static void add_variant(int32_t method, int32_t isa, int32_t culling, uint32_t c
     variant->options = (mlrt_trace_options){.struct_size = sizeof variant->options,
                                             .method = method,
                                             .isa = isa,
-                                            .culling = culling,
-                                            .culling_check_off = check_off,
                                             .initial_tile_size = tiling.initial,
                                             .minimum_tile_size = tiling.minimum,
                                             .split_factor = tiling.factor};
     variant->threads = threads[variants_used % (sizeof threads / sizeof threads[0])];
     variant->probe = probe;
     variants_used++;
+    return variant;
 }
 
 static void list_variants_of(int32_t isa)
 {
     static const struct tiling whole = {0, 0, 0};
-    static const struct tiling tilings[] = {{4, 4, 4},    {8, 4, 4},    {16, 4, 16},  {32, 32, 4}, {64, 4, 4},
-                                            {128, 8, 16}, {256, 64, 4}, {1024, 4, 16}};
-    add_variant(MLRT_METHOD_RAY, isa, 0, 0, whole, 0);
-    add_variant(MLRT_METHOD_PACKET2, isa, 0, 0, whole, 1);
-    add_variant(MLRT_METHOD_PACKET4, isa, 0, 0, whole, 1);
-    for (int32_t culling = 0; culling < 2; culling++) {
-        for (uint32_t off = 0; off < 2; off++) {
-            struct tiling fine = {64, 4, 4}, wide = {128, 4, 16};
-            add_variant(MLRT_METHOD_MULTILEVEL, isa, culling, off, whole, culling == 0 && off == 0);
-            add_variant(MLRT_METHOD_MULTILEVEL, isa, culling, off, fine, culling == 1 && off == 0);
-            add_variant(MLRT_METHOD_MULTILEVEL, isa, culling, off, wide, 0);
-        }
+    static const struct tiling tilings[] = {{4, 4, 4}, {8, 4, 4}, {16, 4, 16}, {32, 32, 4}, {128, 8, 16}, {1024, 4, 16}};
+    static const struct tiling fine = {64, 4, 4};
+    add_variant(MLRT_METHOD_RAY, isa, whole, 0);
+    add_variant(MLRT_METHOD_PACKET2, isa, whole, 1);
+    add_variant(MLRT_METHOD_PACKET4, isa, whole, 1);
+    for (int32_t switches = 0; switches < 8; switches++) {
+        struct variant *variant =
+            add_variant(MLRT_METHOD_MULTILEVEL, isa, switches & 1 ? fine : whole, switches == 0 || switches == 7);
+        variant->options.culling = switches & 1 ? MLRT_CULLING_DIRECT : MLRT_CULLING_INVERSE;
+        variant->options.culling_check = switches >> 1 & 1;
+        variant->options.whole_tile_hits_off = switches >> 2 & 1;
     }
     for (size_t i = 0; i < sizeof tilings / sizeof tilings[0]; i++)
-        add_variant(MLRT_METHOD_MULTILEVEL, isa, 0, 0, tilings[i], 0);
+        add_variant(MLRT_METHOD_MULTILEVEL, isa, tilings[i], 0);
 }
 
 static void list_variants(void)
 {
     struct tiling whole = {0, 0, 0};
-    add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, 0, 0, whole, 1);
+    add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1);
     list_variants_of(MLRT_ISA_SCALAR);
     if (isa_is_supported(MLRT_ISA_SSE)) list_variants_of(MLRT_ISA_SSE);
 }
@@ -739,7 +737,7 @@ static void describe(const char *call, const mlrt_trace_options *o, uint32_t thr
     static const char *const methods[] = {"default", "ray", "packet2", "packet4", "multilevel"};
     static const char *const isas[] = {"auto", "scalar", "sse"};
     snprintf(text, size, "%s, method %s, isa %s, culling %s%s, tiles %u/%u/%u, %u threads", call, methods[o->method],
-             isas[o->isa], o->culling ? "direct" : "inverse", o->culling_check_off ? " without check" : "",
+             isas[o->isa], o->culling ? "direct" : "inverse", o->culling_check ? " with check" : "",
              (unsigned)o->initial_tile_size, (unsigned)o->minimum_tile_size, (unsigned)o->split_factor,
              (unsigned)threads);
 }

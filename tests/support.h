@@ -26,11 +26,11 @@ struct random {
     uint64_t state;
 };
 
-uint32_t random_bits(struct random *random);
-uint32_t random_below(struct random *random, uint32_t limit);
-float random_range(struct random *random, float lo, float hi);
-float random_finite(struct random *random); /* any finite float: all bit patterns are equally likely */
-void random_point(struct random *random, float lo, float hi, float point[3]);
+uint32_t draw_bits(struct random *random);
+uint32_t draw_below(struct random *random, uint32_t limit);
+float draw_range(struct random *random, float lo, float hi);
+float draw_finite(struct random *random); /* any finite float: all bit patterns are equally likely */
+void draw_point(struct random *random, float lo, float hi, float point[3]);
 float float_of_bits(uint32_t bits);
 uint32_t bits_of_float(float value);
 float next_float(float value, int steps); /* `steps` floats up (or down); finite values only */
@@ -43,14 +43,14 @@ struct soup {
     size_t capacity;
 };
 
-void add_triangle(struct soup *soup, const float a[3], const float b[3], const float c[3]);
-void add_quad(struct soup *soup, const float corner[3], const float side[3], const float other_side[3]);
-void add_grid(struct soup *soup, int axis, float level, int cells); /* cells^2 quads over [0, cells]^2 */
-void add_box(struct soup *soup, const float lo[3], const float hi[3]);
-void add_random(struct soup *soup, struct random *random, size_t count, float extent, float size);
-void add_needles(struct soup *soup, struct random *random, size_t count, float aspect);
-void add_icosphere(struct soup *soup, int subdivisions, float radius);
-void add_torus(struct soup *soup, int around, int across, float radius, float tube);
+void soup_add_triangle(struct soup *soup, const float a[3], const float b[3], const float c[3]);
+void soup_add_quad(struct soup *soup, const float corner[3], const float side[3], const float other_side[3]);
+void soup_add_grid(struct soup *soup, int axis, float level, int cells); /* cells^2 quads over [0, cells]^2 */
+void soup_add_box(struct soup *soup, const float lo[3], const float hi[3]);
+void soup_add_random(struct soup *soup, struct random *random, size_t count, float extent, float size);
+void soup_add_needles(struct soup *soup, struct random *random, size_t count, float aspect);
+void soup_add_icosphere(struct soup *soup, int subdivisions, float radius);
+void soup_add_torus(struct soup *soup, int around, int across, float radius, float tube);
 void move_soup(struct soup *soup, float scale, const float offset[3]); /* rounded to float */
 void swap_axes(struct soup *soup, int turns);                         /* x -> y -> z -> x, `turns` times */
 void free_soup(struct soup *soup);

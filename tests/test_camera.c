@@ -66,14 +66,14 @@ static void random_cameras_follow_the_formula(void **state)
     (void)state;
     struct random random = {1};
     for (int i = 0; i < 500; i++) {
-        mlrt_camera camera = some_camera((int32_t)random_below(&random, 2));
+        mlrt_camera camera = some_camera((int32_t)draw_below(&random, 2));
         for (int k = 0; k < 3; k++) {
-            camera.d00[k] = random_range(&random, -2, 2);
-            camera.dx[k] = random_range(&random, -0.1f, 0.1f);
-            camera.dy[k] = random_range(&random, -0.1f, 0.1f);
+            camera.d00[k] = draw_range(&random, -2, 2);
+            camera.dx[k] = draw_range(&random, -0.1f, 0.1f);
+            camera.dy[k] = draw_range(&random, -0.1f, 0.1f);
         }
-        camera.sample_x = random_range(&random, -1, 2);
-        camera.sample_y = random_range(&random, -1, 2);
+        camera.sample_x = draw_range(&random, -1, 2);
+        camera.sample_y = draw_range(&random, -1, 2);
         assert_rays(&camera);
     }
 }
@@ -97,12 +97,12 @@ static void products_that_underflow_are_rounded_once(void **state)
     for (int i = 0; i < 200; i++) {
         mlrt_camera camera = some_camera(MLRT_PROJECTION_PINHOLE);
         for (int k = 0; k < 3; k++) {
-            camera.d00[k] = random_range(&random, -1e-38f, 1e-38f);
-            camera.dx[k] = random_range(&random, -1e-38f, 1e-38f);
-            camera.dy[k] = random_range(&random, -1e-38f, 1e-38f);
+            camera.d00[k] = draw_range(&random, -1e-38f, 1e-38f);
+            camera.dx[k] = draw_range(&random, -1e-38f, 1e-38f);
+            camera.dy[k] = draw_range(&random, -1e-38f, 1e-38f);
         }
-        camera.sample_x = random_range(&random, 0, 1);
-        camera.sample_y = random_range(&random, 0, 1);
+        camera.sample_x = draw_range(&random, 0, 1);
+        camera.sample_y = draw_range(&random, 0, 1);
         assert_rays(&camera);
     }
 }
@@ -218,7 +218,7 @@ static void tracing_the_rays_is_rendering(void **state)
 {
     (void)state;
     struct soup soup = {0};
-    add_icosphere(&soup, 2, 1);
+    soup_add_icosphere(&soup, 2, 1);
     struct fixture fixture = fixture_of_soup("sphere", 3, &soup);
     const float eye[3] = {2, -2, 1}, target[3] = {0, 0, 0};
     mlrt_camera camera = look_at(eye, target, 0.8f, WIDTH, HEIGHT);

@@ -52,14 +52,14 @@ static struct fixture boxes(void)
     struct random random = {2};
     struct soup soup = {0};
     const float lo[3] = {-4, -4, -1}, hi[3] = {4, 4, 4};
-    add_box(&soup, lo, hi);
+    soup_add_box(&soup, lo, hi);
     for (int i = 0; i < 24; i++) {
         float from[3], to[3];
         for (int k = 0; k < 3; k++) {
-            from[k] = (float)random_below(&random, 6) - 3;
-            to[k] = from[k] + 0.5f + 0.25f * (float)random_below(&random, 4);
+            from[k] = (float)draw_below(&random, 6) - 3;
+            to[k] = from[k] + 0.5f + 0.25f * (float)draw_below(&random, 4);
         }
-        add_box(&soup, from, to);
+        soup_add_box(&soup, from, to);
     }
     return fixture_of_soup("boxes", 2, &soup);
 }
@@ -102,7 +102,7 @@ static void point_lights_inside_the_scene(void **state)
     struct points points = points_of_boxes(&fixture, 48, 40);
     for (size_t i = 0; i < scaled(8); i++) {
         float position[3];
-        random_point(&random, -3.9f, 3.9f, position);
+        draw_point(&random, -3.9f, 3.9f, position);
         mlrt_light light = light_at(position[0], position[1], position[2]);
         check(&fixture, &points, &light);
     }
@@ -141,7 +141,7 @@ static void directional_lights(void **state)
     struct points points = points_of_boxes(&fixture, 40, 40);
     for (size_t i = 0; i < scaled(6); i++) {
         float direction[3];
-        random_point(&random, -1, 1, direction);
+        draw_point(&random, -1, 1, direction);
         mlrt_light light = light_from(direction[0], direction[1], direction[2]);
         check(&fixture, &points, &light);
     }
@@ -188,7 +188,7 @@ static void points_on_surfaces(void **state)
     size_t triangle_count = reference_triangle_count(fixture.reference);
     struct points points = make_points(600);
     for (size_t i = 0; i < points.count; i++) {
-        uint32_t number = random_below(&random, (uint32_t)triangle_count);
+        uint32_t number = draw_below(&random, (uint32_t)triangle_count);
         const struct reference_triangle *triangle = reference_triangle_at(fixture.reference, number);
         float *point = points.positions + 3 * i;
         memcpy(point, triangle->corner[i % 3], 12);
@@ -197,7 +197,7 @@ static void points_on_surfaces(void **state)
             points.skip[2 * i + 1] = triangle->triangle;
         }
         if (i % 5 == 0) {
-            for (int k = 0; k < 3; k++) point[k] = 0.25f * (float)random_below(&random, 32) - 4;
+            for (int k = 0; k < 3; k++) point[k] = 0.25f * (float)draw_below(&random, 32) - 4;
         }
     }
     mlrt_light lights[] = {light_at(0.5f, 0.5f, 3.5f), light_at(0, 0, 0), light_from(0, 0, 1), light_from(1, 1, 0)};
@@ -256,7 +256,7 @@ static void a_surface_at_the_point_shades_it_unless_skipped(void **state)
     (void)state;
     const float a[3] = {0, 0, 1}, b[3] = {4, 0, 1}, c[3] = {0, 4, 1};
     struct soup soup = {0};
-    add_triangle(&soup, a, b, c);
+    soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("one triangle", 0, &soup);
     const float position[3] = {1, 1, 1};
     uint32_t skip[2] = {0, 0};
@@ -277,11 +277,11 @@ static void a_surface_at_the_light_does_not_shade(void **state)
     (void)state;
     const float a[3] = {0, 0, 1}, b[3] = {4, 0, 1}, c[3] = {0, 4, 1};
     struct soup soup = {0};
-    add_triangle(&soup, a, b, c);
+    soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("light on a triangle", 0, &soup);
     struct points points = make_points(64);
     struct random random = {6};
-    for (size_t i = 0; i < points.count; i++) random_point(&random, -1, 3, points.positions + 3 * i);
+    for (size_t i = 0; i < points.count; i++) draw_point(&random, -1, 3, points.positions + 3 * i);
     mlrt_light light = light_at(1, 1, 1);
     check(&fixture, &points, &light);
     free_points(&points);
@@ -292,8 +292,8 @@ static void points_behind_and_before_a_depth_step(void **state)
 {
     (void)state;
     struct soup soup = {0};
-    add_grid(&soup, 2, 0, 8);
-    add_grid(&soup, 2, 4, 3);
+    soup_add_grid(&soup, 2, 0, 8);
+    soup_add_grid(&soup, 2, 4, 3);
     struct fixture fixture = fixture_of_soup("a step", 0, &soup);
     struct points points = make_points(40 * 40);
     points.row_length = 40;
@@ -317,11 +317,11 @@ static void scenes_of_every_scale(void **state)
         const float zero[3] = {0, 0, 0};
         struct random random = {70 + i};
         struct soup soup = {0};
-        add_random(&soup, &random, 150, 1, 0.3f);
+        soup_add_random(&soup, &random, 150, 1, 0.3f);
         move_soup(&soup, scales[i], zero);
         struct fixture fixture = fixture_of_soup("scaled", 70 + i, &soup);
         struct points points = make_points(scaled(500));
-        for (size_t p = 0; p < points.count; p++) random_point(&random, -scales[i], scales[i], points.positions + 3 * p);
+        for (size_t p = 0; p < points.count; p++) draw_point(&random, -scales[i], scales[i], points.positions + 3 * p);
         mlrt_light lights[] = {light_at(0.1f * scales[i], 0.2f * scales[i], 2 * scales[i]), light_from(1, -2, 0.5f)};
         check(&fixture, &points, &lights[0]);
         check(&fixture, &points, &lights[1]);

@@ -27,7 +27,7 @@ static void check_offset(const struct fixture *fixture, size_t position, float u
     }
     for (int i = 0; i < 8; i++) {
         float direction[3];
-        random_point(random, -1, 1, direction);
+        draw_point(random, -1, 1, direction);
         if (reference_facing(triangle, direction) == -side) {
             for (int k = 0; k < 3; k++) direction[k] = -direction[k];
         }
@@ -46,10 +46,10 @@ static void check_all(struct soup *soup, const char *name, uint64_t seed)
     struct fixture fixture = fixture_of_soup(name, seed, soup);
     size_t count = reference_triangle_count(fixture.reference);
     for (size_t i = 0; i < scaled(300); i++) {
-        float u = random_range(&random, 0, 1), v = random_range(&random, 0, 1 - u);
+        float u = draw_range(&random, 0, 1), v = draw_range(&random, 0, 1 - u);
         if (i % 5 == 0) u = v = 0;
         if (i % 5 == 1) u = 1 - v;
-        size_t position = random_below(&random, (uint32_t)count);
+        size_t position = draw_below(&random, (uint32_t)count);
         check_offset(&fixture, position, u, v, 1, &random);
         check_offset(&fixture, position, u, v, -1, &random);
     }
@@ -61,7 +61,7 @@ static void random_triangles(void **state)
     (void)state;
     struct random random = {1};
     struct soup soup = {0};
-    add_random(&soup, &random, 100, 1, 0.5f);
+    soup_add_random(&soup, &random, 100, 1, 0.5f);
     check_all(&soup, "random", 1);
 }
 
@@ -70,7 +70,7 @@ static void needles(void **state)
     (void)state;
     struct random random = {2};
     struct soup soup = {0};
-    add_needles(&soup, &random, 100, 1e6f);
+    soup_add_needles(&soup, &random, 100, 1e6f);
     check_all(&soup, "needles", 2);
 }
 
@@ -79,8 +79,8 @@ static void axis_parallel_triangles(void **state)
     (void)state;
     struct soup soup = {0};
     for (int axis = 0; axis < 3; axis++) {
-        add_grid(&soup, axis, 0, 3);
-        add_grid(&soup, axis, 5, 3);
+        soup_add_grid(&soup, axis, 0, 3);
+        soup_add_grid(&soup, axis, 5, 3);
     }
     check_all(&soup, "grids", 3);
 }
@@ -90,7 +90,7 @@ static void triangles_far_from_the_origin(void **state)
     (void)state;
     const float offset[3] = {1e7f, -1e7f, 1e7f};
     struct soup soup = {0};
-    add_icosphere(&soup, 1, 50);
+    soup_add_icosphere(&soup, 1, 50);
     move_soup(&soup, 1, offset);
     check_all(&soup, "far away", 4);
 }
@@ -103,14 +103,14 @@ static void triangles_of_every_scale(void **state)
         const float zero[3] = {0, 0, 0};
         struct random random = {10 + i};
         struct soup soup = {0}, usable = {0};
-        add_random(&soup, &random, 60, 20, 10);
+        soup_add_random(&soup, &random, 60, 20, 10);
         move_soup(&soup, scales[i], zero);
         for (size_t t = 0; t < soup.count; t++) {
             const float *c = soup.corners + 9 * t;
             struct reference_triangle triangle;
             memcpy(triangle.corner, c, sizeof triangle.corner);
             struct reference_scene *scene = reference_create(&triangle, 1);
-            if (reference_zero_area_count(scene) == 0) add_triangle(&usable, c, c + 3, c + 6);
+            if (reference_zero_area_count(scene) == 0) soup_add_triangle(&usable, c, c + 3, c + 6);
             reference_destroy(scene);
         }
         free_soup(&soup);
@@ -124,10 +124,10 @@ static void the_point_is_next_to_the_surface(void **state)
     const float a[3] = {3, 1, 2}, b[3] = {4, 1.5f, 2}, c[3] = {3.25f, 2, 2.5f};
     struct soup soup = {0};
     struct random random = {5};
-    add_triangle(&soup, a, b, c);
+    soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("one triangle", 5, &soup);
     for (int i = 0; i < 200; i++) {
-        float u = random_range(&random, 0, 1), v = random_range(&random, 0, 1 - u), point[3];
+        float u = draw_range(&random, 0, 1), v = draw_range(&random, 0, 1 - u), point[3];
         assert_int_equal(mlrt_offset_point(fixture.tree, 0, 0, u, v, i % 2 ? 1 : -1, point), MLRT_OK);
         for (int k = 0; k < 3; k++) {
             double on = (1.0 - (double)u - (double)v) * (double)a[k] + (double)u * (double)b[k] + (double)v * (double)c[k];
@@ -142,7 +142,7 @@ static void rays_in_the_plane_do_not_hit(void **state)
     (void)state;
     struct soup soup = {0};
     struct random random = {6};
-    add_random(&soup, &random, 50, 1, 0.5f);
+    soup_add_random(&soup, &random, 50, 1, 0.5f);
     struct fixture fixture = fixture_of_soup("along the plane", 6, &soup);
     for (size_t i = 0; i < 50; i++) {
         const struct reference_triangle *triangle = reference_triangle_at(fixture.reference, i);
@@ -166,7 +166,7 @@ static void offsets_of_hits_do_not_shade_themselves(void **state)
     struct random random = {7};
     struct soup soup = {0};
     struct ray_list list = {0};
-    add_icosphere(&soup, 2, 1);
+    soup_add_icosphere(&soup, 2, 1);
     struct fixture fixture = fixture_of_soup("convex", 7, &soup);
     add_aimed_rays(&list, &random, &fixture, scaled(500), -3, 3);
     for (size_t i = 0; i < list.count; i++) {

@@ -132,9 +132,9 @@ static void of_equal_distances_the_first_wins(void **state)
 {
     (void)state;
     struct soup soup = {0};
-    add_triangle(&soup, corner_b, corner_c, corner_a);
-    add_triangle(&soup, corner_a, corner_c, corner_b);
-    add_triangle(&soup, corner_a, corner_b, corner_c);
+    soup_add_triangle(&soup, corner_b, corner_c, corner_a);
+    soup_add_triangle(&soup, corner_a, corner_c, corner_b);
+    soup_add_triangle(&soup, corner_a, corner_b, corner_c);
     struct fixture fixture = fixture_of_soup("three equal triangles", 0, &soup);
     struct reference_hit hit = trace(fixture.reference, 0.25f, 0.25f, 0, 0, 0, 1, 0, INFINITY);
     assert_int_equal(hit.triangle, 0);
@@ -160,10 +160,10 @@ static void unusable_triangles_are_counted_and_never_hit(void **state)
     (void)state;
     const float middle[3] = {0.5f, 0, 5}, bad[3] = {0, NAN, 5}, far[3] = {0, INFINITY, 5};
     struct soup soup = {0};
-    add_triangle(&soup, corner_a, middle, corner_b);
-    add_triangle(&soup, corner_a, corner_a, corner_b);
-    add_triangle(&soup, corner_a, corner_b, bad);
-    add_triangle(&soup, corner_a, corner_b, far);
+    soup_add_triangle(&soup, corner_a, middle, corner_b);
+    soup_add_triangle(&soup, corner_a, corner_a, corner_b);
+    soup_add_triangle(&soup, corner_a, corner_b, bad);
+    soup_add_triangle(&soup, corner_a, corner_b, far);
     struct fixture fixture = fixture_of_soup("unusable triangles", 0, &soup);
     assert_int_equal(reference_zero_area_count(fixture.reference), 2);
     assert_int_equal(reference_non_finite_count(fixture.reference), 2);
@@ -192,7 +192,7 @@ static void quotients_round_as_the_machine_divides(void **state)
     struct random random = {11};
     for (int i = 0; i < 20000; i++) {
         // Integers of 24 bits: the machine's float quotient is correctly rounded.
-        float a = (float)((int)random_below(&random, 1u << 24) - (1 << 23)), b = (float)(1 + random_below(&random, 1u << 24));
+        float a = (float)((int)draw_below(&random, 1u << 24) - (1 << 23)), b = (float)(1 + draw_below(&random, 1u << 24));
         assert_int_equal(bits_of_float(quotient_of((double)a, (double)b, 0)), bits_of_float(a == 0 ? 0.0f : a / b));
     }
 }
@@ -255,7 +255,7 @@ static void all_ways_agree_on_random_triangles(void **state)
     (void)state;
     struct soup soup = {0};
     struct random random = {1};
-    add_random(&soup, &random, 200, 1, 0.5f);
+    soup_add_random(&soup, &random, 200, 1, 0.5f);
     compare_ways("random", &soup, -2, 2);
 }
 
@@ -264,7 +264,7 @@ static void all_ways_agree_on_needles(void **state)
     (void)state;
     struct soup soup = {0};
     struct random random = {2};
-    add_needles(&soup, &random, 100, 1e6f);
+    soup_add_needles(&soup, &random, 100, 1e6f);
     compare_ways("needles", &soup, -2, 2);
 }
 
@@ -272,9 +272,9 @@ static void all_ways_agree_on_coplanar_grids(void **state)
 {
     (void)state;
     struct soup soup = {0};
-    add_grid(&soup, 2, 0, 6);
-    add_grid(&soup, 2, 0, 6);
-    add_grid(&soup, 0, 3, 6);
+    soup_add_grid(&soup, 2, 0, 6);
+    soup_add_grid(&soup, 2, 0, 6);
+    soup_add_grid(&soup, 0, 3, 6);
     compare_ways("grids", &soup, -2, 8);
 }
 
@@ -283,7 +283,7 @@ static void all_ways_agree_far_from_the_origin(void **state)
     (void)state;
     const float offset[3] = {1e7f, -1e7f, 1e7f};
     struct soup soup = {0};
-    add_icosphere(&soup, 1, 8);
+    soup_add_icosphere(&soup, 1, 8);
     move_soup(&soup, 1, offset);
     compare_ways("far away", &soup, -1e7f, 1e7f);
 }
@@ -296,7 +296,7 @@ static void all_ways_agree_at_every_scale(void **state)
         const float zero[3] = {0, 0, 0};
         struct soup soup = {0};
         struct random random = {i};
-        add_random(&soup, &random, 60, 1, 0.5f);
+        soup_add_random(&soup, &random, 60, 1, 0.5f);
         move_soup(&soup, scales[i], zero);
         compare_ways("scaled", &soup, -2 * scales[i], 2 * scales[i]);
     }
@@ -310,13 +310,13 @@ static void all_ways_agree_on_arbitrary_bits(void **state)
     struct ray_list list = {0};
     for (int i = 0; i < 60; i++) {
         float p[3][3];
-        for (int k = 0; k < 9; k++) p[k / 3][k % 3] = random_finite(&random);
-        add_triangle(&soup, p[0], p[1], p[2]);
+        for (int k = 0; k < 9; k++) p[k / 3][k % 3] = draw_finite(&random);
+        soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("arbitrary bits", 3, &soup);
     for (size_t i = 0; i < scaled(300); i++) {
         float p[2][3];
-        for (int k = 0; k < 6; k++) p[k / 3][k % 3] = random_finite(&random);
+        for (int k = 0; k < 6; k++) p[k / 3][k % 3] = draw_finite(&random);
         add_ray(&list, p[0], p[1]);
     }
     add_aimed_rays(&list, &random, &fixture, scaled(300), -1e38f, 1e38f);
@@ -331,7 +331,7 @@ static void no_ray_leaves_a_closed_mesh_unnoticed(void **state)
     struct random random = {4};
     struct soup soup = {0};
     struct ray_list list = {0};
-    add_icosphere(&soup, 3, 1);
+    soup_add_icosphere(&soup, 3, 1);
     struct fixture fixture = fixture_of_soup("icosphere", 4, &soup);
     add_aimed_rays(&list, &random, &fixture, scaled(8000), -0.25f, 0.25f);
     for (size_t i = 0; i < list.count; i++) {
@@ -349,8 +349,8 @@ static void pixel_vectors_are_rounded_step_by_step(void **state)
     struct random random = {5};
     for (int i = 0; i < 5000; i++) {
         float v[4][3], got[3];
-        uint32_t column = random_below(&random, 8192), row = random_below(&random, 8192);
-        for (int k = 0; k < 12; k++) v[k / 3][k % 3] = random_range(&random, -2, 2);
+        uint32_t column = draw_below(&random, 8192), row = draw_below(&random, 8192);
+        for (int k = 0; k < 12; k++) v[k / 3][k % 3] = draw_range(&random, -2, 2);
         reference_pixel_vector(v[0], v[1], v[2], column, row, v[3][0], v[3][1], got);
         for (int k = 0; k < 3; k++) {
             volatile float x = (float)column + v[3][0], y = (float)row + v[3][1];

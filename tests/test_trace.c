@@ -21,7 +21,7 @@ static mlrt_tree *tree_of(const mlrt_mesh *meshes, size_t count)
 static mlrt_tree *one_triangle(void)
 {
     struct soup soup = {0};
-    add_triangle(&soup, corner_a, corner_b, corner_c);
+    soup_add_triangle(&soup, corner_a, corner_b, corner_c);
     mlrt_mesh mesh = soup_mesh(&soup);
     mlrt_tree *tree = tree_of(&mesh, 1);
     free_soup(&soup);
@@ -297,7 +297,7 @@ static void a_hit_can_round_to_zero(void **state)
     (void)state;
     const float low = float_of_bits(1), a[3] = {0, 0, low}, b[3] = {1, 0, low}, c[3] = {0, 1, low};
     struct soup soup = {0};
-    add_triangle(&soup, a, b, c);
+    soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("t = 2^-249", 0, &soup);
     mlrt_ray ray = ray_up(0.25f, 0.25f);
     ray.direction[2] = 1.2676506e30f; // 2^100
@@ -393,9 +393,9 @@ static void left_out_triangles_keep_the_numbers_of_the_others(void **state)
     (void)state;
     const float bad[3] = {NAN, 0, 0};
     struct soup soup = {0};
-    add_triangle(&soup, corner_a, corner_b, bad);
-    add_triangle(&soup, corner_a, corner_b, corner_a);
-    add_triangle(&soup, corner_a, corner_b, corner_c);
+    soup_add_triangle(&soup, corner_a, corner_b, bad);
+    soup_add_triangle(&soup, corner_a, corner_b, corner_a);
+    soup_add_triangle(&soup, corner_a, corner_b, corner_c);
     struct fixture fixture = fixture_of_soup("two left out", 0, &soup);
     mlrt_ray ray = ray_up(0.25f, 0.25f);
     assert_int_equal(trace(fixture.tree, &ray).triangle, 2);
@@ -416,10 +416,10 @@ static void trace_strided(uint32_t index_size)
     struct packed_vertex *vertices = allocate_or_fail(VERTICES + 1, sizeof *vertices);
     unsigned char *indices = allocate_or_fail(TRIANGLES, 5 * index_size);
     struct packed_vertex *odd = (struct packed_vertex *)((unsigned char *)vertices + 4);
-    for (int i = 0; i < VERTICES; i++) random_point(&random, -1, 1, odd[i].position);
+    for (int i = 0; i < VERTICES; i++) draw_point(&random, -1, 1, odd[i].position);
     for (size_t i = 0; i < TRIANGLES; i++) {
         for (size_t c = 0; c < 5; c++) {
-            uint32_t wide = c < 3 ? random_below(&random, VERTICES) : 0xFFFFFFFFu;
+            uint32_t wide = c < 3 ? draw_below(&random, VERTICES) : 0xFFFFFFFFu;
             uint16_t narrow = (uint16_t)wide;
             if (index_size == 2) memcpy(indices + (5 * i + c) * 2, &narrow, 2);
             else memcpy(indices + (5 * i + c) * 4, &wide, 4);
@@ -464,8 +464,8 @@ static void nothing_behind_a_mesh_is_read(void **state)
     float *vertices = allocate_guarded(VERTICES * 12);
     uint16_t *narrow = allocate_guarded(TRIANGLES * 6);
     uint32_t *wide = allocate_guarded(TRIANGLES * 12);
-    for (int i = 0; i < 3 * VERTICES; i++) vertices[i] = random_range(&random, -1, 1);
-    for (int i = 0; i < 3 * TRIANGLES; i++) narrow[i] = (uint16_t)(wide[i] = random_below(&random, VERTICES));
+    for (int i = 0; i < 3 * VERTICES; i++) vertices[i] = draw_range(&random, -1, 1);
+    for (int i = 0; i < 3 * TRIANGLES; i++) narrow[i] = (uint16_t)(wide[i] = draw_below(&random, VERTICES));
     mlrt_mesh meshes[3] = {
         {.struct_size = sizeof meshes[0], .vertices = vertices, .vertex_count = VERTICES, .indices = narrow, .triangle_count = TRIANGLES, .index_size = 2},
         {.struct_size = sizeof meshes[0], .vertices = vertices, .vertex_count = VERTICES, .indices = wide, .triangle_count = TRIANGLES},
@@ -505,9 +505,9 @@ static void several_meshes_match_the_reference(void **state)
     (void)state;
     struct random random = {77};
     struct soup soups[3] = {{0}, {0}, {0}};
-    add_random(&soups[0], &random, 60, 1, 0.5f);
-    add_icosphere(&soups[1], 1, 1);
-    add_icosphere(&soups[2], 1, 1); // every triangle ties with one of the mesh before
+    soup_add_random(&soups[0], &random, 60, 1, 0.5f);
+    soup_add_icosphere(&soups[1], 1, 1);
+    soup_add_icosphere(&soups[2], 1, 1); // every triangle ties with one of the mesh before
     mlrt_mesh meshes[4];
     for (int i = 0; i < 3; i++) meshes[i] = soup_mesh(&soups[i]);
     meshes[3] = soup_mesh(&soups[0]);

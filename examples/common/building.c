@@ -2,8 +2,9 @@
 /*
  * building.c - the scene `building`: storeys of corridors and furnished rooms, about 2 million triangles
  *
- * High occlusion: from anywhere one sees a corridor and parts of a few rooms, a few per cent of the triangles, and the
- * rest is behind walls. Doors stand open and rooms have windows to the corridor, so that there is something to see.
+ * High occlusion: from anywhere one sees a corridor and parts of a few rooms, and the rest is behind walls: in 1024 x
+ * 1024 pixels the default view meets 0.23 % of the triangles. Doors stand open and rooms have windows to the corridor,
+ * so that there is something to see.
  */
 #include "furniture.h"
 #include "procedural.h"
@@ -56,7 +57,8 @@ static void add_door(struct shapes *shapes, const struct place *place, const str
     add_rod(shapes, &hinge, grip, 0.012, DETAIL, 8);
 }
 
-/* ---- rooms: x from 0 to room_x, the door at z = 0, the outer window at z = -room_z ------------------------------------ */
+/* ---- rooms: x from 0 to room_x, the door at z = 0, the outer window at z = -room_z
+ * ------------------------------------ */
 
 static void furnish_office(struct shapes *shapes, const struct place *room, uint32_t *random)
 {
@@ -64,8 +66,8 @@ static void furnish_office(struct shapes *shapes, const struct place *room, uint
         double x = i % 2 ? 3.75 : 1.25, z = i / 2 ? -4.3 : -2.1;
         struct place desk = place_at(room, x, 0, z, i % 2 ? 0.25 : -0.25);
         add_desk(shapes, &desk, DETAIL, random);
-        struct place chair = place_at(&desk, random_between(random, -0.2, 0.1), 0, random_between(random, 0.6, 0.9),
-                                      0.5 + random_between(random, -0.1, 0.1));
+        double seat_x = random_between(random, -0.2, 0.1), seat_z = random_between(random, 0.6, 0.9);
+        struct place chair = place_at(&desk, seat_x, 0, seat_z, 0.5 + random_between(random, -0.1, 0.1));
         add_office_chair(shapes, &chair, DETAIL);
     }
     struct place shelf = place_at(room, 4.78, 0, -0.95, -0.25);
@@ -77,9 +79,9 @@ static void furnish_meeting(struct shapes *shapes, const struct place *room, uin
     struct place table = place_at(room, 2.5, 0, -2.9, 0.25);
     add_oval_table(shapes, &table, 3, 1.3, DETAIL);
     for (int i = 0; i < 8; i++) {
-        double side = i % 2 ? -1 : 1;
-        struct place seat = place_at(&table, -1.2 + 0.8 * (i / 2), 0, side * random_between(random, 0.95, 1.2),
-                                     (side > 0 ? 0.5 : 0) + random_between(random, -0.07, 0.07));
+        double side = i % 2 ? -1 : 1, away = side * random_between(random, 0.95, 1.2);
+        double turns = (side > 0 ? 0.5 : 0) + random_between(random, -0.07, 0.07);
+        struct place seat = place_at(&table, -1.2 + 0.8 * (i / 2), 0, away, turns);
         add_office_chair(shapes, &seat, DETAIL);
     }
     for (int i = 0; i < 2; i++) {
@@ -106,7 +108,11 @@ static void furnish_library(struct shapes *shapes, const struct place *room, uin
 
 static void furnish_lounge(struct shapes *shapes, const struct place *room, uint32_t *random)
 {
-    static const double seats[5][4] = {{0.65, -2.6, 0.25, 2.2}, {4.35, -2.0, -0.25, 0.95}, {4.35, -3.3, -0.25, 0.95}, {2.5, -4.7, 0, 1.9}, {2.0, -0.75, 0.5, 0.95}};
+    static const double seats[5][4] = {{0.65, -2.6, 0.25, 2.2},
+                                       {4.35, -2.0, -0.25, 0.95},
+                                       {4.35, -3.3, -0.25, 0.95},
+                                       {2.5, -4.7, 0, 1.9},
+                                       {2.0, -0.75, 0.5, 0.95}};
     for (int i = 0; i < 5; i++) {
         struct place seat = place_at(room, seats[i][0], 0, seats[i][1], seats[i][2]);
         add_armchair(shapes, &seat, seats[i][3], DETAIL);
@@ -123,8 +129,10 @@ static void furnish_lounge(struct shapes *shapes, const struct place *room, uint
 
 static void add_room(struct shapes *shapes, const struct place *place, uint32_t kind, uint32_t *random)
 {
-    static const struct opening to_corridor[2] = {{0.35, 0, 1.4, 2.15}, {1.9, 0.95, 4.6, 2.3}}, outside = {0.7, 0.9, 4.3, 2.5};
-    static void (*const furnish[])(struct shapes *, const struct place *, uint32_t *) = {furnish_office, furnish_meeting, furnish_library, furnish_lounge};
+    static const struct opening to_corridor[2] = {{0.35, 0, 1.4, 2.15}, {1.9, 0.95, 4.6, 2.3}},
+                                outside = {0.7, 0.9, 4.3, 2.5};
+    static void (*const furnish[])(struct shapes *, const struct place *,
+                                   uint32_t *) = {furnish_office, furnish_meeting, furnish_library, furnish_lounge};
     struct place far = place_at(place, 0, 0, -room_z, 0), side = place_at(place, 0, 0, 0, 0.25);
     shapes->material = WALL;
     add_wall(shapes, place, room_x, to_corridor, 2);
@@ -144,7 +152,8 @@ static void add_room(struct shapes *shapes, const struct place *place, uint32_t 
     furnish[kind](shapes, place, random);
 }
 
-/* ---- the house ---------------------------------------------------------------------------------------------------- */
+/* ---- the house ----------------------------------------------------------------------------------------------------
+ */
 
 static void add_corridor(struct shapes *shapes, const struct place *floor, uint32_t *random)
 {
@@ -233,7 +242,7 @@ void make_building(struct shapes *shapes)
     add_stairwell(shapes);
 
     double y = 2 * (height + slab);
-    const struct view view = {{9.2, y + 1.65, 0.75}, {14.5, y + 1.3, -1.1}, {0, 1, 0}, 60, {13.2, y + 2.7, 0.2}};
+    const struct view view = {{9.2, y + 1.65, 0.8}, {14.2, y + 1.3, -1.45}, {0, 1, 0}, 64, {13.2, y + 2.7, 0.2}};
     scene->view = view;
     scene->light_range = 5;
 }

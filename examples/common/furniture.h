@@ -2,8 +2,8 @@
 /*
  * furniture.h - what stands in the procedural rooms
  *
- * Each piece stands on y = 0 of its place (hanging lamps: hangs from it) and faces +z. Lengths are metres. `detail` is the
- * number of segments around a curved part, 6 to 48: triangles grow with its square.
+ * Each piece stands on y = 0 of its place (hanging lamps: hangs from it) and faces +z. Lengths are metres. `detail` is
+ * the number of segments around a curved part, 6 to 48: triangles grow with its square.
  */
 #ifndef FURNITURE_H
 #define FURNITURE_H

@@ -2,6 +2,8 @@
 /* import.c - mesh files through assimp: see import.h. Built without assimp, it says so instead. */
 #include "import.h"
 
+#include "ply_check.h"
+
 #include <stdio.h>
 
 #ifdef HAVE_ASSIMP
@@ -15,6 +17,27 @@
 struct count {
     uint64_t vertices, triangles;
 };
+
+// What assimp's triangulation and the copying below rely on; it aborts or reads out of bounds otherwise.
+static const char *find_damage(const struct aiMesh *mesh)
+{
+    for (unsigned i = 0; i < mesh->mNumFaces; i++) {
+        const struct aiFace *face = &mesh->mFaces[i];
+        if (face->mNumIndices == 0) return "a face without vertices: the file is damaged or not complete";
+        for (unsigned k = 0; k < face->mNumIndices; k++) {
+            if (face->mIndices[k] >= mesh->mNumVertices) return "a face names a vertex that does not exist";
+        }
+    }
+    return NULL;
+}
+
+static int has_polygons(const struct aiMesh *mesh)
+{
+    for (unsigned i = 0; i < mesh->mNumFaces; i++) {
+        if (mesh->mFaces[i].mNumIndices > 3) return 1;
+    }
+    return 0;
+}
 
 static int is_triangle(const struct aiFace *face)
 {
@@ -39,7 +62,8 @@ struct transform {
 
 static struct transform within(const struct transform *outer, const struct aiMatrix4x4 *m)
 {
-    const double inner[4][4] = {{m->a1, m->a2, m->a3, m->a4}, {m->b1, m->b2, m->b3, m->b4}, {m->c1, m->c2, m->c3, m->c4}, {0, 0, 0, 1}};
+    const double inner[4][4] = {
+        {m->a1, m->a2, m->a3, m->a4}, {m->b1, m->b2, m->b3, m->b4}, {m->c1, m->c2, m->c3, m->c4}, {0, 0, 0, 1}};
     struct transform result = {{{0}}, outer->is_identity};
     for (int i = 0; i < 3; i++) {
         for (int k = 0; k < 4; k++) {
@@ -67,9 +91,7 @@ static void append_mesh(const struct aiMesh *mesh, const struct transform *trans
     for (unsigned i = 0; i < mesh->mNumFaces; i++) {
         if (!is_triangle(&mesh->mFaces[i])) continue;
         for (int k = 0; k < 3; k++) {
-            uint32_t index = mesh->mFaces[i].mIndices[k];
-            // Out of range stays out of range, for import_mesh to find.
-            scene->indices[3 * scene->triangle_count + k] = index < mesh->mNumVertices ? first + index : UINT32_MAX;
+            scene->indices[3 * scene->triangle_count + k] = first + mesh->mFaces[i].mIndices[k];
         }
         scene->triangle_count++;
     }
@@ -103,20 +125,35 @@ static int copy_scene(const char *path, const struct aiScene *file, struct scene
         return 1;
     }
     append_node(file, file->mRootNode, &identity, scene);
-    for (size_t i = 0; i < 3 * scene->triangle_count; i++) {
-        if (scene->indices[i] < scene->vertex_count) continue;
-        fprintf(stderr, "%s: triangle %llu names a vertex that does not exist\n", path, (unsigned long long)(i / 3));
-        return 1;
-    }
     return 0;
+}
+
+// The file as triangles, lines and points, or NULL and what is wrong.
+static const struct aiScene *import_triangles(const char *path, const char **problem)
+{
+    const struct aiScene *file = aiImportFile(path, 0);
+    *problem = file ? NULL : aiGetErrorString();
+    int polygons = 0;
+    for (unsigned i = 0; file && !*problem && i < file->mNumMeshes; i++) {
+        *problem = find_damage(file->mMeshes[i]);
+        polygons |= has_polygons(file->mMeshes[i]);
+    }
+    if (file && !*problem && !file->mRootNode) *problem = "no scene in this file";
+    if (file && !*problem && polygons) {
+        const struct aiScene *triangulated = aiApplyPostProcessing(file, aiProcess_Triangulate);
+        if (!triangulated) *problem = aiGetErrorString();
+        file = triangulated; // after a failure the scene is gone
+    }
+    if (file && *problem) aiReleaseImport(file);
+    return *problem ? NULL : file;
 }
 
 int import_mesh(const char *path, struct scene *scene)
 {
-    const struct aiScene *file = aiImportFile(path, aiProcess_Triangulate);
-    if (!file || !file->mRootNode) {
-        fprintf(stderr, "%s: %s\n", path, file ? "no scene in this file" : aiGetErrorString());
-        if (file) aiReleaseImport(file);
+    const char *problem = check_ply(path);
+    const struct aiScene *file = problem ? NULL : import_triangles(path, &problem);
+    if (!file) {
+        fprintf(stderr, "%s: %s\n", path, problem);
         return 1;
     }
     int failed = copy_scene(path, file, scene);
@@ -129,11 +166,12 @@ int import_mesh(const char *path, struct scene *scene)
 int import_mesh(const char *path, struct scene *scene)
 {
     (void)scene;
-    fprintf(stderr,
-            "%s: this program was built without assimp, the library that reads mesh files. Install it (Debian, Ubuntu:\n"
-            "apt-get install libassimp-dev; or: make deps) and build again. Procedural scenes need no file: room, office,\n"
-            "building, scan, scan:N\n",
-            path);
+    fprintf(
+        stderr,
+        "%s: this program was built without assimp, the library that reads mesh files. Install it (Debian, Ubuntu:\n"
+        "apt-get install libassimp-dev; or: make deps) and build again. Procedural scenes need no file: room, office,\n"
+        "building, scan, scan:N\n",
+        path);
     return 1;
 }
 

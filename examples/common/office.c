@@ -2,8 +2,8 @@
 /*
  * office.c - the scene `office`: a conference room, about 280 thousand triangles
  *
- * Like the conference room models that ray tracing papers use: most triangles sit in the curved parts of chairs, lamps and
- * plants and are small, while walls, tables and blinds are large and flat.
+ * Like the conference room models that ray tracing papers use: most triangles sit in the curved parts of chairs, lamps
+ * and plants and are small, while walls, tables and blinds are large and flat.
  */
 #include "furniture.h"
 #include "procedural.h"
@@ -107,9 +107,10 @@ static void add_table_and_chairs(struct shapes *shapes, const struct place *plac
         double turns = (side > 0 ? 0.5 : 0) + random_between(random, -0.06, 0.06);
         if (i >= 12) x = side * 3.45, z = 0, turns = side > 0 ? -0.25 : 0.25;
         struct place seat = place_at(place, x, 0.012, z, turns);
-        add_office_chair(shapes, &seat, 35);
+        add_office_chair(shapes, &seat, 37);
         if (i >= 12) continue;
-        struct place work = place_at(place, x, 0.747, side * 0.56, (side > 0 ? 0.5 : 0) + random_between(random, -0.04, 0.04) + 0.5);
+        struct place work =
+            place_at(place, x, 0.747, side * 0.56, (side > 0 ? 0.5 : 0) + random_between(random, -0.04, 0.04) + 0.5);
         if (i % 3 == 0) add_laptop(shapes, &work);
         shapes->material = PAPER;
         for (int k = 0; k < 3; k++) {
@@ -141,10 +142,8 @@ void make_office(struct shapes *shapes)
         struct place plant = place_at(&world, plants[i][0], 0, plants[i][1], 0);
         add_plant(shapes, &plant, 150, 20, &random);
     }
-    struct place sofa = place_at(&world, 2.9, 0, half_z - 0.5, 0.5);
-    add_armchair(shapes, &sofa, 1.9, 24);
 
-    const struct view view = {{4.9, 1.85, 2.75}, {-0.9, 0.72, -0.35}, {0, 1, 0}, 52, {0.85, 2.55, 0.5}};
+    const struct view view = {{4.9, 1.85, 2.75}, {-0.9, 0.72, -0.35}, {0, 1, 0}, 52, {2.3, 2.7, 2.1}};
     scene->view = view;
     scene->light_range = 4.5;
 }

@@ -68,7 +68,8 @@ int write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *
 {
     (void)width, (void)height, (void)rgb;
     fprintf(stderr,
-            "%s: this program was built without libpng, which writes pictures. Install it (Debian, Ubuntu: apt-get install\n"
+            "%s: this program was built without libpng, which writes pictures. Install it (Debian, Ubuntu: apt-get "
+            "install\n"
             "libpng-dev; or: make deps) and build again.\n",
             path);
     return 1;

@@ -2,8 +2,8 @@
 /*
  * room.c - the scene `room`: a closed room with a table, four chairs, a lamp and a shelf, about 800 triangles
  *
- * In the spirit of the test scenes of the 5th Eurographics Workshop on Rendering (1994): few, large triangles, many of them
- * in the planes of others.
+ * In the spirit of the test scenes of the 5th Eurographics Workshop on Rendering (1994): few, large triangles, many of
+ * them in the planes of others.
  */
 #include "furniture.h"
 #include "procedural.h"
@@ -49,8 +49,8 @@ void make_room(struct shapes *shapes)
         struct place seat = place_at(&world, seats[i][0], 0.012, seats[i][1], seats[i][2]);
         add_wooden_chair(shapes, &seat);
     }
-    struct place shelf = place_at(&world, -2.83, 0, -0.6, 0.25);
-    add_shelf(shapes, &shelf, 1.3, 1.7, 3, 4, &random);
+    struct place shelf = place_at(&world, -2.83, 0, -0.7, 0.25);
+    add_shelf(shapes, &shelf, 1.25, 1.05, 2, 6, &random);
     struct place picture = place_at(&world, 0.6, 1.65, -2.5, 0);
     add_picture(shapes, &picture, 1.3, 0.85, SPINE + 2);
     struct place lamp = place_at(&world, 0, 2.7, 0, 0);

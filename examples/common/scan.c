@@ -3,8 +3,8 @@
  * scan.c - the scene `scan`: one closed surface of many tiny triangles, as range scanners give them
  *
  * A scaly knot: a tube along the (2, 3) torus knot whose radius is displaced at four frequencies (swellings, scales,
- * grooves, grain). The grid wraps around in both directions, so every edge has exactly two triangles and a ray from inside
- * cannot miss.
+ * grooves, grain). The grid wraps around in both directions, so every edge has exactly two triangles and a ray from
+ * inside cannot miss.
  */
 #include "furniture.h"
 #include "procedural.h"
@@ -38,9 +38,9 @@ static double scales(double along, double around)
         double a = along + 0.5 * layer, b = around + 0.5 * layer;
         a -= floor(a);
         b -= floor(b) + 0.5;
-        double edge = 0.92 - 2.6 * b * b; // where the scale ends: a rounded tip
-        double ramp = a < edge ? a / 0.92 : 0;
-        if (a >= edge && a < edge + 0.08) ramp = edge / 0.92 * (1 - (a - edge) / 0.08);
+        double edge = 0.86 - 2.4 * b * b; // where the scale ends: a rounded tip
+        double ramp = a < edge ? a / 0.86 : 0;
+        if (a >= edge && a < edge + 0.14) ramp = edge / 0.86 * (1 - (a - edge) / 0.14);
         double width = 1 - 4 * b * b; // thinner to its sides
         double height = ramp * (0.45 + 0.55 * width);
         if (height > best) best = height;
@@ -82,13 +82,13 @@ void make_scan(struct shapes *shapes, uint32_t triangle_count)
 {
     struct scene *scene = shapes->scene;
     set_materials(scene);
-    scene->materials[WALL] = (struct material){{0.62f, 0.55f, 0.43f}, 0};
+    scene->materials[WALL] = (struct material){{0.42f, 0.55f, 0.46f}, 0};
     shapes->material = WALL;
     uint32_t columns = (uint32_t)(sqrt(triangle_count / (2 * length_to_girth)) + 0.5);
     uint32_t rows = (uint32_t)(triangle_count / (2.0 * columns) + 0.5);
     add_torus(shapes, columns, rows);
 
-    const struct view view = {{0.9, -2.2, 4.1}, {0, 0, -0.05}, {0, 1, 0}, 38, {-2.6, 3.2, 4.6}};
+    const struct view view = {{0.85, -2.1, 3.9}, {0.09, -0.07, -0.05}, {0, 1, 0}, 42, {-2.6, 3.2, 4.6}};
     scene->view = view;
     scene->light_range = 0;
 }

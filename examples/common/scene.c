@@ -90,7 +90,8 @@ int load_scene(const char *name_or_path, struct scene *scene)
     struct shapes shapes = {scene, 0, 0, 0, 0};
     int made = make_scene(name_or_path, &shapes);
     if (made < 0) {
-        fprintf(stderr, "%s: N of scan:N is a number of triangles, %d to %d\n", name_or_path, SMALLEST_SCAN, LARGEST_SCAN);
+        fprintf(stderr, "%s: N of scan:N is a number of triangles, %d to %d\n", name_or_path, SMALLEST_SCAN,
+                LARGEST_SCAN);
         return 1;
     }
     if (shapes.failed) {
@@ -100,7 +101,8 @@ int load_scene(const char *name_or_path, struct scene *scene)
     }
     if (made) return 0;
     if (!exists(name_or_path)) {
-        fprintf(stderr, "%s: neither a file that can be read nor one of the scenes room, office, building, scan, scan:N\n",
+        fprintf(stderr,
+                "%s: neither a file that can be read nor one of the scenes room, office, building, scan, scan:N\n",
                 name_or_path);
         return 1;
     }

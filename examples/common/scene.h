@@ -6,7 +6,7 @@
  *
  *     room        a furnished room: 800 triangles
  *     office      a conference room: 280 thousand
- *     building    six storeys of corridors and furnished rooms: 2 million, of which a view sees a few per cent
+ *     building    five storeys of corridors and furnished rooms: 2 million, of which a view sees less than 1 %
  *     scan        one closed, densely triangulated surface: 1 million, or about N of them with scan:N
  */
 #ifndef SCENE_H
@@ -20,7 +20,7 @@ struct view {
     double eye[3];
     double look[3]; /* the point in the middle of the picture */
     double up[3];
-    double vfov;    /* degrees, from the lower edge to the upper */
+    double vfov; /* degrees, from the lower edge to the upper */
     double light[3];
 };
 
@@ -39,8 +39,8 @@ struct scene {
     size_t vertex_count;
     size_t triangle_count;
     struct material materials[MATERIAL_COUNT];
-    struct view view;      /* a good one */
-    double light_range;    /* the distance at which the light has half its strength; 0 = the same everywhere */
+    struct view view;   /* a good one */
+    double light_range; /* the distance at which the light has half its strength; 0 = the same everywhere */
 };
 
 /*

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* shapes.c - boxes, turned and bent solids: see shapes.h. All in double, rounded to float once, when a vertex is stored. */
+/* shapes.c - boxes, turned and bent solids: see shapes.h. All in double, rounded to float once, when a vertex is
+ * stored. */
 #include "shapes.h"
 
 #include "steady_math.h"
@@ -31,7 +32,8 @@ struct place place_at(const struct place *outer, double x, double y, double z, d
     return place;
 }
 
-/* ---- storing ------------------------------------------------------------------------------------------------------ */
+/* ---- storing ------------------------------------------------------------------------------------------------------
+ */
 
 // `data` made room for `capacity` elements; unchanged, with *failed set, if there is no memory.
 static void *grown(void *data, size_t capacity, size_t element_size, int *failed)
@@ -80,7 +82,8 @@ static void store_triangle(struct shapes *shapes, uint32_t i, uint32_t j, uint32
     scene->material_ids[scene->triangle_count++] = shapes->material;
 }
 
-/* ---- flat --------------------------------------------------------------------------------------------------------- */
+/* ---- flat ---------------------------------------------------------------------------------------------------------
+ */
 
 void add_quad(struct shapes *shapes, const struct place *place, const double corners[4][3])
 {
@@ -95,7 +98,8 @@ void add_quad(struct shapes *shapes, const struct place *place, const double cor
 void add_box(struct shapes *shapes, const struct place *place, double x0, double y0, double z0, double x1, double y1,
              double z1)
 {
-    static const uint8_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    static const uint8_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                        {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     reserve(shapes, 8, 12);
     if (shapes->failed) return;
     uint32_t first = (uint32_t)shapes->scene->vertex_count;
@@ -109,7 +113,8 @@ void add_box(struct shapes *shapes, const struct place *place, double x0, double
     }
 }
 
-/* ---- curved ------------------------------------------------------------------------------------------------------- */
+/* ---- curved -------------------------------------------------------------------------------------------------------
+ */
 
 void add_surface(struct shapes *shapes, const struct place *place, uint32_t columns, uint32_t rows, int closed,
                  surface_point point, const void *surface)
@@ -266,7 +271,8 @@ static void leaf_point(const void *surface, double u, double v, double point[3])
     double length = sqrt(side[0] * side[0] + side[2] * side[2]);
     double half = leaf->width * 2 * v * (1 - v) * (1.35 - 0.7 * v) / (length > 0 ? length : 1);
     for (int k = 0; k < 3; k++) point[k] = leaf->root[k] + along[k] * v + side[k] * half * across;
-    point[1] += leaf->droop * 4 * v * (1 - v) - leaf->droop * v * v + 0.25 * leaf->width * fabs(across) * 4 * v * (1 - v);
+    point[1] +=
+        leaf->droop * 4 * v * (1 - v) - leaf->droop * v * v + 0.25 * leaf->width * fabs(across) * 4 * v * (1 - v);
 }
 
 void add_leaf(struct shapes *shapes, const struct place *place, const struct leaf *leaf, uint32_t steps)

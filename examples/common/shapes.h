@@ -36,8 +36,8 @@ void add_box(struct shapes *shapes, const struct place *place, double x0, double
 void add_quad(struct shapes *shapes, const struct place *place, const double corners[4][3]);
 
 /*
- * A curved surface: columns x rows quadrilaterals. `point` gives the place at u, v in 0..1. With `closed`, u = 1 is u = 0.
- * Triangles that have shrunk to nothing (at a pole) are left out.
+ * A curved surface: columns x rows quadrilaterals. `point` gives the place at u, v in 0..1. With `closed`, u = 1 is u =
+ * 0. Triangles that have shrunk to nothing (at a pole) are left out.
  */
 typedef void (*surface_point)(const void *surface, double u, double v, double point[3]);
 void add_surface(struct shapes *shapes, const struct place *place, uint32_t columns, uint32_t rows, int closed,
@@ -55,8 +55,8 @@ void add_rod(struct shapes *shapes, const struct place *place, const double curv
              uint32_t segments);
 
 /*
- * A cushion: a box of half sizes `half` around `centre` with edges as round as `rounding` says (0 = an ellipsoid, 1 and 2
- * = more and more of a box), whose sides at x = +-half are bent towards +z by `bend` and whose top leans by `lean`.
+ * A cushion: a box of half sizes `half` around `centre` with edges as round as `rounding` says (0 = an ellipsoid, 1 and
+ * 2 = more and more of a box), whose sides at x = +-half are bent towards +z by `bend` and whose top leans by `lean`.
  */
 struct cushion {
     double centre[3];

@@ -29,8 +29,9 @@ int camera_of_view(const struct view *view, uint32_t width, uint32_t height, mlr
     good = good && normalize(right);
     cross(right, forward, up);
     if (!good || !(view->vfov > 0 && view->vfov < 180) || !width || !height) {
-        fprintf(stderr, "the view shows nothing: eye and look must differ, up must point elsewhere, and the field of view be "
-                        "between 0 and 180 degrees\n");
+        fprintf(stderr,
+                "the view shows nothing: eye and look must differ, up must point elsewhere, and the field of view be "
+                "between 0 and 180 degrees\n");
         return 1;
     }
     // The picture is on the plane one unit ahead; a pixel on it is this long.

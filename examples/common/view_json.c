@@ -28,8 +28,10 @@ static char *read_text(const char *path)
         rewind(file);
         text = malloc((size_t)size + 1);
         size_t count = text ? fread(text, 1, (size_t)size, file) : 0;
-        if (text) text[count] = 0;
-        else fprintf(stderr, "%s: not enough memory\n", path);
+        if (text)
+            text[count] = 0;
+        else
+            fprintf(stderr, "%s: not enough memory\n", path);
     }
     if (file) fclose(file);
     return text;
@@ -148,10 +150,11 @@ int read_view(const char *specification, struct view *view)
 int read_view(const char *specification, struct view *view)
 {
     (void)view;
-    fprintf(stderr,
-            "%s: this program was built without cJSON, which reads files of views. Install it (Debian, Ubuntu: apt-get\n"
-            "install libcjson-dev; or: make deps) and build again; or give --eye, --look, --up and --fov.\n",
-            specification);
+    fprintf(
+        stderr,
+        "%s: this program was built without cJSON, which reads files of views. Install it (Debian, Ubuntu: apt-get\n"
+        "install libcjson-dev; or: make deps) and build again; or give --eye, --look, --up and --fov.\n",
+        specification);
     return 1;
 }
 

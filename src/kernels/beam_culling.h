@@ -73,6 +73,38 @@ static int misses_box(const struct mlrt_beam *beam, const struct mlrt_box *box)
     return misses_box_along(beam, box, 0) || misses_box_along(beam, box, 1) || misses_box_along(beam, box, 2);
 }
 
+/* The halves of a cell. */
+struct cell_halves {
+    struct mlrt_box near;
+    struct mlrt_box far;
+};
+
+MLRT_INLINE struct cell_halves split_cell(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
+{
+    struct cell_halves halves = {*cell, *cell};
+    if (beam->negative[a]) {
+        halves.near.lo[a] = halves.far.hi[a] = c;
+    } else {
+        halves.near.hi[a] = halves.far.lo[a] = c;
+    }
+    return halves;
+}
+
+/* Direct culling: each half of the cell against the planes of the beam. */
+MLRT_INLINE int cull_direct(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
+{
+    const struct cell_halves halves = split_cell(beam, cell, a, c);
+    return (misses_box_along(beam, &halves.near, beam->main_axis) ? 0 : NEAR_CHILD) |
+           (misses_box_along(beam, &halves.far, beam->main_axis) ? 0 : FAR_CHILD);
+}
+
+/* The extra check where culling excluded neither half: all six faces of both. */
+static int check_children(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
+{
+    const struct cell_halves halves = split_cell(beam, cell, a, c);
+    return (misses_box(beam, &halves.near) ? 0 : NEAR_CHILD) | (misses_box(beam, &halves.far) ? 0 : FAR_CHILD);
+}
+
 /* The part of a box in the beam's region. 0 if there is none. */
 MLRT_INLINE int clip_to_region(const struct mlrt_beam *beam, struct mlrt_box *box)
 {
@@ -82,70 +114,4 @@ MLRT_INLINE int clip_to_region(const struct mlrt_beam *beam, struct mlrt_box *bo
         if (box->lo[k] > box->hi[k]) return 0;
     }
     return 1;
-}
-
-/*
- * A covering triangle: one that every ray of the beam hits. Nothing behind it matters, so the beam's region can end
- * where it is.
- *
- * All rays are positive multiples of directions in a rectangle of slopes over the main axis. Edge functions are linear in
- * the direction, so if each has the same certain sign at the four corners, every ray is inside; and the hit points are
- * between those of the corners. In double; with u = 2^-53 the bounds are those of triangle_filter.h, 16 u M.
- */
-static void end_region_at_cover(const struct mlrt_triangle *triangle, struct mlrt_beam *beam)
-{
-    const int a = beam->main_axis, j = (a + 1) % 3, l = (a + 2) % 3;
-    double vertex[3][3], edge[2][3], cross[4][3], size[4][3];
-    for (int k = 0; k < 3; ++k) {
-        for (int i = 0; i < 3; ++i) vertex[i][k] = (double)triangle->v[i][k] - beam->origin_lo[k];
-        edge[0][k] = (double)triangle->v[1][k] - triangle->v[0][k];
-        edge[1][k] = (double)triangle->v[2][k] - triangle->v[0][k];
-    }
-    for (int i = 0; i < 4; ++i) {
-        const double *p = i < 3 ? vertex[i] : edge[0], *q = i < 3 ? vertex[(i + 1) % 3] : edge[1];
-        for (int k = 0; k < 3; ++k) {
-            const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
-            cross[i][k] = r - s;
-            size[i][k] = fabs(r) + fabs(s);
-        }
-    }
-    double distance = 0, distance_size = 0;
-    for (int k = 0; k < 3; ++k) {
-        distance += vertex[0][k] * cross[3][k];
-        distance_size += fabs(vertex[0][k]) * size[3][k];
-    }
-    const double distance_bound = distance_size * 0x1p-49;
-
-    struct mlrt_box end = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    int sign = 0;
-    for (int corner = 0; corner < 4; ++corner) {
-        double d[3], value[4], bound[4];
-        d[a] = beam->negative[a] ? -1 : 1;
-        d[j] = (corner & 1 ? beam->slope_hi : beam->slope_lo)[a][j] * d[a];
-        d[l] = (corner & 2 ? beam->slope_hi : beam->slope_lo)[a][l] * d[a];
-        for (int i = 0; i < 4; ++i) {
-            value[i] = d[0] * cross[i][0] + d[1] * cross[i][1] + d[2] * cross[i][2];
-            bound[i] = (fabs(d[0]) * size[i][0] + fabs(d[1]) * size[i][1] + fabs(d[2]) * size[i][2]) * 0x1p-49;
-            if (!(fabs(value[i]) > 2 * bound[i])) return;
-            const int this_sign = value[i] > 0 ? 1 : -1;
-            if (sign == 0) sign = this_sign;
-            if (this_sign != sign) return;
-        }
-        if (!(sign * distance > distance_bound)) return;
-        const double t = (fabs(distance) + distance_bound) / (fabs(value[3]) - bound[3]) * (1 + 0x1p-45);
-        const double t_near = (fabs(distance) - distance_bound) / (fabs(value[3]) + bound[3]) * (1 - 0x1p-45);
-        for (int k = 0; k < 3; ++k) {
-            const double far = t * d[k], near = t_near * d[k], o = beam->origin_lo[k];
-            const double slack = (fabs(o) + fabs(far)) * 0x1p-48;
-            end.lo[k] = fminf(end.lo[k], mlrt_float_down(o + fmin(far, near) - slack));
-            end.hi[k] = fmaxf(end.hi[k], mlrt_float_up(o + fmax(far, near) + slack));
-        }
-    }
-    for (int k = 0; k < 3; ++k) {
-        if (beam->negative[k]) {
-            if (end.lo[k] > beam->region.lo[k]) beam->region.lo[k] = end.lo[k];
-        } else {
-            if (end.hi[k] < beam->region.hi[k]) beam->region.hi[k] = end.hi[k];
-        }
-    }
 }

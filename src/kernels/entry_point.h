@@ -3,10 +3,13 @@
  * Entry-point search: the deepest node at which every ray of a beam may start.
  *
  * First a depth-first search, near child first, to the first leaf with potential: one that holds triangles and that the
- * beam may touch. Nodes where both children remained are kept on a LIFO stack. Then, from the top of that stack down, the
- * far children are searched: if one leads to a leaf with potential, its bifurcation is the new candidate. What remains is
- * the lowest node above all leaves with potential. If a leaf holds a triangle that all rays of the beam hit, nothing
- * behind it matters, and the beam's region ends there.
+ * beam may touch. Nodes where both children remained are kept on a LIFO stack, from which the search goes on when a leaf
+ * has no potential. If the leaf found holds a triangle that all rays of the beam hit, nothing behind it matters, and the
+ * beam's region ends there. Then the far children of the bifurcations that are left are searched: the highest one that
+ * leads to another leaf with potential is the entry point, and if there is none, the first leaf is.
+ *
+ * The paper takes bifurcations from the top of the stack down and replaces its candidate each time; the result is the
+ * same, the highest of them. Starting with the highest finds it at once: docs/reproduction.md has the steps of both.
  *
  * Based on: Reshetov et al. 2005, section 4.1.
  */
@@ -14,45 +17,37 @@
 /* Triangles of a leaf that are tried as covers: in larger leaves one triangle rarely covers a beam. */
 #define COVER_TRIAL_LIMIT 8
 
-struct bifurcation {
-    struct entry_point cell;
-    struct entry_point far;
+/* What an entry-point search found. */
+enum {
+    BEAM_MISSES,  /* no ray hits anything */
+    BEAM_ENTERS,  /* all rays may start at the entry point */
+    BEAM_IS_COVERED /* all rays hit one triangle first */
 };
 
-MLRT_INLINE struct entry_point child_cell(const struct entry_point *cell, uint32_t child, int is_upper, int a, float c)
+MLRT_INLINE void enter_child(struct entry_point *cell, uint32_t child, int is_upper, int a, float c)
 {
-    struct entry_point below = *cell;
-    below.node = child + (uint32_t)is_upper;
-    ++below.depth;
+    cell->node = child + (uint32_t)is_upper;
+    ++cell->depth;
     if (is_upper) {
-        below.box.lo[a] = c;
+        cell->box.lo[a] = c;
     } else {
-        below.box.hi[a] = c;
+        cell->box.hi[a] = c;
     }
-    return below;
 }
 
-/* Which children can rays of the beam reach: NEAR_CHILD and FAR_CHILD or-ed together, or 0. */
+/* Which children of a cell can rays of the beam reach: NEAR_CHILD and FAR_CHILD or-ed together, or 0. */
 MLRT_INLINE int reachable_children(const struct mlrt_job *job, const struct mlrt_beam *beam,
-                                   const struct entry_point *cell, const struct entry_point *near,
-                                   const struct entry_point *far, int a, float c, mlrt_counters *counters)
+                                   const struct entry_point *cell, int a, float c, mlrt_counters *counters)
 {
     /* The box may be less than the cell, and lie on one side of the plane. */
     if (c > cell->box.hi[a]) return beam->negative[a] ? FAR_CHILD : NEAR_CHILD;
     if (c < cell->box.lo[a]) return beam->negative[a] ? NEAR_CHILD : FAR_CHILD;
 
-    int children;
-    if (job->culling == MLRT_CULLING_INVERSE) {
-        children = cull_inverse(beam, &cell->box, a, c);
-    } else {
-        children = (misses_box_along(beam, &near->box, beam->main_axis) ? 0 : NEAR_CHILD) |
-                   (misses_box_along(beam, &far->box, beam->main_axis) ? 0 : FAR_CHILD);
-    }
+    int children = job->culling == MLRT_CULLING_INVERSE ? cull_inverse(beam, &cell->box, a, c)
+                                                        : cull_direct(beam, &cell->box, a, c);
     if (children != BOTH_CHILDREN) return children;
     COUNT(counters, undecided_cull_count, 1);
-    if (job->culling_check) {
-        children = (misses_box(beam, &near->box) ? 0 : NEAR_CHILD) | (misses_box(beam, &far->box) ? 0 : FAR_CHILD);
-    }
+    if (job->culling_check) children = check_children(beam, &cell->box, a, c);
     COUNT(counters, undecided_checked_count, children == BOTH_CHILDREN);
     return children;
 }
@@ -61,7 +56,15 @@ MLRT_INLINE int has_potential(const struct mlrt_job *job, const struct mlrt_beam
                               const struct mlrt_box *box)
 {
     if (mlrt_leaf_count(node) == 0) return 0;
-    return !(job->culling_check ? misses_box(beam, box) : misses_box_along(beam, box, beam->main_axis));
+    return !(job->culling == MLRT_CULLING_INVERSE ? misses_box(beam, box)
+                                                  : misses_box_along(beam, box, beam->main_axis));
+}
+
+MLRT_INLINE void enter_far_child(const struct mlrt_tree *tree, const struct mlrt_beam *beam, struct entry_point *cell)
+{
+    const struct mlrt_node *node = &tree->nodes[cell->node];
+    const int a = (int)mlrt_node_axis(node);
+    enter_child(cell, mlrt_node_child(node), !beam->negative[a], a, node->u.split);
 }
 
 /*
@@ -69,7 +72,7 @@ MLRT_INLINE int has_potential(const struct mlrt_job *job, const struct mlrt_beam
  * bifurcations whose far child was not looked at on `stack`.
  */
 static int find_first_leaf(const struct mlrt_job *job, const struct mlrt_beam *beam, struct entry_point cell,
-                           struct bifurcation *stack, int *stack_count, struct entry_point *leaf,
+                           struct entry_point *stack, int *stack_count, struct entry_point *leaf,
                            mlrt_counters *counters)
 {
     *stack_count = 0;
@@ -81,54 +84,82 @@ static int find_first_leaf(const struct mlrt_job *job, const struct mlrt_beam *b
         if (!mlrt_node_is_leaf(node)) {
             const int a = (int)mlrt_node_axis(node);
             const float c = node->u.split;
-            const struct entry_point near = child_cell(&cell, mlrt_node_child(node), beam->negative[a], a, c);
-            const struct entry_point far = child_cell(&cell, mlrt_node_child(node), !beam->negative[a], a, c);
-            children = reachable_children(job, beam, &cell, &near, &far, a, c, counters);
-            if (children == BOTH_CHILDREN) {
-                stack[*stack_count].cell = cell;
-                stack[(*stack_count)++].far = far;
+            const int near_is_upper = beam->negative[a];
+            children = reachable_children(job, beam, &cell, a, c, counters);
+            if (children == BOTH_CHILDREN) stack[(*stack_count)++] = cell;
+            if (children) {
+                enter_child(&cell, mlrt_node_child(node), children & NEAR_CHILD ? near_is_upper : !near_is_upper, a, c);
             }
-            if (children) cell = children & NEAR_CHILD ? near : far;
         } else if (has_potential(job, beam, node, &cell.box)) {
             *leaf = cell;
             return 1;
         }
         if (children) continue;
         if (*stack_count == 0) return 0;
-        cell = stack[--*stack_count].far;
+        cell = stack[--*stack_count];
+        enter_far_child(job->tree, beam, &cell);
     }
 }
 
-/* Ends the beam's region at triangles of the leaf that cover it. */
-static void look_for_cover(const struct mlrt_job *job, const struct entry_point *leaf, struct mlrt_beam *beam)
+/* The first triangle that all rays of a beam hit, of those in a leaf; MLRT_NONE if none is proven to be. */
+static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const struct corner_terms *terms)
 {
-    const struct mlrt_node *node = &job->tree->nodes[leaf->node];
-    const uint32_t count = mlrt_leaf_count(node);
-    if (!beam->has_apex || !beam->may_cover || count > COVER_TRIAL_LIMIT) return;
     for (uint32_t i = 0; i < count; ++i) {
-        end_region_at_cover(&job->tree->triangles[job->tree->references[node->u.offset + i]], beam);
+        if (!covers_beam(&terms[i])) continue;
+        int is_first = 1;
+        for (uint32_t j = 0; j < count && is_first; ++j) {
+            is_first = j == i || misses_beam(&terms[j]) || is_behind(&terms[j], &terms[i]);
+        }
+        if (is_first) return entries[i];
     }
+    return MLRT_NONE;
 }
 
-/* Replaces *entry, from where the beam's rays may start, by the deepest such node. 0 if no ray hits anything. */
-static int find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
-                            mlrt_counters *counters)
+/*
+ * Ends the beam's region at the triangles of a leaf that cover it. Returns the one that all rays hit before any other of
+ * the leaf, or MLRT_NONE.
+ */
+static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_point *leaf, struct mlrt_beam *beam)
 {
-    struct bifurcation stack[MLRT_DEPTH_LIMIT], deeper[MLRT_DEPTH_LIMIT];
-    int stack_count, deeper_count;
-    struct entry_point leaf, candidate;
-    COUNT(counters, beam_count, 1);
-    if (!clip_to_region(beam, &entry->box)) return 0;
-    if (!find_first_leaf(job, beam, *entry, stack, &stack_count, &leaf, counters)) return 0;
-    candidate = leaf;
-    look_for_cover(job, &leaf, beam);
-    while (stack_count > 0) {
-        struct bifurcation *top = &stack[--stack_count];
-        if (!clip_to_region(beam, &top->far.box)) continue;
-        if (!find_first_leaf(job, beam, top->far, deeper, &deeper_count, &leaf, counters)) continue;
-        candidate = top->cell;
-        look_for_cover(job, &leaf, beam);
+    struct corner_terms terms[COVER_TRIAL_LIMIT];
+    const struct mlrt_node *node = &job->tree->nodes[leaf->node];
+    const uint32_t *entries = job->tree->references + node->u.offset;
+    const uint32_t count = mlrt_leaf_count(node);
+    if (!beam->has_apex || !beam->may_cover || count > COVER_TRIAL_LIMIT) return MLRT_NONE;
+    int is_covered = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        set_corner_terms(&job->tree->triangles[entries[i]], beam, &terms[i]);
+        if (!covers_beam(&terms[i])) continue;
+        end_region_at_cover(&terms[i], beam);
+        is_covered = 1;
     }
-    *entry = candidate;
-    return clip_to_region(beam, &entry->box);
+    return is_covered ? find_first_cover(entries, count, terms) : MLRT_NONE;
+}
+
+/*
+ * Searches from *entry, where all rays of the beam may start. BEAM_ENTERS: *entry is the deepest such node, with what of
+ * its cell is in the beam's region. BEAM_IS_COVERED: *cover is the triangle.
+ */
+static int find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
+                            uint32_t *cover, mlrt_counters *counters)
+{
+    struct entry_point stack[MLRT_DEPTH_LIMIT], deeper[MLRT_DEPTH_LIMIT];
+    int stack_count, deeper_count;
+    struct entry_point leaf;
+    COUNT(counters, beam_count, 1);
+    if (!clip_to_region(beam, &entry->box)) return BEAM_MISSES;
+    if (!find_first_leaf(job, beam, *entry, stack, &stack_count, &leaf, counters)) return BEAM_MISSES;
+    *entry = leaf;
+    *cover = look_for_cover(job, &leaf, beam);
+    for (int i = 0; i < stack_count; ++i) {
+        struct entry_point far = stack[i];
+        enter_far_child(job->tree, beam, &far);
+        if (!clip_to_region(beam, &far.box)) continue;
+        if (!find_first_leaf(job, beam, far, deeper, &deeper_count, &leaf, counters)) continue;
+        *entry = stack[i];
+        *cover = MLRT_NONE;
+        break;
+    }
+    if (*cover != MLRT_NONE && job->whole_tile_hits && beam->is_unlimited) return BEAM_IS_COVERED;
+    return clip_to_region(beam, &entry->box) ? BEAM_ENTERS : BEAM_MISSES;
 }

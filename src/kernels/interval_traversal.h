@@ -13,8 +13,6 @@
  * Based on: Reshetov et al. 2005, section 4.3.
  */
 
-#define RECIPROCAL_SLACK 0x1p-21f
-
 /* Where a traversal starts: a node, and a box that contains all that matters of its cell. */
 struct entry_point {
     uint32_t node;
@@ -25,15 +23,6 @@ struct entry_point {
 struct distance_interval {
     float lo;
     float hi;
-};
-
-/* The rays of a group along one axis. */
-struct group_axis {
-    float origin_lo;
-    float origin_hi;
-    float small; /* reciprocals of the direction, with its sign: smallest and largest magnitude */
-    float large; /* may be infinite */
-    uint32_t negative;
 };
 
 MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *axis, float c)
@@ -50,61 +39,6 @@ MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *ax
     t.lo = t.lo < lo ? t.lo : lo;
     t.hi = t.hi > hi ? t.hi : hi;
     return t;
-}
-
-/* Bounds of the rays of a group over a vector array. Lanes outside count as `other`. */
-MLRT_INLINE float lowest(const float *values, uint32_t lanes)
-{
-    vf all = v_set1(INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        all = v_min(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(INFINITY)), all);
-    }
-    return v_hmin(all);
-}
-
-MLRT_INLINE float highest(const float *values, uint32_t lanes)
-{
-    vf all = v_set1(-INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        all = v_max(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(-INFINITY)), all);
-    }
-    return v_hmax(all);
-}
-
-/* Lanes of the packet whose direction component is negative. */
-MLRT_INLINE uint32_t negative_lanes(const struct mlrt_packet *packet, int k)
-{
-    uint32_t negative = 0;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        negative |= m_bits(v_lt(v_load(packet->direction[k] + v), v_set1(0))) << v;
-    }
-    return negative;
-}
-
-/* Of `lanes`, those that agree with the lowest of them in all three signs. */
-MLRT_INLINE uint32_t same_sign_lanes(const uint32_t negative[3], uint32_t lanes)
-{
-    const uint32_t lowest_lane = lanes & (0u - lanes);
-    uint32_t same = lanes;
-    for (int k = 0; k < 3; ++k) same &= (negative[k] & lowest_lane) ? negative[k] : ~negative[k];
-    return same;
-}
-
-MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes, int k, struct group_axis *axis,
-                                float *reach)
-{
-    const float lo = lowest(packet->direction[k], lanes), hi = highest(packet->direction[k], lanes);
-    axis->negative = lo < 0;
-    const float largest = axis->negative ? lo : hi, smallest = axis->negative ? hi : lo;
-    axis->small = (1 / largest) * (1 - RECIPROCAL_SLACK);
-    axis->large = (1 / smallest) * (1 + RECIPROCAL_SLACK);
-    *reach = largest < 0 ? -largest : largest;
-    if (packet->has_apex) {
-        axis->origin_lo = axis->origin_hi = packet->apex[k];
-    } else {
-        axis->origin_lo = lowest(packet->origin[k], lanes);
-        axis->origin_hi = highest(packet->origin[k], lanes);
-    }
 }
 
 /* The distances at which the group can be in the closed box; lo > hi if nowhere. */
@@ -126,22 +60,20 @@ struct pending_cell {
     struct distance_interval part;
 };
 
-/* Traces lanes of equal signs from an entry point. Returns the lanes that hit something. */
-static uint32_t traverse_group(const struct mlrt_job *job, const struct entry_point *entry, uint32_t lanes,
-                               struct mlrt_packet *packet, mlrt_counters *counters)
+/* Traces a group from an entry point. */
+static void traverse_group(const struct mlrt_job *job, const struct entry_point *entry, struct ray_group *group,
+                           struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
-    struct group_axis axis[3];
-    struct ray_group group = {.lanes = lanes};
-    for (int k = 0; k < 3; ++k) set_group_axis(packet, lanes, k, &axis[k], &group.reach[k]);
-
-    struct distance_interval part = {lowest(packet->t_min, lanes), highest(packet->hi, lanes)};
+    const struct group_axis *axis = group->axis;
+    mlrt_counters *counters = &worker->counters;
+    struct distance_interval part = {lowest(packet->t_min, group->lanes), highest(packet->hi, group->lanes)};
     part = box_distances(axis, &entry->box, part);
-    if (part.lo > part.hi) return 0;
+    if (part.lo > part.hi) return;
 
     struct pending_cell stack[MLRT_DEPTH_LIMIT];
     int pending_count = 0;
-    uint32_t node = entry->node, hit = 0;
+    uint32_t node = entry->node;
     float farthest = part.hi; /* of the nearest hits so far: what lies behind concerns no ray */
     COUNT(counters, packet_count, 1);
     for (;;) {
@@ -169,19 +101,20 @@ static uint32_t traverse_group(const struct mlrt_job *job, const struct entry_po
         const uint32_t count = mlrt_leaf_count(here);
         uint32_t changed = 0;
         for (uint32_t i = 0; i < count; ++i) {
+            const struct mlrt_triangle *triangle = &tree->triangles[entries[i]];
+            if (group->has_frustum && is_out_of_frustum(group, packet->apex, farthest, triangle)) continue;
             COUNT(counters, triangle_test_count, 1);
-            changed |= test_triangle(tree, entries[i], &group, 0, MLRT_PACKET_RAYS, packet, counters);
+            changed |= test_triangle(tree, entries[i], group, 0, MLRT_PACKET_RAYS, packet, worker);
         }
         if (changed) {
-            hit |= changed;
             if (job->any) {
-                group.lanes &= ~changed;
-                if (!group.lanes) return hit;
+                group->lanes &= ~changed;
+                if (!group->lanes) return;
             }
-            farthest = highest(packet->hi, group.lanes);
+            farthest = highest(packet->hi, group->lanes);
         }
         do {
-            if (pending_count == 0) return hit;
+            if (pending_count == 0) return;
             --pending_count;
             node = stack[pending_count].node;
             part = stack[pending_count].part;
@@ -190,15 +123,14 @@ static uint32_t traverse_group(const struct mlrt_job *job, const struct entry_po
     }
 }
 
-/* Traces a packet's active rays from an entry point, lanes of different signs one group after the other. */
+/* Traces a packet's active rays from an entry point, in as many groups as they make. */
 static void traverse_interval(const struct mlrt_job *job, const struct entry_point *entry, struct mlrt_packet *packet,
-                              mlrt_counters *counters)
+                              struct mlrt_worker *worker)
 {
-    uint32_t negative[3];
-    for (int k = 0; k < 3; ++k) negative[k] = negative_lanes(packet, k);
-    for (uint32_t lanes = packet->active; lanes;) {
-        const uint32_t same = same_sign_lanes(negative, lanes);
-        traverse_group(job, entry, same, packet, counters);
-        lanes &= ~same;
+    for (uint32_t left = packet->active; left;) {
+        struct ray_group group;
+        make_group(packet, left, &group);
+        left &= ~group.lanes;
+        traverse_group(job, entry, &group, packet, worker);
     }
 }

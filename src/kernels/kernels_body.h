@@ -5,6 +5,7 @@
  * the table.
  */
 #include <math.h>
+#include <string.h>
 
 #include "counters.h"
 #include "hit.h"
@@ -13,10 +14,12 @@
 #include "trace_ray.h"
 
 #include "camera_packet.h"
+#include "ray_group.h"
 #include "triangle_filter.h"
 #include "interval_traversal.h"
 #include "masked_traversal.h"
 #include "beam_culling.h"
+#include "covering.h"
 #include "entry_point.h"
 #include "trace_tile.h"
 

@@ -44,14 +44,18 @@ MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *ax
 
 /* Traces lanes of equal signs, all in the vectors from first_lane on. */
 static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
-                                  struct mlrt_packet *packet, mlrt_counters *counters)
+                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
+    mlrt_counters *counters = &worker->counters;
     struct ray_axis axis[3];
     struct ray_group group = {.lanes = lanes};
     uint32_t negative[3];
+    struct direction_range range;
+    find_directions(packet, lanes, &range);
     for (int k = 0; k < 3; ++k) {
-        negative[k] = (negative_lanes(packet, k) & lanes) != 0;
+        negative[k] = range.lo[k] < 0;
+        group.axis[k].reach = negative[k] ? -range.lo[k] : range.hi[k];
         for (int i = 0; i < PACKET2_VECTORS; ++i) {
             const int v = first_lane + i * VW;
             const vf reciprocal = v_div(v_set1(1), v_load(packet->direction[k] + v));
@@ -59,8 +63,6 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
             axis[k].small[i] = v_mul(reciprocal, v_set1(1 - RECIPROCAL_SLACK));
             axis[k].large[i] = v_mul(reciprocal, v_set1(1 + RECIPROCAL_SLACK));
         }
-        const float lo = lowest(packet->direction[k], lanes), hi = highest(packet->direction[k], lanes);
-        group.reach[k] = -lo > hi ? -lo : hi;
     }
 
     struct masked_interval part;
@@ -123,7 +125,7 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
         for (uint32_t i = 0; i < count; ++i) {
             COUNT(counters, triangle_test_count, 1);
             const uint32_t changed =
-                test_triangle(tree, entries[i], &group, first_lane, first_lane + PACKET2_VECTORS * VW, packet, counters);
+                test_triangle(tree, entries[i], &group, first_lane, first_lane + PACKET2_VECTORS * VW, packet, worker);
             if (job->any) {
                 alive &= ~changed;
                 group.lanes &= alive;
@@ -149,16 +151,14 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
 }
 
 /* Traces a packet's active rays, 2x2 at a time, from the root. */
-static void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *packet, mlrt_counters *counters)
+static void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    uint32_t negative[3];
-    for (int k = 0; k < 3; ++k) negative[k] = negative_lanes(packet, k);
     for (int square = 0; square < MLRT_PACKET_RAYS; square += 4) {
         const int first_lane = square - square % VW;
-        for (uint32_t lanes = packet->active & (0xFu << square); lanes;) {
-            const uint32_t same = same_sign_lanes(negative, lanes);
-            traverse_masked_group(job, same, first_lane, packet, counters);
-            lanes &= ~same;
+        for (uint32_t left = packet->active & (0xFu << square); left;) {
+            const uint32_t same = same_sign_lanes(packet, left);
+            traverse_masked_group(job, same, first_lane, packet, worker);
+            left &= ~same;
         }
     }
 }

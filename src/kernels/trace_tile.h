@@ -36,6 +36,15 @@ static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct
     }
 }
 
+static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                         uint32_t lanes, uint32_t x, uint32_t y)
+{
+    if (job->has_frame) mlrt_write_packet(job->tree, packet, lanes, x, y, &job->frame);
+    if (job->callback) {
+        mlrt_write_packet(job->tree, packet, lanes, x - worker->tile_x, y - worker->tile_y, &worker->tile);
+    }
+}
+
 /* Traces a block of at most 4x4 rays from an entry point and writes the results. */
 static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
                         uint32_t height, const struct entry_point *entry)
@@ -43,22 +52,22 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     const uint32_t lanes = existing_lanes(&job->source, x, y, width, height);
     struct mlrt_packet packet;
     get_packet(&job->source, x, y, width, height, lanes, &packet);
+    if (packet.has_apex && memcmp(packet.apex, worker->apex, sizeof packet.apex) != 0) {
+        forget_setups(packet.apex, worker);
+    }
     if (job->method == MLRT_METHOD_RAY || !job->tree->float_safe) {
         packet.single |= packet.active;
         packet.active = 0;
     }
     if (packet.active) {
         if (job->method == MLRT_METHOD_PACKET2) {
-            traverse_masked(job, &packet, &worker->counters);
+            traverse_masked(job, &packet, worker);
         } else {
-            traverse_interval(job, entry, &packet, &worker->counters);
+            traverse_interval(job, entry, &packet, worker);
         }
     }
     if (packet.single) trace_single_rays(job, packet.single, &packet, &worker->counters);
-    if (job->has_frame) mlrt_write_packet(job->tree, &packet, lanes, x, y, &job->frame);
-    if (job->callback) {
-        mlrt_write_packet(job->tree, &packet, lanes, x - worker->tile_x, y - worker->tile_y, &worker->tile);
-    }
+    write_packet(job, worker, &packet, lanes, x, y);
 }
 
 static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
@@ -85,6 +94,31 @@ static void write_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
+/* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
+static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number, uint32_t x, uint32_t y,
+                        uint32_t width, uint32_t height)
+{
+    if (mlrt_sink_wants_ids_only(&job->frame) && mlrt_sink_wants_ids_only(&worker->tile)) {
+        for (uint32_t j = y; j < y + height; ++j) {
+            if (job->has_frame) mlrt_write_same_hits(job->tree, number, x, j, width, &job->frame);
+            if (job->callback) {
+                mlrt_write_same_hits(job->tree, number, x - worker->tile_x, j - worker->tile_y, width, &worker->tile);
+            }
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < height; j += 4) {
+        for (uint32_t i = 0; i < width; i += 4) {
+            const uint32_t block_width = width - i < 4 ? width - i : 4, block_height = height - j < 4 ? height - j : 4;
+            const uint32_t lanes = mlrt_block_lanes(block_width, block_height);
+            struct mlrt_packet packet;
+            get_packet(&job->source, x + i, y + j, block_width, block_height, lanes, &packet);
+            for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) i_store(packet.triangle + v, i_set1(number));
+            write_packet(job, worker, &packet, lanes, x + i, y + j);
+        }
+    }
+}
+
 static struct entry_point root_entry(const struct mlrt_tree *tree)
 {
     return (struct entry_point){0, 0, tree->bounds};
@@ -98,9 +132,16 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
     struct entry_point entry = *above;
     int is_leaf = 0;
     if (mlrt_get_beam(&job->source, x, y, width, height, &beam)) {
-        if (!find_entry_point(job, &beam, &entry, &worker->counters)) {
+        uint32_t cover;
+        const int found = find_entry_point(job, &beam, &entry, &cover, &worker->counters);
+        if (found == BEAM_MISSES) {
             COUNT(&worker->counters, missed_beam_count, 1);
             write_misses(job, worker, x, y, width, height);
+            return;
+        }
+        if (found == BEAM_IS_COVERED) {
+            COUNT(&worker->counters, covered_beam_count, 1);
+            write_cover(job, worker, cover, x, y, width, height);
             return;
         }
         is_leaf = mlrt_node_is_leaf(&job->tree->nodes[entry.node]);

@@ -5,17 +5,20 @@
  *
  * With u = 2^-24 and everything computed in float, for one ray:
  *
- *   a = fl(v_i - o), b = fl(v_j - o)                each within a factor 1 + u of the exact difference
- *   e = d . (a x b)                                 two differences, product, subtraction, product, two sums: 7 roundings
- *   D = d . n, n = (b - a) x (c - a)                the same 7
- *   N = fl(a - o) . n                               difference, n's 4, product, two sums: 8
+ *   a = fl(v_i - o), b = fl(v_j - o), g = fl(v_j - v_i)    each off by u of itself
+ *   s = fl(a + b)                                          off by 2 u (|a| + |b|)
+ *   2 e = d . (s x g)         per product g u, s 2 u, itself u; subtraction u; product with d u; two sums 2 u: 8 u
+ *   D = d . n, n = (b - a) x (c - a)     two differences, product, subtraction, product, two sums: 7 u
+ *   N = fl(a - o) . n                    difference, n's 4, product, two sums: 8 u
  *
- * so each is off by at most g M, with g = 8 u / (1 - 8 u) and M the same expression with all signs made positive. What
- * is computed as M lacks at most a factor (1 - 8 u) again, so 16 u M = 2^-20 M is a bound with a factor of two to spare.
- * For M, |d| may be replaced by anything larger: a whole packet shares the largest |d_k| of its rays, and so one bound.
+ * times M, the same expression with all signs made positive and |s| replaced by |a| + |b|. What is computed as M lacks at
+ * most 8 u of itself, so 16 u M = 2^-20 M is a bound with a factor of two to spare. For M, |d| may be replaced by anything
+ * larger: a whole packet shares the largest |d_k| of its rays, and so one bound.
+ *
+ * s x g = 2 (a x b), but where a x b cancels for a small triangle far away, s x g does not: its M shrinks with the edge.
  *
  * Underflow: a float subtraction never underflows inexactly; each product may lose 2^-150, which later factors scale. The
- * sum of these losses is under 2^-149 (|d_x| + |d_y| + |d_z| + 2) for e and D, and the same with |a - o| for N. `floor`
+ * sum of these losses is under 2^-149 (|d_x| + |d_y| + |d_z| + 2) for 2 e and D, and the same with |a - o| for N. `floor`
  * is 2^-146 (sum + 4). Overflow makes M infinite or NaN, and then no comparison below is true: undecided.
  *
  * Distances: t = N / D lies between (|N| - EN) / (|D| + ED) and (|N| + EN) / (|D| - ED), in signs that make D positive;
@@ -29,20 +32,26 @@
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross and bound is the normal. */
 struct triangle_terms {
-    vf cross[4][3];    /* a x b, b x c, c x a relative to the origin; n */
+    vf cross[4][3];    /* twice a x b, b x c, c x a relative to the origin; n */
     vf bound[4];       /* error bounds of d . cross[i] */
     vf distance;       /* N */
     vf distance_bound;
 };
 
-/* first x second, and the sums of the magnitudes of its products. */
-MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3], vf size[3])
+MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3])
 {
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const vf p = v_mul(first[i], second[j]), q = v_mul(first[j], second[i]);
-        cross[k] = v_sub(p, q);
-        size[k] = v_add(v_abs(p), v_abs(q));
+        cross[k] = v_sub(v_mul(first[i], second[j]), v_mul(first[j], second[i]));
+    }
+}
+
+/* The cross product of magnitudes, all signs positive. */
+MLRT_INLINE void cross_size(const vf first[3], const vf second[3], vf size[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        size[k] = v_add(v_mul(first[i], second[j]), v_mul(first[j], second[i]));
     }
 }
 
@@ -58,25 +67,104 @@ MLRT_INLINE vf dot_bound(const vf reach[3], const vf size[3])
     return v_add(v_mul(dot_product(reach, size), v_set1(FILTER_BOUND)), floor);
 }
 
-/* Terms for origins and direction sizes (`reach` >= |d|) that are given lane by lane. */
-MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], const vf reach[3],
+/* Terms for rays of different origins, lane by lane; reach >= |d|. */
+MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], const float reach[3],
                            struct triangle_terms *terms)
 {
-    vf vertex[3][3], edge[2][3], size[3];
+    const vf far[3] = {v_set1(reach[0]), v_set1(reach[1]), v_set1(reach[2])};
+    vf vertex[3][3], away[3][3], edge[3][3], length[3][3], sum[3], sum_size[3], size[3];
     for (int k = 0; k < 3; ++k) {
-        for (int i = 0; i < 3; ++i) vertex[i][k] = v_sub(v_set1(triangle->v[i][k]), origin[k]);
-        edge[0][k] = v_set1(triangle->v[1][k] - triangle->v[0][k]);
-        edge[1][k] = v_set1(triangle->v[2][k] - triangle->v[0][k]);
+        for (int i = 0; i < 3; ++i) {
+            const float from = triangle->v[i][k], to = triangle->v[(i + 1) % 3][k];
+            vertex[i][k] = v_sub(v_set1(from), origin[k]);
+            away[i][k] = v_abs(vertex[i][k]);
+            edge[i][k] = v_set1(to - from);
+            length[i][k] = v_abs(edge[i][k]);
+        }
     }
     for (int i = 0; i < 3; ++i) {
-        cross_product(vertex[i], vertex[(i + 1) % 3], terms->cross[i], size);
-        terms->bound[i] = dot_bound(reach, size);
+        const int j = (i + 1) % 3;
+        for (int k = 0; k < 3; ++k) {
+            sum[k] = v_add(vertex[i][k], vertex[j][k]);
+            sum_size[k] = v_add(away[i][k], away[j][k]);
+        }
+        cross_product(sum, edge[i], terms->cross[i]);
+        cross_size(sum_size, length[i], size);
+        terms->bound[i] = dot_bound(far, size);
     }
-    cross_product(edge[0], edge[1], terms->cross[3], size);
-    terms->bound[3] = dot_bound(reach, size);
-    const vf away[3] = {v_abs(vertex[0][0]), v_abs(vertex[0][1]), v_abs(vertex[0][2])};
+    /* n = (b - a) x (c - a) = (a - c) x (b - a): the same products with the same signs. */
+    cross_product(edge[2], edge[0], terms->cross[3]);
+    cross_size(length[2], length[0], size);
+    terms->bound[3] = dot_bound(far, size);
     terms->distance = dot_product(vertex[0], terms->cross[3]);
-    terms->distance_bound = dot_bound(away, size);
+    terms->distance_bound = dot_bound(away[0], size);
+}
+
+/*
+ * The same for rays of one origin, in two parts: what depends on the triangle and the origin alone is kept, in a small
+ * table of the worker, for the packets of the neighbourhood.
+ */
+static void forget_setups(const float apex[3], struct mlrt_worker *worker)
+{
+    for (uint32_t i = 0; i <= worker->setup_mask; ++i) worker->setups[i].number = MLRT_NONE;
+    memcpy(worker->apex, apex, sizeof worker->apex);
+}
+
+static const struct mlrt_triangle_setup *set_up_triangle(const struct mlrt_tree *tree, uint32_t number,
+                                                         const float apex[3], struct mlrt_worker *worker)
+{
+    struct mlrt_triangle_setup *setup = &worker->setups[number & worker->setup_mask];
+    if (setup->number == number) return setup;
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    float sum[3][4], sum_size[3][4], edge[3][4], length[3][4], vertex[3];
+    for (int k = 0; k < 3; ++k) {
+        const float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
+        const float x = a - apex[k], y = b - apex[k], z = c - apex[k];
+        const float sums[4] = {x + y, y + z, z + x, a - c};
+        const float sizes[4] = {fabsf(x) + fabsf(y), fabsf(y) + fabsf(z), fabsf(z) + fabsf(x), fabsf(a - c)};
+        const float edges[4] = {b - a, c - b, a - c, b - a};
+        vertex[k] = x;
+        for (int i = 0; i < 4; ++i) {
+            sum[k][i] = sums[i];
+            sum_size[k][i] = sizes[i];
+            edge[k][i] = edges[i];
+            length[k][i] = fabsf(edges[i]);
+        }
+    }
+    float distance = 0, distance_size = 0, distance_floor = 4;
+    for (int k = 0; k < 3; ++k) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        for (int i = 0; i < 4; ++i) {
+            setup->cross[k][i] = sum[p][i] * edge[q][i] - sum[q][i] * edge[p][i];
+            setup->size[k][i] = sum_size[p][i] * length[q][i] + sum_size[q][i] * length[p][i];
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        distance += vertex[k] * setup->cross[k][3];
+        distance_size += fabsf(vertex[k]) * setup->size[k][3];
+        distance_floor += fabsf(vertex[k]);
+    }
+    setup->number = number;
+    setup->distance = distance;
+    setup->distance_bound = distance_size * FILTER_BOUND + distance_floor * FILTER_FLOOR;
+    return setup;
+}
+
+MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, const float reach[3],
+                                struct triangle_terms *terms)
+{
+    const float floor = (reach[0] + reach[1] + reach[2] + 4) * FILTER_FLOOR;
+    float bound[4];
+    for (int i = 0; i < 4; ++i) {
+        bound[i] = (reach[0] * setup->size[0][i] + reach[1] * setup->size[1][i] + reach[2] * setup->size[2][i]) *
+                       FILTER_BOUND + floor;
+    }
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 3; ++k) terms->cross[i][k] = v_set1(setup->cross[k][i]);
+        terms->bound[i] = v_set1(bound[i]);
+    }
+    terms->distance = v_set1(setup->distance);
+    terms->distance_bound = v_set1(setup->distance_bound);
 }
 
 /* What the filter says of a vector of rays; the lanes in neither have nothing to do with the triangle. */
@@ -147,26 +235,16 @@ static MLRT_NOINLINE uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t
     return hit;
 }
 
-/* The rays of a packet that take part in a traversal, and what the filter wants to know of them all. */
-struct ray_group {
-    uint32_t lanes;
-    float reach[3]; /* largest |d_k| */
-};
-
 /*
- * Tests the rays of `group` against triangle `number`, for the vectors first_vector <= v < end_vector (in lanes), and
+ * Tests the rays of `group`, which lie in the vectors from first_lane up to end_lane, against triangle `number`, and
  * updates their nearest hits. Returns the lanes whose nearest hit changed.
  */
 static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, const struct ray_group *group,
-                              int first_lane, int end_lane, struct mlrt_packet *packet, mlrt_counters *counters)
+                              int first_lane, int end_lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
-    const vf reach[3] = {v_set1(group->reach[0]), v_set1(group->reach[1]), v_set1(group->reach[2])};
+    const float reach[3] = {group->axis[0].reach, group->axis[1].reach, group->axis[2].reach};
     struct triangle_terms terms;
-    if (packet->has_apex) {
-        const vf origin[3] = {v_set1(packet->apex[0]), v_set1(packet->apex[1]), v_set1(packet->apex[2])};
-        set_terms(triangle, origin, reach, &terms);
-    }
+    if (packet->has_apex) set_apex_terms(set_up_triangle(tree, number, packet->apex, worker), reach, &terms);
     uint32_t changed = 0;
     for (int v = first_lane; v < end_lane; v += VW) {
         vm active = m_from_bits(group->lanes >> v);
@@ -175,7 +253,7 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
         if (!packet->has_apex) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
                                   v_load(packet->origin[2] + v)};
-            set_terms(triangle, origin, reach, &terms);
+            set_terms(&tree->triangles[number], origin, reach, &terms);
         }
         const struct verdict verdict = filter_vector(&terms, packet, v, active);
         const uint32_t nearer = m_bits(verdict.nearer), undecided = m_bits(verdict.undecided);
@@ -186,10 +264,9 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
             changed |= nearer << v;
         }
         if (undecided) {
-            COUNT(counters, judged_lane_count, __builtin_popcount(undecided));
+            COUNT(&worker->counters, judged_lane_count, mlrt_count_bits(undecided));
             changed |= judge_lanes(tree, number, undecided << v, packet);
         }
     }
-    (void)counters;
     return changed;
 }

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * options.h - command line options from a table, which is the help text too
+ *
+ * An option is `--name value`, `--name=value` or, for flags, `--name`. What is not in the table, or not a value of its
+ * kind, is said on stderr.
+ */
+#ifndef OPTIONS_H
+#define OPTIONS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum option_kind {
+    OPTION_HEADING,      /* a line of the help text */
+    OPTION_FLAG,         /* int: set to 1 */
+    OPTION_TEXT,         /* const char * */
+    OPTION_COUNT,        /* uint32_t from low to high */
+    OPTION_POWER_OF_TWO, /* uint32_t from low to high */
+    OPTION_NUMBER,       /* double, finite */
+    OPTION_VECTOR,       /* double[3], finite, as x,y,z */
+    OPTION_SIZE,         /* uint32_t[2], each from low to high, as WxH */
+    OPTION_CHOICE,       /* int32_t: low + the position in `values`, which are parted by | */
+    OPTION_SET           /* uint32_t: a bit for each of `values` that is in the list given, parted by commas */
+};
+
+struct option {
+    enum option_kind kind;
+    const char *name;   /* with its dashes */
+    void *value;        /* where to put it; holds the default before */
+    const char *values; /* how the help text writes the value; the words of a choice or set */
+    const char *help;   /* what it does; \n starts a new line */
+    uint32_t low, high;
+};
+
+/*
+ * Reads the command line. Returns 1 to go on, or 0 to end with *exit_code: 0 after --help, which prints `purpose` and
+ * the table to stdout, 2 after a mistake.
+ */
+int parse_options(const char *purpose, const struct option *options, size_t count, int argc, char **argv,
+                  int *exit_code);
+
+#endif

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT */
+/* shade.c - colours and hard shadows for a tile of hits: see shade.h */
+#include "shade.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// One per worker: what a tile needs on its way.
+struct tile_buffers {
+    size_t capacity; // pixels
+    float (*points)[3];
+    uint32_t (*skip)[2];
+    uint8_t *occluded;
+    uint64_t ray_count;
+    mlrt_counters counters;
+};
+
+/* ---- buffers and counters -----------------------------------------------------------------------------------------
+ */
+
+static void free_buffers(struct tile_buffers *buffers)
+{
+    if (!buffers) return;
+    free(buffers->points);
+    free(buffers->skip);
+    free(buffers->occluded);
+    free(buffers);
+}
+
+// The worker's buffers with room for `count` pixels, or NULL.
+static struct tile_buffers *get_buffers(struct shading *shading, uint32_t worker, size_t count)
+{
+    struct tile_buffers *buffers = shading->buffers[worker];
+    if (buffers && buffers->capacity >= count) return buffers;
+    struct tile_buffers *bigger = calloc(1, sizeof *bigger);
+    if (!bigger) return NULL;
+    bigger->capacity = count;
+    bigger->points = malloc(count * sizeof *bigger->points);
+    bigger->skip = malloc(count * sizeof *bigger->skip);
+    bigger->occluded = malloc(count);
+    bigger->counters.struct_size = sizeof bigger->counters;
+    if (!bigger->points || !bigger->skip || !bigger->occluded) {
+        free_buffers(bigger);
+        return NULL;
+    }
+    if (buffers) bigger->counters = buffers->counters, bigger->ray_count = buffers->ray_count;
+    free_buffers(buffers);
+    shading->buffers[worker] = bigger;
+    return bigger;
+}
+
+uint64_t shadow_ray_count(const struct shading *shading)
+{
+    uint64_t sum = 0;
+    for (int i = 0; i < MAXIMUM_WORKERS; i++) sum += shading->buffers[i] ? shading->buffers[i]->ray_count : 0;
+    return sum;
+}
+
+void add_shadow_counters(const struct shading *shading, mlrt_counters *sum)
+{
+    for (int i = 0; i < MAXIMUM_WORKERS; i++) {
+        if (!shading->buffers[i]) continue;
+        const mlrt_counters *c = &shading->buffers[i]->counters;
+        sum->ray_count += c->ray_count;
+        sum->packet_count += c->packet_count;
+        sum->beam_count += c->beam_count;
+        sum->cell_count += c->cell_count;
+        sum->entry_point_cell_count += c->entry_point_cell_count;
+        sum->triangle_test_count += c->triangle_test_count;
+        sum->judged_lane_count += c->judged_lane_count;
+        sum->entry_point_count += c->entry_point_count;
+        sum->entry_point_depth_sum += c->entry_point_depth_sum;
+        sum->missed_beam_count += c->missed_beam_count;
+        sum->undecided_cull_count += c->undecided_cull_count;
+        sum->undecided_checked_count += c->undecided_checked_count;
+    }
+}
+
+void reset_shadow_counters(struct shading *shading)
+{
+    for (int i = 0; i < MAXIMUM_WORKERS; i++) {
+        struct tile_buffers *buffers = shading->buffers[i];
+        if (!buffers) continue;
+        buffers->ray_count = 0;
+        memset(&buffers->counters, 0, sizeof buffers->counters);
+        buffers->counters.struct_size = sizeof buffers->counters;
+    }
+}
+
+void end_shading(struct shading *shading)
+{
+    for (int i = 0; i < MAXIMUM_WORKERS; i++) {
+        free_buffers(shading->buffers[i]);
+        shading->buffers[i] = NULL;
+    }
+}
+
+uint32_t shading_outputs(const struct shading *shading)
+{
+    return MLRT_OUTPUT_IDS | MLRT_OUTPUT_FACING | (shading->shadows ? MLRT_OUTPUT_UV : 0);
+}
+
+/* ---- tone ---------------------------------------------------------------------------------------------------------
+ */
+
+static const float brightest = 2; // what `tone` goes up to
+
+// Linear light to sRGB. Up to 0.6 it stays as it is; from there on it nears white, but reaches it nowhere.
+void start_shading(struct shading *shading)
+{
+    const int count = sizeof shading->tone;
+    for (int i = 0; i < count; i++) {
+        double x = (double)brightest * i / (count - 1), y = x <= 0.6 ? x : 1 - 0.4 * exp((0.6 - x) / 0.4);
+        double encoded = y <= 0.0031308 ? 12.92 * y : 1.055 * pow(y, 1 / 2.4) - 0.055;
+        shading->tone[i] = (uint8_t)(255 * encoded + 0.5);
+    }
+}
+
+static void store_pixel(const struct shading *shading, size_t pixel, const float light[3])
+{
+    const float scale = (float)(sizeof shading->tone - 1) / brightest;
+    for (int k = 0; k < 3; k++) {
+        float x = light[k] < brightest ? light[k] : brightest;
+        shading->rgb[3 * pixel + k] = shading->tone[(size_t)(x * scale)];
+    }
+}
+
+/* ---- light --------------------------------------------------------------------------------------------------------
+ */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static const float *corner(const struct scene *scene, uint32_t triangle, int i)
+{
+    return scene->vertices + 3 * (size_t)scene->indices[3 * (size_t)triangle + i];
+}
+
+// What neighbouring pixels on the same triangle have in common. Light = fill (base + slope cos) + lamp received + glow.
+struct surface {
+    uint32_t triangle;
+    int32_t facing; // 0 = none yet
+    double normal[3];
+    float fill[3], lamp[3], glow[3];
+};
+
+// The unit normal on the side that the ray came from. In double: the products of small triangles' edges leave float.
+static void facing_normal(const struct scene *scene, uint32_t triangle, int32_t facing, double normal[3])
+{
+    const float *a = corner(scene, triangle, 0), *b = corner(scene, triangle, 1), *c = corner(scene, triangle, 2);
+    double ab[3], ac[3];
+    for (int k = 0; k < 3; k++) ab[k] = (double)b[k] - a[k], ac[k] = (double)c[k] - a[k];
+    normal[0] = ab[1] * ac[2] - ab[2] * ac[1];
+    normal[1] = ab[2] * ac[0] - ab[0] * ac[2];
+    normal[2] = ab[0] * ac[1] - ab[1] * ac[0];
+    double length = sqrt(dot(normal, normal)), scale = length > 0 ? -facing / length : 0;
+    for (int k = 0; k < 3; k++) normal[k] *= scale;
+}
+
+static struct material material_of(const struct scene *scene, uint32_t triangle, const double normal[3])
+{
+    static const struct material cool = {{0.33f, 0.43f, 0.60f}, 0}, warm = {{0.84f, 0.68f, 0.47f}, 0};
+    if (scene->material_ids) return scene->materials[scene->material_ids[triangle]];
+    // Warm towards the upper left, where the light of most views is.
+    float share = (float)(0.5 - 0.25 * normal[0] + 0.4 * normal[1] + 0.17 * normal[2]);
+    struct material tint = {{0}, 0};
+    for (int k = 0; k < 3; k++) tint.colour[k] = cool.colour[k] + (warm.colour[k] - cool.colour[k]) * share;
+    return tint;
+}
+
+static void set_surface(struct surface *surface, const struct scene *scene, uint32_t triangle, int32_t facing)
+{
+    static const float sky[3] = {0.92f, 1.00f, 1.12f}, ground[3] = {1.10f, 0.98f, 0.86f},
+                       lamp[3] = {1.60f, 1.36f, 1.06f};
+    // A light that does not fade is as bright on everything as one that does is at most, so it is weaker at its source.
+    float strength = scene->light_range > 0 ? 1 : 0.62f;
+    surface->triangle = triangle;
+    surface->facing = facing;
+    facing_normal(scene, triangle, facing, surface->normal);
+    struct material material = material_of(scene, triangle, surface->normal);
+    float above = (float)(0.5 + 0.5 * surface->normal[1]);
+    for (int k = 0; k < 3; k++) {
+        surface->fill[k] = material.colour[k] * (ground[k] + (sky[k] - ground[k]) * above);
+        surface->lamp[k] = material.colour[k] * lamp[k] * strength;
+        surface->glow[k] = material.colour[k] * material.glow;
+    }
+}
+
+// The light that reaches a hit, 0..1: by the angle, and by the distance if the scene says so.
+static double light_received(const struct shading *shading, const struct surface *surface, double u, double v)
+{
+    const struct scene *scene = shading->scene;
+    const float *a = corner(scene, surface->triangle, 0), *b = corner(scene, surface->triangle, 1);
+    const float *c = corner(scene, surface->triangle, 2);
+    double to_light[3];
+    for (int k = 0; k < 3; k++) to_light[k] = shading->view->light[k] - ((1 - u - v) * a[k] + u * b[k] + v * c[k]);
+    double cosine = dot(to_light, surface->normal), square = dot(to_light, to_light);
+    if (cosine <= 0) return 0;
+    double range = scene->light_range, share = range > 0 ? square / (range * range) : 0;
+    return cosine / (sqrt(square) * (1 + share));
+}
+
+static void shade_hit(const struct shading *shading, const struct surface *surface, const double direction[3],
+                      double received, float light[3])
+{
+    double towards_eye = -dot(surface->normal, direction) / sqrt(dot(direction, direction));
+    float fill = (float)(shading->shadows ? 0.10 + 0.22 * towards_eye : 0.12 + 0.95 * towards_eye);
+    for (int k = 0; k < 3; k++) {
+        light[k] = surface->fill[k] * fill + surface->lamp[k] * (float)received + surface->glow[k];
+    }
+}
+
+static void shade_miss(const struct shading *shading, uint32_t row, float light[3])
+{
+    static const float top[3] = {0.20f, 0.34f, 0.56f}, bottom[3] = {0.72f, 0.78f, 0.84f};
+    float share = ((float)row + 0.5f) / (float)shading->camera->height;
+    for (int k = 0; k < 3; k++) light[k] = top[k] + (bottom[k] - top[k]) * share;
+}
+
+/* ---- tiles --------------------------------------------------------------------------------------------------------
+ */
+
+// Asks which points of the tile the light does not reach. A miss is a point that is nowhere, which is never occluded.
+static int32_t trace_shadows(const struct shading *shading, const mlrt_tile *tile, struct tile_buffers *buffers)
+{
+    size_t count = (size_t)tile->width * tile->height;
+    for (size_t i = 0; i < count; i++) {
+        buffers->skip[i][0] = tile->mesh[i], buffers->skip[i][1] = tile->triangle[i];
+        int32_t status = MLRT_ERROR_ARGUMENT;
+        if (tile->facing[i] != 0) {
+            status = mlrt_offset_point(shading->tree, tile->mesh[i], tile->triangle[i], tile->u[i], tile->v[i],
+                                       -tile->facing[i], buffers->points[i]);
+        }
+        if (status == MLRT_OK)
+            buffers->ray_count++;
+        else
+            buffers->points[i][0] = buffers->points[i][1] = buffers->points[i][2] = NAN;
+    }
+    const mlrt_points points = {.struct_size = sizeof points,
+                                .row_length = tile->width,
+                                .count = count,
+                                .positions = {buffers->points, 0},
+                                .skip = {buffers->skip, 0}};
+    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
+    for (int k = 0; k < 3; k++) light.position[k] = (float)shading->view->light[k];
+    mlrt_trace_options options = shading->shadow_options;
+    options.counters = shading->counting ? &buffers->counters : NULL;
+    const mlrt_array occluded = {buffers->occluded, 0, 0};
+    return mlrt_occluded_points(shading->tree, &points, &light, &options, &occluded);
+}
+
+static void shade_pixels(const struct shading *shading, const mlrt_tile *tile, const uint8_t *occluded)
+{
+    const mlrt_camera *camera = shading->camera;
+    struct surface surface = {.facing = 0};
+    size_t i = 0;
+    for (uint32_t row = tile->y; row < tile->y + tile->height; row++) {
+        for (uint32_t column = tile->x; column < tile->x + tile->width; column++, i++) {
+            float light[3];
+            if (tile->facing[i] == 0) {
+                shade_miss(shading, row, light);
+            } else {
+                if (surface.triangle != tile->triangle[i] || surface.facing != tile->facing[i]) {
+                    set_surface(&surface, shading->scene, tile->triangle[i], tile->facing[i]);
+                }
+                double x = column + 0.5, y = row + 0.5, direction[3], received = 0;
+                for (int k = 0; k < 3; k++) direction[k] = camera->d00[k] + x * camera->dx[k] + y * camera->dy[k];
+                if (occluded && !occluded[i]) {
+                    received = light_received(shading, &surface, (double)tile->u[i], (double)tile->v[i]);
+                }
+                shade_hit(shading, &surface, direction, received, light);
+            }
+            store_pixel(shading, (size_t)row * camera->width + column, light);
+        }
+    }
+}
+
+int32_t shade_tile(void *user, const mlrt_tile *tile)
+{
+    struct shading *shading = user;
+    struct tile_buffers *buffers = NULL;
+    if (shading->shadows) {
+        buffers = get_buffers(shading, tile->worker, (size_t)tile->width * tile->height);
+        if (!buffers || trace_shadows(shading, tile, buffers) != MLRT_OK) return 1;
+    }
+    if (shading->rgb) shade_pixels(shading, tile, buffers ? buffers->occluded : NULL);
+    for (uint32_t row = 0; shading->occluded && buffers && row < tile->height; row++) {
+        uint8_t *to = shading->occluded + (size_t)(tile->y + row) * shading->camera->width + tile->x;
+        memcpy(to, buffers->occluded + (size_t)row * tile->width, tile->width);
+    }
+    return 0;
+}

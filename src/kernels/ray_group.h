@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays of a packet that go through the tree together, and what is to be known of them all: bounds of their origins and
+ * directions, and with a common origin the frustum they lie in.
+ *
+ * A group has common signs: d_k >= 0 for all its rays, or d_k < 0 for all. And it is narrow: traced as one, it visits all
+ * that lies between its rays. What is left over forms further groups.
+ */
+
+/* Directions of a group differ by at most this share of their length. Chosen on the shadow rays of conference, where
+ * blocks on silhouettes are wide: 4600 ms without a limit, 500 ms at 0.1, 230 ms at 0.05, no further gain below. */
+#define GROUP_SPREAD 0.05f
+
+/* The rays along one axis. */
+struct group_axis {
+    float origin_lo;
+    float origin_hi;
+    float small;    /* bounds of the reciprocal directions, with their sign: smallest and largest magnitude, */
+    float large;    /* moved apart by RECIPROCAL_SLACK. May be infinite */
+    float reach;    /* largest |d_k| */
+    uint32_t negative;
+};
+
+struct ray_group {
+    uint32_t lanes;
+    struct group_axis axis[3];
+    int has_frustum;
+    int main_axis[3]; /* where the directions are largest, and the other two */
+    float direction;  /* +1 or -1: along the main axis */
+    float upper[2];   /* slopes against the main axis, of the planes around the rays over the other two axes; moved */
+    float lower[2];   /*   outward by SLOPE_SLACK of themselves */
+};
+
+#define RECIPROCAL_SLACK 0x1p-21f
+#define SLOPE_SLACK 0x1p-20f
+
+MLRT_INLINE float lowest(const float *values, uint32_t lanes)
+{
+    vf all = v_set1(INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        all = v_min(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(INFINITY)), all);
+    }
+    return v_hmin(all);
+}
+
+MLRT_INLINE float highest(const float *values, uint32_t lanes)
+{
+    vf all = v_set1(-INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        all = v_max(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(-INFINITY)), all);
+    }
+    return v_hmax(all);
+}
+
+/* Bounds of directions. */
+struct direction_range {
+    float lo[3];
+    float hi[3];
+};
+
+MLRT_INLINE void find_directions(const struct mlrt_packet *packet, uint32_t lanes, struct direction_range *range)
+{
+    for (int k = 0; k < 3; ++k) {
+        range->lo[k] = lowest(packet->direction[k], lanes);
+        range->hi[k] = highest(packet->direction[k], lanes);
+    }
+}
+
+MLRT_INLINE int have_common_signs(const struct direction_range *range)
+{
+    return !((range->lo[0] < 0 && range->hi[0] >= 0) || (range->lo[1] < 0 && range->hi[1] >= 0) ||
+             (range->lo[2] < 0 && range->hi[2] >= 0));
+}
+
+MLRT_INLINE int are_narrow(const struct direction_range *range)
+{
+    float spread = 0, length = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float size = -range->lo[k] > range->hi[k] ? -range->lo[k] : range->hi[k];
+        if (range->hi[k] - range->lo[k] > spread) spread = range->hi[k] - range->lo[k];
+        if (size > length) length = size;
+    }
+    return spread <= GROUP_SPREAD * length;
+}
+
+/* Of `lanes`, those that agree with the lowest of them in all three signs. */
+static uint32_t same_sign_lanes(const struct mlrt_packet *packet, uint32_t lanes)
+{
+    const uint32_t seed = lanes & (0u - lanes);
+    uint32_t same = lanes;
+    for (int k = 0; k < 3; ++k) {
+        uint32_t negative = 0;
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            negative |= m_bits(v_lt(v_load(packet->direction[k] + v), v_set1(0))) << v;
+        }
+        same &= (negative & seed) ? negative : ~negative;
+    }
+    return same;
+}
+
+/* Of `lanes`, those whose directions are like that of the lowest. */
+static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
+{
+    uint32_t seed = 0;
+    while (!(lanes >> seed & 1)) ++seed;
+    float length = 0;
+    for (int k = 0; k < 3; ++k) length = fmaxf(length, fabsf(packet->direction[k][seed]));
+    uint32_t similar = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf difference = v_set1(0);
+        for (int k = 0; k < 3; ++k) {
+            difference = v_max(v_abs(v_sub(v_load(packet->direction[k] + v), v_set1(packet->direction[k][seed]))),
+                               difference);
+        }
+        similar |= m_bits(v_le(difference, v_set1(GROUP_SPREAD * 0.5f * length))) << v;
+    }
+    return lanes & (similar | 1u << seed);
+}
+
+MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes, int k, float lo, float hi,
+                                struct group_axis *axis)
+{
+    axis->negative = lo < 0;
+    const float largest = axis->negative ? lo : hi, smallest = axis->negative ? hi : lo;
+    axis->small = (1 / largest) * (1 - RECIPROCAL_SLACK);
+    axis->large = (1 / smallest) * (1 + RECIPROCAL_SLACK);
+    axis->reach = largest < 0 ? -largest : largest;
+    if (packet->has_apex) {
+        axis->origin_lo = axis->origin_hi = packet->apex[k];
+    } else {
+        axis->origin_lo = lowest(packet->origin[k], lanes);
+        axis->origin_hi = highest(packet->origin[k], lanes);
+    }
+}
+
+MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group *group)
+{
+    group->has_frustum = packet->has_apex;
+    if (!group->has_frustum) return;
+    const float x = group->axis[0].reach, y = group->axis[1].reach, z = group->axis[2].reach;
+    const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    group->main_axis[0] = a;
+    group->main_axis[1] = (a + 1) % 3;
+    group->main_axis[2] = (a + 2) % 3;
+    group->direction = group->axis[a].negative ? -1 : 1;
+    for (int side = 0; side < 2; ++side) {
+        const float *other = packet->direction[group->main_axis[1 + side]];
+        MLRT_ALIGNED(64) float slopes[MLRT_PACKET_RAYS];
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            v_store(slopes + v, v_div(v_load(other + v), v_abs(v_load(packet->direction[a] + v))));
+        }
+        const float lo = lowest(slopes, group->lanes), hi = highest(slopes, group->lanes);
+        group->lower[side] = lo - fabsf(lo) * SLOPE_SLACK;
+        group->upper[side] = hi + fabsf(hi) * SLOPE_SLACK;
+    }
+}
+
+/* Makes a group of some of `lanes`, the lowest among them. */
+static void make_group(const struct mlrt_packet *packet, uint32_t lanes, struct ray_group *group)
+{
+    struct direction_range range;
+    find_directions(packet, lanes, &range);
+    if (MLRT_UNLIKELY(!have_common_signs(&range))) {
+        lanes = same_sign_lanes(packet, lanes);
+        find_directions(packet, lanes, &range);
+    }
+    if (MLRT_UNLIKELY(!are_narrow(&range))) {
+        lanes = similar_lanes(packet, lanes);
+        find_directions(packet, lanes, &range);
+    }
+    group->lanes = lanes;
+    for (int k = 0; k < 3; ++k) set_group_axis(packet, lanes, k, range.lo[k], range.hi[k], &group->axis[k]);
+    set_frustum(packet, group);
+}
+
+/*
+ * 1 if no ray of a group with a frustum hits the triangle nearer than at `farthest`: its vertices are all in front of
+ * the apex, and all beyond one plane. Each comparison is of a difference of floats, one rounding, with a product of
+ * three, and the slopes are widened for that: so it is a proof.
+ */
+MLRT_INLINE int is_out_of_frustum(const struct ray_group *group, const float apex[3], float farthest,
+                                  const struct mlrt_triangle *triangle)
+{
+    const int a = group->main_axis[0], j = group->main_axis[1], l = group->main_axis[2];
+    const float depth_limit = farthest * group->axis[a].reach * (1 + SLOPE_SLACK);
+    int in_front = 1, outside = 15, too_far = 1;
+    for (int i = 0; i < 3; ++i) {
+        const float depth = (triangle->v[i][a] - apex[a]) * group->direction;
+        const float x = triangle->v[i][j] - apex[j], y = triangle->v[i][l] - apex[l];
+        in_front &= depth >= 0;
+        too_far &= depth > depth_limit;
+        outside &= (x > group->upper[0] * depth) | (x < group->lower[0] * depth) << 1 |
+                   (y > group->upper[1] * depth) << 2 | (y < group->lower[1] * depth) << 3;
+    }
+    return in_front & ((outside != 0) | too_far);
+}

@@ -1,0 +1,1154 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The contract at the border: what is an error and which one, what is left behind after it, that nothing is printed, and
+ * that the caller's floating-point environment neither matters nor changes.
+ */
+#define _POSIX_C_SOURCE 200809L
+
+#include <fcntl.h>
+#include <fenv.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "support.h"
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#define HAS_MXCSR 1
+#else
+#define HAS_MXCSR 0
+#endif
+
+static const float corners[18] = {0, 0, 5, 1, 0, 5, 0, 1, 5, 0, 0, 7, 1, 0, 7, 0, 1, 7};
+
+static mlrt_mesh two_triangles(void)
+{
+    mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 6, .triangle_count = 2};
+    return mesh;
+}
+
+static mlrt_tree *some_tree(void)
+{
+    mlrt_mesh mesh = two_triangles();
+    mlrt_tree *tree = NULL;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    return tree;
+}
+
+/* Builds and expects an error; the tree must be NULL then. */
+static void assert_build(const mlrt_mesh *meshes, size_t count, const mlrt_build_options *options, int32_t expected)
+{
+    mlrt_tree *tree = (mlrt_tree *)(uintptr_t)16;
+    assert_int_equal(mlrt_build_kdtree(meshes, count, options, &tree), expected);
+    if (expected == MLRT_OK) {
+        assert_non_null(tree);
+        mlrt_destroy_tree(tree);
+    } else {
+        assert_null(tree);
+    }
+}
+
+static void assert_mesh(const mlrt_mesh *mesh, int32_t expected)
+{
+    assert_build(mesh, 1, NULL, expected);
+}
+
+static void assert_options(const mlrt_build_options *options, int32_t expected)
+{
+    mlrt_mesh mesh = two_triangles();
+    assert_build(&mesh, 1, options, expected);
+}
+
+/* ---- versions and texts ------------------------------------------------------------------------------------------ */
+
+static void version_is_that_of_the_header(void **state)
+{
+    (void)state;
+    assert_int_equal(mlrt_version(), MLRT_VERSION_MAJOR * 10000 + MLRT_VERSION_MINOR * 100 + MLRT_VERSION_PATCH);
+}
+
+static void every_status_has_its_own_text(void **state)
+{
+    (void)state;
+    for (int32_t a = MLRT_OK; a <= MLRT_ERROR_CANCELLED; a++) {
+        assert_non_null(mlrt_status_string(a));
+        assert_true(strlen(mlrt_status_string(a)) > 1);
+        for (int32_t b = MLRT_OK; b < a; b++) assert_string_not_equal(mlrt_status_string(a), mlrt_status_string(b));
+    }
+}
+
+static void unknown_statuses_have_a_text(void **state)
+{
+    (void)state;
+    static const int32_t unknown[] = {-1, 10, 1000, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++)
+        assert_true(strlen(mlrt_status_string(unknown[i])) > 1);
+}
+
+/* A field put into padding would not change sizeof. The sums are those of the fields on machines with 64-bit pointers. */
+static void structs_have_no_padding(void **state)
+{
+    (void)state;
+    if (sizeof(void *) != 8) skip();
+    assert_int_equal(sizeof(mlrt_mesh), 4 * 4 + 6 * 8);
+    assert_int_equal(sizeof(mlrt_build_options), 4 * 4 + 8 + 2 * 4 + 2 * 8);
+    assert_int_equal(sizeof(mlrt_tree_info), 2 * 4 + 11 * 8 + 2 * 8 + 6 * 4);
+    assert_int_equal(sizeof(mlrt_counters), 2 * 4 + 13 * 8);
+    assert_int_equal(sizeof(mlrt_trace_options), 12 * 4 + 2 * 8);
+    assert_int_equal(sizeof(mlrt_hits), 2 * 4 + 7 * 24);
+    assert_int_equal(sizeof(mlrt_rays), 2 * 4 + 8 + 5 * 16);
+    assert_int_equal(sizeof(mlrt_ray), 12 * 4);
+    assert_int_equal(sizeof(mlrt_hit), 8 * 4);
+    assert_int_equal(sizeof(mlrt_camera), 27 * 4);
+    assert_int_equal(sizeof(mlrt_tile), 6 * 4 + 7 * 8);
+    assert_int_equal(sizeof(mlrt_light), 5 * 4);
+    assert_int_equal(sizeof(mlrt_points), 2 * 4 + 8 + 2 * 16);
+}
+
+/* ---- building ---------------------------------------------------------------------------------------------------- */
+
+static void building_without_a_place_for_the_tree(void **state)
+{
+    (void)state;
+    mlrt_mesh mesh = two_triangles();
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, NULL), MLRT_ERROR_ARGUMENT);
+}
+
+static void building_without_meshes(void **state)
+{
+    (void)state;
+    assert_build(NULL, 0, NULL, MLRT_OK);
+    assert_build(NULL, 1, NULL, MLRT_ERROR_ARGUMENT);
+}
+
+static void mesh_struct_sizes(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[] = {0, 4, sizeof(mlrt_mesh) - 4, sizeof(mlrt_mesh) + 4, 0xFFFFFFFFu};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        mlrt_mesh mesh = two_triangles();
+        mesh.struct_size = sizes[i];
+        assert_mesh(&mesh, MLRT_ERROR_STRUCT_SIZE);
+    }
+}
+
+static void mesh_without_vertices(void **state)
+{
+    (void)state;
+    mlrt_mesh mesh = two_triangles();
+    mesh.vertices = NULL;
+    assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+}
+
+static void index_sizes(void **state)
+{
+    (void)state;
+    static const uint16_t indices[6] = {0, 1, 2, 3, 4, 5};
+    static const uint32_t wrong[] = {1, 3, 8, 0xFFFFFFFFu};
+    mlrt_mesh mesh = two_triangles();
+    mesh.indices = indices;
+    mesh.index_size = 2;
+    assert_mesh(&mesh, MLRT_OK);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        mesh.index_size = wrong[i];
+        assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+    }
+}
+
+static void strides_that_are_not_multiples(void **state)
+{
+    (void)state;
+    static const uint16_t indices[12] = {0, 1, 2, 3, 4, 5};
+    mlrt_mesh mesh = two_triangles();
+    mesh.vertex_stride = 13;
+    assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+    mesh = two_triangles();
+    mesh.indices = indices;
+    mesh.index_size = 2;
+    mesh.triangle_stride = 7;
+    assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+}
+
+static void reserved_fields_must_be_zero(void **state)
+{
+    (void)state;
+    mlrt_mesh mesh = two_triangles();
+    mesh.reserved = 1;
+    assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+}
+
+static void triangles_without_enough_vertices(void **state)
+{
+    (void)state;
+    mlrt_mesh mesh = two_triangles();
+    mesh.vertex_count = 5;
+    assert_mesh(&mesh, MLRT_ERROR_INDEX_RANGE);
+    mesh.vertex_count = 0;
+    assert_mesh(&mesh, MLRT_ERROR_INDEX_RANGE);
+}
+
+static void indices_out_of_range(void **state)
+{
+    (void)state;
+    static const uint32_t wrong[] = {6, 7, 0x7FFFFFFFu, 0xFFFFFFFFu};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        for (int at = 0; at < 6; at++) {
+            uint32_t indices[6] = {0, 1, 2, 3, 4, 5};
+            indices[at] = wrong[i];
+            mlrt_mesh mesh = two_triangles();
+            mesh.indices = indices;
+            assert_mesh(&mesh, MLRT_ERROR_INDEX_RANGE);
+        }
+    }
+}
+
+static void a_message_names_mesh_triangle_and_index(void **state)
+{
+    (void)state;
+    const uint32_t good[3] = {0, 1, 2}, bad[6] = {0, 1, 2, 3, 98765, 5};
+    char message[200] = "nothing";
+    mlrt_mesh meshes[3] = {two_triangles(), two_triangles(), two_triangles()};
+    meshes[1].indices = good;
+    meshes[1].triangle_count = 1;
+    meshes[2].indices = bad;
+    mlrt_build_options options = {.struct_size = sizeof options, .message = message, .message_size = sizeof message};
+    assert_build(meshes, 3, &options, MLRT_ERROR_INDEX_RANGE);
+    assert_non_null(strstr(message, "98765"));
+    assert_non_null(strstr(message, "2"));
+    assert_non_null(strstr(message, "1"));
+    assert_non_null(strstr(message, "mesh"));
+    assert_non_null(strstr(message, "triangle"));
+}
+
+static void messages_fit_their_buffer(void **state)
+{
+    (void)state;
+    const uint32_t bad[6] = {0, 1, 2, 3, 98765, 5};
+    for (size_t size = 0; size < 60; size++) {
+        char message[64];
+        memset(message, '#', sizeof message);
+        mlrt_mesh mesh = two_triangles();
+        mesh.indices = bad;
+        mlrt_build_options options = {.struct_size = sizeof options, .message = message, .message_size = size};
+        assert_build(&mesh, 1, &options, MLRT_ERROR_INDEX_RANGE);
+        for (size_t i = size; i < sizeof message; i++) assert_int_equal(message[i], '#');
+        if (size > 0) assert_non_null(memchr(message, 0, size));
+    }
+}
+
+static void ids_that_clash(void **state)
+{
+    (void)state;
+    mlrt_mesh meshes[3] = {two_triangles(), two_triangles(), two_triangles()};
+    assert_build(meshes, 3, NULL, MLRT_OK);
+    meshes[0].id = 5;
+    assert_build(meshes, 2, NULL, MLRT_OK); // 5 and 0
+    assert_build(meshes, 3, NULL, MLRT_ERROR_ARGUMENT); // 5, 0 and 0
+    meshes[1].id = 5;
+    assert_build(meshes, 2, NULL, MLRT_ERROR_ARGUMENT);
+}
+
+static void more_triangles_than_can_be_counted(void **state)
+{
+    (void)state;
+    mlrt_mesh mesh = two_triangles();
+    mesh.triangle_count = (size_t)1 << 31;
+    mesh.vertex_count = (size_t)3 << 31;
+    assert_mesh(&mesh, MLRT_ERROR_TOO_LARGE);
+    mesh.triangle_count = SIZE_MAX;
+    mesh.vertex_count = SIZE_MAX;
+    assert_mesh(&mesh, MLRT_ERROR_TOO_LARGE);
+    mlrt_mesh meshes[2] = {two_triangles(), two_triangles()};
+    meshes[0].triangle_count = meshes[1].triangle_count = SIZE_MAX / 2 + 1; // the sum is 0
+    meshes[0].vertex_count = meshes[1].vertex_count = SIZE_MAX;
+    assert_build(meshes, 2, NULL, MLRT_ERROR_TOO_LARGE);
+}
+
+static void build_option_ranges(void **state)
+{
+    (void)state;
+    mlrt_build_options good = {.struct_size = sizeof good};
+    mlrt_build_options options = good;
+    assert_options(&options, MLRT_OK);
+    options.struct_size = 0;
+    assert_options(&options, MLRT_ERROR_STRUCT_SIZE);
+    options = good;
+    options.preset = 2;
+    assert_options(&options, MLRT_ERROR_ARGUMENT);
+    options.preset = -1;
+    assert_options(&options, MLRT_ERROR_ARGUMENT);
+    options = good;
+    options.rules_off = 32;
+    assert_options(&options, MLRT_ERROR_ARGUMENT);
+    options = good;
+    options.max_depth = 61;
+    assert_options(&options, MLRT_ERROR_ARGUMENT);
+    options.max_depth = 60;
+    assert_options(&options, MLRT_OK);
+}
+
+static void build_costs_must_be_finite_and_not_negative(void **state)
+{
+    (void)state;
+    static const float wrong[] = {-1, NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        mlrt_build_options options = {.struct_size = sizeof options, .traversal_cost = wrong[i]};
+        assert_options(&options, MLRT_ERROR_ARGUMENT);
+        options.traversal_cost = 0;
+        options.intersection_cost = wrong[i];
+        assert_options(&options, MLRT_ERROR_ARGUMENT);
+    }
+}
+
+static void max_references_bounds_the_tree(void **state)
+{
+    (void)state;
+    struct random random = {1};
+    struct soup soup = {0};
+    soup_add_random(&soup, &random, 500, 1, 1);
+    mlrt_mesh mesh = soup_mesh(&soup);
+    for (uint64_t limit = 500; limit <= 4000; limit *= 2) {
+        mlrt_build_options options = {.struct_size = sizeof options, .max_references = limit};
+        mlrt_tree *tree = NULL;
+        mlrt_tree_info info = {.struct_size = sizeof info};
+        assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
+        assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+        assert_true(info.reference_count <= limit);
+        mlrt_destroy_tree(tree);
+    }
+    free_soup(&soup);
+}
+
+/* ---- the build report -------------------------------------------------------------------------------------------- */
+
+static mlrt_tree_info info_of(const mlrt_tree *tree)
+{
+    mlrt_tree_info info = {.struct_size = sizeof info};
+    assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+    return info;
+}
+
+static void tree_info_counts_what_is_left_out(void **state)
+{
+    (void)state;
+    const float a[3] = {0, 0, 0}, b[3] = {1, 0, 0}, c[3] = {0, 1, 0}, line[3] = {2, 0, 0}, bad[3] = {0, NAN, 0},
+                far[3] = {0, 0, -INFINITY};
+    struct soup soup = {0};
+    soup_add_triangle(&soup, a, b, c);
+    soup_add_triangle(&soup, a, b, line);
+    soup_add_triangle(&soup, a, b, b);
+    soup_add_triangle(&soup, a, b, bad);
+    soup_add_triangle(&soup, far, far, far);
+    soup_add_triangle(&soup, bad, bad, a);
+    struct fixture fixture = fixture_of_soup("left out", 0, &soup);
+    mlrt_tree_info info = info_of(fixture.tree);
+    assert_int_equal(info.triangle_count, 6);
+    assert_int_equal(info.zero_area_count, reference_zero_area_count(fixture.reference));
+    assert_int_equal(info.non_finite_count, reference_non_finite_count(fixture.reference));
+    free_fixture(&fixture);
+}
+
+static void zero_area_is_decided_exactly(void **state)
+{
+    (void)state;
+    struct random random = {2};
+    struct soup soup = {0};
+    for (int i = 0; i < 400; i++) {
+        float p[3][3];
+        // Points on a line, exactly or nearly so.
+        draw_point(&random, -1, 1, p[0]);
+        float side[3] = {draw_range(&random, -1, 1), draw_range(&random, -1, 1), draw_range(&random, -1, 1)};
+        for (int k = 0; k < 3; k++) {
+            if (i % 2) p[0][k] = 0;
+            p[1][k] = p[0][k] + side[k];
+            p[2][k] = p[0][k] + 2 * side[k];
+        }
+        soup_add_triangle(&soup, p[0], p[1], p[2]);
+    }
+    struct fixture fixture = fixture_of_soup("nearly collinear", 2, &soup);
+    assert_int_equal(info_of(fixture.tree).zero_area_count, reference_zero_area_count(fixture.reference));
+    assert_in_range(reference_zero_area_count(fixture.reference), 200, 390);
+    free_fixture(&fixture);
+}
+
+static void tree_info_bounds_are_those_of_usable_triangles(void **state)
+{
+    (void)state;
+    const float a[3] = {-1, 2, 3}, b[3] = {4, -5, 3}, c[3] = {0, 1, 9}, bad[3] = {100, NAN, 0}, out[3] = {50, 50, 50};
+    struct soup soup = {0};
+    soup_add_triangle(&soup, a, b, c);
+    soup_add_triangle(&soup, a, b, bad);
+    soup_add_triangle(&soup, out, out, a);
+    struct fixture fixture = fixture_of_soup("bounds", 0, &soup);
+    mlrt_tree_info info = info_of(fixture.tree);
+    const float lo[3] = {-1, -5, 3}, hi[3] = {4, 2, 9};
+    assert_memory_equal(info.bounds_min, lo, sizeof lo);
+    assert_memory_equal(info.bounds_max, hi, sizeof hi);
+    free_fixture(&fixture);
+}
+
+static void tree_info_of_an_empty_tree(void **state)
+{
+    (void)state;
+    const float zero[3] = {0, 0, 0};
+    struct fixture fixture = make_fixture("empty", 0, NULL, 0);
+    mlrt_tree_info info = info_of(fixture.tree);
+    assert_int_equal(info.triangle_count, 0);
+    assert_int_equal(info.reference_count, 0);
+    assert_int_equal(info.depth, 0);
+    assert_memory_equal(info.bounds_min, zero, sizeof zero);
+    assert_memory_equal(info.bounds_max, zero, sizeof zero);
+    free_fixture(&fixture);
+}
+
+static void tree_info_is_consistent(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    soup_add_icosphere(&soup, 3, 1);
+    struct fixture fixture = fixture_of_soup("sphere", 0, &soup);
+    mlrt_tree_info info = info_of(fixture.tree);
+    assert_int_equal(info.triangle_count, 1280);
+    assert_int_equal(info.node_count, 2 * info.leaf_count - 1);
+    assert_true(info.empty_leaf_count <= info.leaf_count);
+    assert_true(info.reference_count >= 1280);
+    assert_true(info.memory_size > 0 && info.peak_memory_size >= info.memory_size);
+    assert_true(info.depth <= 60 && info.sah_cost > 0 && info.build_seconds >= 0);
+    free_fixture(&fixture);
+}
+
+static void the_same_input_gives_the_same_tree(void **state)
+{
+    (void)state;
+    struct random random = {3};
+    struct soup soup = {0};
+    soup_add_random(&soup, &random, 700, 1, 0.2f);
+    mlrt_mesh mesh = soup_mesh(&soup);
+    uint64_t hash[2];
+    for (int i = 0; i < 2; i++) {
+        mlrt_tree *tree = NULL;
+        assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+        hash[i] = info_of(tree).tree_hash;
+        mlrt_destroy_tree(tree);
+    }
+    assert_true(hash[0] == hash[1]);
+    free_soup(&soup);
+}
+
+static void tree_info_errors(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    mlrt_tree_info info = {.struct_size = sizeof info};
+    assert_int_equal(mlrt_get_tree_info(NULL, &info), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_get_tree_info(tree, NULL), MLRT_ERROR_ARGUMENT);
+    info.struct_size = 0;
+    assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_ERROR_STRUCT_SIZE);
+    info.struct_size = sizeof info + 8;
+    assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_ERROR_STRUCT_SIZE);
+    mlrt_destroy_tree(tree);
+}
+
+/* ---- pools ------------------------------------------------------------------------------------------------------- */
+
+static void pool_errors(void **state)
+{
+    (void)state;
+    mlrt_pool *pool = (mlrt_pool *)(uintptr_t)16;
+    assert_int_equal(mlrt_create_pool(1025, &pool), MLRT_ERROR_ARGUMENT);
+    assert_null(pool);
+    assert_int_equal(mlrt_create_pool(0xFFFFFFFFu, &pool), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_create_pool(2, NULL), MLRT_ERROR_ARGUMENT);
+}
+
+static void destroying_null_does_nothing(void **state)
+{
+    (void)state;
+    mlrt_destroy_tree(NULL);
+    mlrt_destroy_pool(NULL);
+}
+
+/* ---- tracing ----------------------------------------------------------------------------------------------------- */
+
+struct call {
+    mlrt_tree *tree;
+    float origin[3];
+    float direction[3];
+    float t;
+    uint8_t occluded;
+    mlrt_rays rays;
+    mlrt_hits hits;
+    mlrt_trace_options options;
+};
+
+static void make_call(struct call *call)
+{
+    memset(call, 0, sizeof *call);
+    call->tree = some_tree();
+    call->origin[0] = call->origin[1] = 0.25f;
+    call->direction[2] = 1;
+    call->rays = (mlrt_rays){.struct_size = sizeof call->rays,
+                             .count = 1,
+                             .origins = {call->origin, 0},
+                             .directions = {call->direction, 0}};
+    call->hits = (mlrt_hits){.struct_size = sizeof call->hits, .t = {&call->t, 0, 0}};
+    call->options.struct_size = sizeof call->options;
+}
+
+static int32_t trace(struct call *call)
+{
+    return mlrt_trace_packet(call->tree, &call->rays, &call->options, &call->hits);
+}
+
+/* Calls with one thing changed, and destroys what make_call made. */
+static void assert_call(struct call *call, int32_t expected)
+{
+    call->t = -7;
+    assert_int_equal(trace(call), expected);
+    if (expected != MLRT_OK) assert_true(call->t == -7);
+    mlrt_destroy_tree(call->tree);
+}
+
+static void tracing_without_arguments(void **state)
+{
+    (void)state;
+    struct call call;
+    make_call(&call);
+    assert_int_equal(mlrt_trace_packet(NULL, &call.rays, NULL, &call.hits), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_trace_packet(call.tree, NULL, NULL, &call.hits), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_trace_packet(call.tree, &call.rays, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    assert_call(&call, MLRT_OK);
+}
+
+static void tracing_without_origins_or_directions(void **state)
+{
+    (void)state;
+    struct call call;
+    make_call(&call);
+    call.rays.origins.data = NULL;
+    assert_call(&call, MLRT_ERROR_ARGUMENT);
+    make_call(&call);
+    call.rays.directions.data = NULL;
+    assert_call(&call, MLRT_ERROR_ARGUMENT);
+}
+
+static void tracing_no_rays_needs_no_arrays(void **state)
+{
+    (void)state;
+    struct call call;
+    make_call(&call);
+    call.rays = (mlrt_rays){.struct_size = sizeof call.rays};
+    assert_int_equal(trace(&call), MLRT_OK);
+    mlrt_destroy_tree(call.tree);
+}
+
+static void tracing_with_wrong_struct_sizes(void **state)
+{
+    (void)state;
+    static const int32_t wrong[] = {0, 4, 4096};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        struct call call;
+        make_call(&call);
+        call.rays.struct_size = (uint32_t)wrong[i];
+        assert_call(&call, MLRT_ERROR_STRUCT_SIZE);
+        make_call(&call);
+        call.hits.struct_size = (uint32_t)wrong[i];
+        assert_call(&call, MLRT_ERROR_STRUCT_SIZE);
+        make_call(&call);
+        call.options.struct_size = (uint32_t)wrong[i];
+        assert_call(&call, MLRT_ERROR_STRUCT_SIZE);
+    }
+}
+
+static void too_many_rays(void **state)
+{
+    (void)state;
+    struct call call;
+    make_call(&call);
+    call.rays.count = (size_t)1 << 31;
+    assert_call(&call, MLRT_ERROR_TOO_LARGE);
+    make_call(&call);
+    call.rays.count = SIZE_MAX;
+    assert_call(&call, MLRT_ERROR_TOO_LARGE);
+}
+
+/* One field of the options at a time, out of its range. */
+static void assert_trace_options(mlrt_trace_options options, int32_t expected)
+{
+    struct call call;
+    make_call(&call);
+    options.struct_size = sizeof options;
+    call.options = options;
+    assert_call(&call, expected);
+}
+
+static void trace_codes_out_of_range(void **state)
+{
+    (void)state;
+    for (int32_t wrong = -1; wrong <= 100; wrong += 101) {
+        assert_trace_options((mlrt_trace_options){.query = wrong}, MLRT_ERROR_ARGUMENT);
+        assert_trace_options((mlrt_trace_options){.method = wrong}, MLRT_ERROR_ARGUMENT);
+        assert_trace_options((mlrt_trace_options){.isa = wrong}, MLRT_ERROR_ARGUMENT);
+        assert_trace_options((mlrt_trace_options){.culling = wrong}, MLRT_ERROR_ARGUMENT);
+    }
+    assert_trace_options((mlrt_trace_options){.culling_check = 2}, MLRT_ERROR_ARGUMENT);
+    assert_trace_options((mlrt_trace_options){.outputs = 16}, MLRT_ERROR_ARGUMENT);
+}
+
+static void tile_sizes_out_of_range(void **state)
+{
+    (void)state;
+    static const uint32_t wrong[] = {1, 2, 3, 5, 12, 100, 2048, 0x80000000u};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        assert_trace_options((mlrt_trace_options){.initial_tile_size = wrong[i]}, MLRT_ERROR_ARGUMENT);
+        assert_trace_options((mlrt_trace_options){.minimum_tile_size = wrong[i]}, MLRT_ERROR_ARGUMENT);
+    }
+    assert_trace_options((mlrt_trace_options){.initial_tile_size = 8, .minimum_tile_size = 16}, MLRT_ERROR_ARGUMENT);
+    assert_trace_options((mlrt_trace_options){.initial_tile_size = 1024, .minimum_tile_size = 1024}, MLRT_OK);
+    assert_trace_options((mlrt_trace_options){.initial_tile_size = 4}, MLRT_OK); // the default minimum fits in
+    assert_trace_options((mlrt_trace_options){.minimum_tile_size = 1024}, MLRT_OK);
+}
+
+static void split_factors_out_of_range(void **state)
+{
+    (void)state;
+    static const uint32_t wrong[] = {1, 2, 3, 5, 8, 15, 64};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        assert_trace_options((mlrt_trace_options){.split_factor = wrong[i]}, MLRT_ERROR_ARGUMENT);
+}
+
+static void counters_of_a_wrong_size(void **state)
+{
+    (void)state;
+    mlrt_counters counters = {.struct_size = 0};
+    assert_trace_options((mlrt_trace_options){.counters = &counters}, MLRT_ERROR_STRUCT_SIZE);
+}
+
+static void outputs_that_the_query_does_not_write(void **state)
+{
+    (void)state;
+    struct call call;
+    make_call(&call);
+    call.hits.occluded.data = &call.occluded;
+    assert_call(&call, MLRT_ERROR_ARGUMENT);
+    make_call(&call);
+    call.options.query = MLRT_QUERY_ANY;
+    assert_call(&call, MLRT_ERROR_ARGUMENT);
+}
+
+static void single_ray_errors(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
+    mlrt_hit hit = {.struct_size = sizeof hit};
+    mlrt_trace_options options = {.struct_size = 1};
+    assert_int_equal(mlrt_trace_ray(NULL, &ray, NULL, &hit), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_trace_ray(tree, NULL, NULL, &hit), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_trace_ray(tree, &ray, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_trace_ray(tree, &ray, &options, &hit), MLRT_ERROR_STRUCT_SIZE);
+    ray.struct_size = 0;
+    assert_int_equal(mlrt_trace_ray(tree, &ray, NULL, &hit), MLRT_ERROR_STRUCT_SIZE);
+    ray.struct_size = sizeof ray;
+    hit.struct_size = 0;
+    assert_int_equal(mlrt_trace_ray(tree, &ray, NULL, &hit), MLRT_ERROR_STRUCT_SIZE);
+    hit.struct_size = sizeof hit;
+    ray.flags = 2;
+    assert_int_equal(mlrt_trace_ray(tree, &ray, NULL, &hit), MLRT_ERROR_ARGUMENT);
+    mlrt_destroy_tree(tree);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+static mlrt_camera good_camera(void)
+{
+    mlrt_camera camera = {.struct_size = sizeof camera,
+                          .width = 4,
+                          .height = 4,
+                          .direction = {0, 0, 1},
+                          .d00 = {0, 0, 1},
+                          .dx = {0.1f, 0, 0},
+                          .dy = {0, 0.1f, 0}};
+    return camera;
+}
+
+static void assert_camera(const mlrt_camera *camera, int32_t expected)
+{
+    mlrt_tree *tree = some_tree();
+    float t[16], origins[48], directions[48];
+    mlrt_hits frame = {.struct_size = sizeof frame, .t = {t, 0, 0}};
+    mlrt_array out_origins = {origins, 0, 0}, out_directions = {directions, 0, 0};
+    assert_int_equal(mlrt_render_tiles(tree, camera, NULL, &frame, NULL, NULL), expected);
+    assert_int_equal(mlrt_camera_rays(camera, &out_origins, &out_directions), expected);
+    mlrt_destroy_tree(tree);
+}
+
+static void a_camera_that_is_good(void **state)
+{
+    (void)state;
+    mlrt_camera camera = good_camera();
+    assert_camera(&camera, MLRT_OK);
+    camera.projection = MLRT_PROJECTION_PARALLEL;
+    assert_camera(&camera, MLRT_OK);
+}
+
+static void cameras_of_size_zero(void **state)
+{
+    (void)state;
+    mlrt_camera camera = good_camera();
+    camera.width = 0;
+    assert_camera(&camera, MLRT_ERROR_CAMERA);
+    camera = good_camera();
+    camera.height = 0;
+    assert_camera(&camera, MLRT_ERROR_CAMERA);
+}
+
+static void cameras_that_are_not_finite(void **state)
+{
+    (void)state;
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            mlrt_camera camera = good_camera();
+            camera.eye[k] = bad[i];
+            assert_camera(&camera, MLRT_ERROR_CAMERA);
+            camera = good_camera();
+            camera.d00[k] = bad[i];
+            assert_camera(&camera, MLRT_ERROR_CAMERA);
+            camera = good_camera();
+            camera.dx[k] = bad[i];
+            assert_camera(&camera, MLRT_ERROR_CAMERA);
+            camera = good_camera();
+            camera.dy[k] = bad[i];
+            assert_camera(&camera, MLRT_ERROR_CAMERA);
+            camera = good_camera();
+            camera.projection = MLRT_PROJECTION_PARALLEL;
+            camera.direction[k] = bad[i];
+            assert_camera(&camera, MLRT_ERROR_CAMERA);
+        }
+    }
+}
+
+static void cameras_that_span_no_picture(void **state)
+{
+    (void)state;
+    mlrt_camera camera = good_camera();
+    memset(camera.dx, 0, sizeof camera.dx);
+    assert_camera(&camera, MLRT_ERROR_CAMERA);
+    camera = good_camera();
+    memset(camera.dy, 0, sizeof camera.dy);
+    assert_camera(&camera, MLRT_ERROR_CAMERA);
+    camera = good_camera();
+    for (int k = 0; k < 3; k++) camera.dy[k] = -2 * camera.dx[k];
+    assert_camera(&camera, MLRT_ERROR_CAMERA);
+}
+
+static void cameras_with_a_wrong_size_or_projection(void **state)
+{
+    (void)state;
+    mlrt_camera camera = good_camera();
+    camera.struct_size = 0;
+    assert_camera(&camera, MLRT_ERROR_STRUCT_SIZE);
+    camera = good_camera();
+    camera.projection = 2;
+    assert_camera(&camera, MLRT_ERROR_ARGUMENT);
+}
+
+/* Whichever code: none of these may be rendered. */
+static void crops_beyond_the_picture(void **state)
+{
+    (void)state;
+    static const uint32_t crops[][4] = {{4, 0, 0, 0}, {0, 4, 0, 0}, {0, 0, 5, 1}, {2, 2, 3, 1}, {1, 0, 0xFFFFFFFFu, 1}};
+    mlrt_tree *tree = some_tree();
+    float t[64];
+    mlrt_hits frame = {.struct_size = sizeof frame, .t = {t, 0, 0}};
+    for (size_t i = 0; i < sizeof crops / sizeof crops[0]; i++) {
+        mlrt_camera camera = good_camera();
+        camera.crop_x = crops[i][0];
+        camera.crop_y = crops[i][1];
+        camera.crop_width = crops[i][2];
+        camera.crop_height = crops[i][3];
+        assert_int_not_equal(mlrt_render_tiles(tree, &camera, NULL, &frame, NULL, NULL), MLRT_OK);
+    }
+    mlrt_destroy_tree(tree);
+}
+
+static void pictures_that_are_too_large(void **state)
+{
+    (void)state;
+    mlrt_camera camera = good_camera();
+    camera.width = camera.height = 1u << 23;
+    assert_camera(&camera, MLRT_ERROR_TOO_LARGE);
+}
+
+static void rendering_without_arguments(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    mlrt_camera camera = good_camera();
+    float t[16];
+    mlrt_hits frame = {.struct_size = sizeof frame, .t = {t, 0, 0}};
+    assert_int_equal(mlrt_render_tiles(NULL, &camera, NULL, &frame, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_render_tiles(tree, NULL, NULL, &frame, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_render_tiles(tree, &camera, NULL, NULL, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    frame.struct_size = 0;
+    assert_int_equal(mlrt_render_tiles(tree, &camera, NULL, &frame, NULL, NULL), MLRT_ERROR_STRUCT_SIZE);
+    mlrt_destroy_tree(tree);
+}
+
+/* ---- light ------------------------------------------------------------------------------------------------------- */
+
+static void occlusion_errors(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    const float position[3] = {0, 0, 0};
+    uint8_t result = 9;
+    mlrt_points points = {.struct_size = sizeof points, .count = 1, .positions = {position, 0}}, bad_points = points;
+    mlrt_light light = {.struct_size = sizeof light}, bad_light = light;
+    mlrt_array out = {&result, 0, 0}, none = {NULL, 0, 0};
+    bad_points.struct_size = 0;
+    assert_int_equal(mlrt_occluded_points(NULL, &points, &light, NULL, &out), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_occluded_points(tree, NULL, &light, NULL, &out), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_occluded_points(tree, &points, NULL, NULL, &out), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_occluded_points(tree, &points, &light, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_occluded_points(tree, &bad_points, &light, NULL, &out), MLRT_ERROR_STRUCT_SIZE);
+    bad_light.struct_size = 0;
+    assert_int_equal(mlrt_occluded_points(tree, &points, &bad_light, NULL, &out), MLRT_ERROR_STRUCT_SIZE);
+    bad_light = light;
+    bad_light.kind = 2;
+    assert_int_equal(mlrt_occluded_points(tree, &points, &bad_light, NULL, &out), MLRT_ERROR_ARGUMENT);
+    bad_points = points;
+    bad_points.positions.data = NULL;
+    assert_int_equal(mlrt_occluded_points(tree, &bad_points, &light, NULL, &out), MLRT_ERROR_ARGUMENT);
+    bad_points = points;
+    bad_points.count = (size_t)1 << 31;
+    assert_int_equal(mlrt_occluded_points(tree, &bad_points, &light, NULL, &out), MLRT_ERROR_TOO_LARGE);
+    (void)none;
+    assert_int_equal(result, 9);
+    mlrt_destroy_tree(tree);
+}
+
+static void offset_errors(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    float point[3];
+    assert_int_equal(mlrt_offset_point(NULL, 0, 0, 0.25f, 0.25f, 1, point), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_offset_point(tree, 0, 0, 0.25f, 0.25f, 1, NULL), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_offset_point(tree, 0, 0, 0.25f, 0.25f, 0, point), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_offset_point(tree, 0, 0, 0.25f, 0.25f, 2, point), MLRT_ERROR_ARGUMENT);
+    mlrt_destroy_tree(tree);
+}
+
+/* ---- silence ----------------------------------------------------------------------------------------------------- */
+
+static void nothing_is_printed(void **state)
+{
+    (void)state;
+    FILE *file = tmpfile();
+    assert_non_null(file);
+    fflush(NULL);
+    int out = dup(1), err = dup(2);
+    dup2(fileno(file), 1);
+    dup2(fileno(file), 2);
+    mlrt_tree *tree = NULL;
+    mlrt_mesh mesh = two_triangles();
+    float nan_ray[3] = {NAN, 0, 0}, t;
+    mlrt_rays rays = {.struct_size = sizeof rays, .count = 1, .origins = {nan_ray, 0}, .directions = {nan_ray, 0}};
+    mlrt_hits hits = {.struct_size = sizeof hits, .t = {&t, 0, 0}};
+    mesh.vertex_count = 1;
+    mlrt_build_kdtree(&mesh, 1, NULL, &tree);
+    mlrt_build_kdtree(NULL, 0, NULL, &tree);
+    mlrt_trace_packet(tree, &rays, NULL, &hits);
+    mlrt_trace_packet(NULL, &rays, NULL, &hits);
+    mlrt_destroy_tree(tree);
+    fflush(NULL);
+    dup2(out, 1);
+    dup2(err, 2);
+    close(out);
+    close(err);
+    fseek(file, 0, SEEK_END);
+    long size = ftell(file);
+    fclose(file);
+    assert_int_equal(size, 0);
+}
+
+/* ---- the floating-point environment ------------------------------------------------------------------------------ */
+
+/* Everything that the library computes, as bytes. */
+struct answers {
+    struct reference_hit single[64];
+    float picture[20 * 20];
+    uint8_t shadow[64];
+    float rays[3 * 20 * 20];
+    float point[3];
+    uint64_t tree_hash;
+    uint64_t zero_area_count;
+};
+
+struct environment {
+    struct soup soup;
+    float origins[64][3];
+    float directions[64][3];
+    mlrt_camera camera;
+};
+
+static void make_environment(struct environment *e)
+{
+    const float eye[3] = {0.3f, -3, 1}, target[3] = {0, 0, 0}, zero[3] = {0, 0, 0};
+    struct random random = {9};
+    struct soup tiny = {0};
+    memset(e, 0, sizeof *e);
+    soup_add_random(&e->soup, &random, 150, 1, 0.4f);
+    soup_add_random(&tiny, &random, 150, 1, 0.4f);
+    move_soup(&tiny, 1e-39f, zero); // all of it denormal
+    for (size_t i = 0; i < tiny.count; i++)
+        soup_add_triangle(&e->soup, tiny.corners + 9 * i, tiny.corners + 9 * i + 3, tiny.corners + 9 * i + 6);
+    free_soup(&tiny);
+    for (int i = 0; i < 64; i++) {
+        float scale = i % 2 ? 1e-39f : 1.0f;
+        draw_point(&random, -2 * scale, 2 * scale, e->origins[i]);
+        draw_point(&random, -scale, scale, e->directions[i]);
+    }
+    e->camera = look_at(eye, target, 1, 20, 20);
+    e->camera.dx[0] = 1e-40f;
+}
+
+/* Returns the sum of all statuses. */
+static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_trace_options *how, struct answers *a)
+{
+    mlrt_tree *tree = NULL;
+    mlrt_mesh mesh = soup_mesh(&e->soup);
+    mlrt_tree_info info = {.struct_size = sizeof info};
+    mlrt_trace_options options = *how;
+    options.pool = pool;
+    int32_t status = mlrt_build_kdtree(&mesh, 1, NULL, &tree);
+    status += mlrt_get_tree_info(tree, &info);
+    a->tree_hash = info.tree_hash;
+    a->zero_area_count = info.zero_area_count;
+    mlrt_rays rays = {.struct_size = sizeof rays, .count = 64, .origins = {e->origins, 0}, .directions = {e->directions, 0}};
+    size_t stride = sizeof a->single[0];
+    mlrt_hits hits = {.struct_size = sizeof hits,
+                      .t = {&a->single[0].t, stride, 0},
+                      .u = {&a->single[0].u, stride, 0},
+                      .v = {&a->single[0].v, stride, 0},
+                      .mesh = {&a->single[0].mesh, stride, 0},
+                      .triangle = {&a->single[0].triangle, stride, 0},
+                      .facing = {&a->single[0].facing, stride, 0}};
+    status += mlrt_trace_packet(tree, &rays, &options, &hits);
+    mlrt_hits frame = {.struct_size = sizeof frame, .t = {a->picture, 0, 0}};
+    status += mlrt_render_tiles(tree, &e->camera, &options, &frame, NULL, NULL);
+    mlrt_array directions = {a->rays, 0, 0}, none = {NULL, 0, 0}, shadow = {a->shadow, 0, 0};
+    status += mlrt_camera_rays(&e->camera, &none, &directions);
+    mlrt_points points = {.struct_size = sizeof points, .count = 64, .positions = {e->origins, 0}};
+    mlrt_light light = {.struct_size = sizeof light, .position = {1e-39f, 2e-39f, -1e-39f}};
+    status += mlrt_occluded_points(tree, &points, &light, &options, &shadow);
+    for (uint32_t i = 0; i < 150; i += 149) status += mlrt_offset_point(tree, 0, 150 + i, 0.3f, 0.3f, 1, a->point);
+    mlrt_destroy_tree(tree);
+    return status;
+}
+
+#if HAS_MXCSR
+/* The control bits of a strange caller: with them the library must give the same, and leave them. */
+static void assert_same_under(unsigned int control)
+{
+    static struct answers plain, strange;
+    struct environment e;
+    make_environment(&e);
+    for (size_t v = 0; v < variant_count(); v++) {
+        const struct variant *variant = variant_at(v);
+        if (!variant->probe && variant->options.method != MLRT_METHOD_RAY) continue;
+        mlrt_pool *pool = shared_pool(variant->threads);
+        memset(&plain, 0, sizeof plain);
+        memset(&strange, 0, sizeof strange);
+        assert_int_equal(compute(&e, pool, &variant->options, &plain), 0);
+        unsigned int before = _mm_getcsr();
+        _mm_setcsr(control);
+        int32_t status = compute(&e, pool, &variant->options, &strange);
+        unsigned int after = _mm_getcsr();
+        _mm_setcsr(before);
+        assert_int_equal(status, 0);
+        assert_int_equal(after, control);
+        assert_memory_equal(&plain, &strange, sizeof plain);
+    }
+    free_soup(&e.soup);
+}
+
+enum { MASKED = 0x1F80, FLUSH = 0x8000, DENORMALS_ARE_ZERO = 0x0040 };
+#endif
+
+static void callers_that_flush_denormals(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    assert_same_under(MASKED | FLUSH | DENORMALS_ARE_ZERO);
+#else
+    skip();
+#endif
+}
+
+static void callers_that_round_toward_zero(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    assert_same_under(MASKED | 0x6000);
+#else
+    skip();
+#endif
+}
+
+static void callers_that_round_up(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    assert_same_under(MASKED | 0x4000);
+#else
+    skip();
+#endif
+}
+
+static void callers_that_round_down(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    assert_same_under(MASKED | 0x2000 | FLUSH);
+#else
+    skip();
+#endif
+}
+
+/* Every exception would be a signal. */
+static void callers_with_unmasked_exceptions(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    assert_same_under(0);
+#else
+    skip();
+#endif
+}
+
+/* By the portable way too, on machines with other control words. */
+static void callers_that_round_by_fenv(void **state)
+{
+    (void)state;
+    static struct answers plain, strange;
+    mlrt_trace_options options = {.struct_size = sizeof options};
+    struct environment e;
+    make_environment(&e);
+    memset(&plain, 0, sizeof plain);
+    memset(&strange, 0, sizeof strange);
+    assert_int_equal(compute(&e, NULL, &options, &plain), 0);
+    int before = fegetround();
+    assert_int_equal(fesetround(FE_UPWARD), 0);
+    int32_t status = compute(&e, NULL, &options, &strange);
+    int after = fegetround();
+    fesetround(before);
+    assert_int_equal(status, 0);
+    assert_int_equal(after, FE_UPWARD);
+    assert_memory_equal(&plain, &strange, sizeof plain);
+    free_soup(&e.soup);
+}
+
+#if HAS_MXCSR
+struct control_seen {
+    unsigned int expected;
+    int wrong;
+};
+
+static int32_t look_at_control(void *user, const mlrt_tile *tile)
+{
+    struct control_seen *seen = user;
+    if (tile->worker == 0 && _mm_getcsr() != seen->expected) seen->wrong = 1;
+    return 0;
+}
+#endif
+
+/* The callback is the caller's code: on the caller's thread it runs in the caller's environment. */
+static void callbacks_run_in_the_callers_environment(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    mlrt_tree *tree = some_tree();
+    mlrt_camera camera = good_camera();
+    struct control_seen seen = {MASKED | FLUSH | 0x6000, 0};
+    unsigned int before = _mm_getcsr();
+    _mm_setcsr(seen.expected);
+    int32_t status = mlrt_render_tiles(tree, &camera, NULL, NULL, look_at_control, &seen);
+    _mm_setcsr(before);
+    assert_int_equal(status, MLRT_OK);
+    assert_int_equal(seen.wrong, 0);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(version_is_that_of_the_header),
+        cmocka_unit_test(every_status_has_its_own_text),
+        cmocka_unit_test(unknown_statuses_have_a_text),
+        cmocka_unit_test(structs_have_no_padding),
+        cmocka_unit_test(building_without_a_place_for_the_tree),
+        cmocka_unit_test(building_without_meshes),
+        cmocka_unit_test(mesh_struct_sizes),
+        cmocka_unit_test(mesh_without_vertices),
+        cmocka_unit_test(index_sizes),
+        cmocka_unit_test(strides_that_are_not_multiples),
+        cmocka_unit_test(reserved_fields_must_be_zero),
+        cmocka_unit_test(triangles_without_enough_vertices),
+        cmocka_unit_test(indices_out_of_range),
+        cmocka_unit_test(a_message_names_mesh_triangle_and_index),
+        cmocka_unit_test(messages_fit_their_buffer),
+        cmocka_unit_test(ids_that_clash),
+        cmocka_unit_test(more_triangles_than_can_be_counted),
+        cmocka_unit_test(build_option_ranges),
+        cmocka_unit_test(build_costs_must_be_finite_and_not_negative),
+        cmocka_unit_test(max_references_bounds_the_tree),
+        cmocka_unit_test(tree_info_counts_what_is_left_out),
+        cmocka_unit_test(zero_area_is_decided_exactly),
+        cmocka_unit_test(tree_info_bounds_are_those_of_usable_triangles),
+        cmocka_unit_test(tree_info_of_an_empty_tree),
+        cmocka_unit_test(tree_info_is_consistent),
+        cmocka_unit_test(the_same_input_gives_the_same_tree),
+        cmocka_unit_test(tree_info_errors),
+        cmocka_unit_test(pool_errors),
+        cmocka_unit_test(destroying_null_does_nothing),
+        cmocka_unit_test(tracing_without_arguments),
+        cmocka_unit_test(tracing_without_origins_or_directions),
+        cmocka_unit_test(tracing_no_rays_needs_no_arrays),
+        cmocka_unit_test(tracing_with_wrong_struct_sizes),
+        cmocka_unit_test(too_many_rays),
+        cmocka_unit_test(trace_codes_out_of_range),
+        cmocka_unit_test(tile_sizes_out_of_range),
+        cmocka_unit_test(split_factors_out_of_range),
+        cmocka_unit_test(counters_of_a_wrong_size),
+        cmocka_unit_test(outputs_that_the_query_does_not_write),
+        cmocka_unit_test(single_ray_errors),
+        cmocka_unit_test(a_camera_that_is_good),
+        cmocka_unit_test(cameras_of_size_zero),
+        cmocka_unit_test(cameras_that_are_not_finite),
+        cmocka_unit_test(cameras_that_span_no_picture),
+        cmocka_unit_test(cameras_with_a_wrong_size_or_projection),
+        cmocka_unit_test(crops_beyond_the_picture),
+        cmocka_unit_test(pictures_that_are_too_large),
+        cmocka_unit_test(rendering_without_arguments),
+        cmocka_unit_test(occlusion_errors),
+        cmocka_unit_test(offset_errors),
+        cmocka_unit_test(nothing_is_printed),
+        cmocka_unit_test(callers_that_flush_denormals),
+        cmocka_unit_test(callers_that_round_toward_zero),
+        cmocka_unit_test(callers_that_round_up),
+        cmocka_unit_test(callers_that_round_down),
+        cmocka_unit_test(callers_with_unmasked_exceptions),
+        cmocka_unit_test(callers_that_round_by_fenv),
+        cmocka_unit_test(callbacks_run_in_the_callers_environment),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

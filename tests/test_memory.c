@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Memory: alignment, counting, and refusal.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "memory.h"
+
+static void test_blocks_are_aligned_to_64(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 0};
+    for (size_t count = 0; count < 200; count++) {
+        void *block = mlrt_allocate(&memory, count, 3);
+        assert_non_null(block);
+        assert_int_equal((uintptr_t)block % 64, 0);
+        memset(block, 1, 3 * count);
+        mlrt_free(&memory, block, count, 3);
+    }
+}
+
+static void test_no_elements_are_a_block_too(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 0};
+    void *block = mlrt_allocate(&memory, 0, 8);
+    assert_non_null(block);
+    assert_int_equal(memory.held_size, 0);
+    mlrt_free(&memory, block, 0, 8);
+}
+
+static void test_held_and_peak_are_counted(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 0};
+    void *first = mlrt_allocate(&memory, 10, 4), *second = mlrt_allocate(&memory, 5, 12);
+    assert_int_equal(memory.held_size, 100);
+    mlrt_free(&memory, first, 10, 4);
+    assert_int_equal(memory.held_size, 60);
+    mlrt_free(&memory, second, 5, 12);
+    assert_int_equal(memory.held_size, 0);
+    assert_int_equal(memory.peak_size, 100);
+}
+
+static void test_freeing_null_does_nothing(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {7, 7, 0};
+    mlrt_free(&memory, NULL, 100, 100);
+    assert_int_equal(memory.held_size, 7);
+}
+
+static void test_a_product_that_overflows_is_refused(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 0};
+    assert_null(mlrt_allocate(&memory, SIZE_MAX, 2));
+    assert_null(mlrt_allocate(&memory, SIZE_MAX / 4 + 1, 4));
+    assert_null(mlrt_allocate(&memory, SIZE_MAX, 1));
+    assert_int_equal(memory.held_size, 0);
+}
+
+static void test_resizing_keeps_the_common_part(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 0};
+    unsigned char *block = mlrt_allocate(&memory, 100, 1);
+    for (int i = 0; i < 100; i++) block[i] = (unsigned char)i;
+    block = mlrt_resize(&memory, block, 100, 1000, 1);
+    assert_int_equal(block[99], 99);
+    block = mlrt_resize(&memory, block, 1000, 50, 1);
+    for (int i = 0; i < 50; i++) assert_int_equal(block[i], i);
+    assert_int_equal(memory.held_size, 50);
+    mlrt_free(&memory, block, 50, 1);
+}
+
+static void test_resized_blocks_are_aligned_and_whole(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 0};
+    size_t count = 1;
+    unsigned char *block = mlrt_allocate(&memory, count, 1);
+    block[0] = 0;
+    for (int step = 0; step < 30; step++) {
+        size_t larger = count + count / 3 + 1;
+        block = mlrt_resize(&memory, block, count, larger, 1);
+        assert_int_equal((uintptr_t)block % 64, 0);
+        for (size_t i = 0; i < larger; i++) {
+            if (i < count) assert_int_equal(block[i], i % 251);
+            block[i] = (unsigned char)(i % 251);
+        }
+        count = larger;
+    }
+    assert_int_equal(memory.held_size, count);
+    mlrt_free(&memory, block, count, 1);
+}
+
+static void test_resizing_null_allocates(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 0};
+    void *block = mlrt_resize(&memory, NULL, 0, 10, 4);
+    assert_non_null(block);
+    assert_int_equal(memory.held_size, 40);
+    mlrt_free(&memory, block, 10, 4);
+}
+
+static void test_the_limit_holds_and_a_failed_resize_keeps_the_block(void **state)
+{
+    (void)state;
+    struct mlrt_memory memory = {0, 0, 100};
+    unsigned char *block = mlrt_allocate(&memory, 60, 1);
+    block[59] = 5;
+    assert_null(mlrt_allocate(&memory, 41, 1));
+    assert_null(mlrt_resize(&memory, block, 60, 101, 1));
+    assert_int_equal(block[59], 5);
+    assert_int_equal(memory.held_size, 60);
+    mlrt_free(&memory, block, 60, 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_blocks_are_aligned_to_64),
+        cmocka_unit_test(test_no_elements_are_a_block_too),
+        cmocka_unit_test(test_held_and_peak_are_counted),
+        cmocka_unit_test(test_freeing_null_does_nothing),
+        cmocka_unit_test(test_a_product_that_overflows_is_refused),
+        cmocka_unit_test(test_resizing_keeps_the_common_part),
+        cmocka_unit_test(test_resized_blocks_are_aligned_and_whole),
+        cmocka_unit_test(test_resizing_null_allocates),
+        cmocka_unit_test(test_the_limit_holds_and_a_failed_resize_keeps_the_block),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
