@@ -38,10 +38,12 @@ static int search_along(const struct mlrt_triangle *triangle, const double base[
                         float point[3])
 {
     const double size = fmax(fabs(base[0]), fmax(fabs(base[1]), fabs(base[2])));
-    if (!move_point(base, direction, 0, point)) return 0;
-    for (double step = fmax(size * 0x1p-26, 0x1p-149); mlrt_side_of_plane(triangle, point) != side; step *= 2) {
+    /* From one spacing of floats on: closer points lie in the plane too often, which takes exact arithmetic to see. */
+    double step = fmax(size * 0x1p-24, 0x1p-149);
+    do {
         if (!move_point(base, direction, step, point)) return 0;
-    }
+        step *= 2;
+    } while (mlrt_side_of_plane(triangle, point) != side);
     return 1;
 }
 
