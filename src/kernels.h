@@ -28,16 +28,24 @@ struct mlrt_job {
     void *user;
 };
 
-/* What a packet needs to know of a triangle, as far as it depends on their common origin alone (triangle_filter.h). */
+/*
+ * What packets of one apex share about a triangle (triangle_setup.h): where it is seen from the apex, and the terms of
+ * its edge functions.
+ */
 struct mlrt_triangle_setup {
-    uint32_t number; /* of the triangle; MLRT_NONE = empty entry */
-    float cross[3][4];
-    float size[3][4];
+    uint32_t number;     /* of the triangle; MLRT_NONE = empty entry */
+    uint32_t main_axis;  /* that the slopes are against, with its sign: axis | negative << 2 */
+    int has_terms;
+    float slope_lo[2];   /* bounds of x_j / depth over the triangle, for the two other axes */
+    float slope_hi[2];
+    float least_depth;   /* along the main axis */
     float distance;
     float distance_bound;
+    float cross[3][4];   /* [component][edge ab, bc, ca; normal] */
+    float size[3][4];
 };
 
-#define MLRT_SETUP_COUNT 128 /* 14 KiB: fits the first-level cache beside a tile's packets and nodes */
+#define MLRT_SETUP_COUNT 128 /* 18 KiB: fits the first-level cache beside a tile's packets and nodes */
 
 /* What one worker has to itself. */
 struct mlrt_worker {

@@ -609,7 +609,6 @@ static void tile_sizes_out_of_range(void **state)
     assert_trace_options((mlrt_trace_options){.initial_tile_size = 8, .minimum_tile_size = 16}, MLRT_ERROR_ARGUMENT);
     assert_trace_options((mlrt_trace_options){.initial_tile_size = 1024, .minimum_tile_size = 1024}, MLRT_OK);
     assert_trace_options((mlrt_trace_options){.initial_tile_size = 4}, MLRT_OK); // the default minimum fits in
-    assert_trace_options((mlrt_trace_options){.minimum_tile_size = 1024}, MLRT_OK);
 }
 
 static void split_factors_out_of_range(void **state)

@@ -106,6 +106,17 @@ static int read_set(const char *text, const struct option *option, uint32_t *set
     return 1;
 }
 
+static int read_list(const char *text, struct word_list *list)
+{
+    for (;; text++) {
+        size_t length = strcspn(text, ",");
+        if (length == 0 || list->count == MAXIMUM_WORDS) return 0;
+        list->words[list->count++] = text;
+        text += length;
+        if (!*text) return 1;
+    }
+}
+
 static int read_value(const struct option *option, const char *text)
 {
     const char *rest = text;
@@ -137,6 +148,8 @@ static int read_value(const struct option *option, const char *text)
         return 1;
     case OPTION_SET:
         return read_set(text, option, option->value);
+    case OPTION_LIST:
+        return read_list(text, option->value);
     default:
         return 0;
     }

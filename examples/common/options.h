@@ -21,7 +21,16 @@ enum option_kind {
     OPTION_VECTOR,       /* double[3], finite, as x,y,z */
     OPTION_SIZE,         /* uint32_t[2], each from low to high, as WxH */
     OPTION_CHOICE,       /* int32_t: low + the position in `values`, which are parted by | */
-    OPTION_SET           /* uint32_t: a bit for each of `values` that is in the list given, parted by commas */
+    OPTION_SET,          /* uint32_t: a bit for each of `values` that is in the list given, parted by commas */
+    OPTION_LIST          /* struct word_list: the words given, parted by commas, are added; can be repeated */
+};
+
+enum { MAXIMUM_WORDS = 64 };
+
+/* Words of the command line. Each ends at a comma or at its 0. */
+struct word_list {
+    size_t count;
+    const char *words[MAXIMUM_WORDS];
 };
 
 struct option {

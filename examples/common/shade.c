@@ -9,8 +9,7 @@
 // One per worker: what a tile needs on its way.
 struct tile_buffers {
     size_t capacity; // pixels
-    float (*points)[3];
-    uint32_t (*skip)[2];
+    struct shadow_points points;
     uint8_t *occluded;
     uint64_t ray_count;
     mlrt_counters counters;
@@ -22,8 +21,8 @@ struct tile_buffers {
 static void free_buffers(struct tile_buffers *buffers)
 {
     if (!buffers) return;
-    free(buffers->points);
-    free(buffers->skip);
+    free(buffers->points.positions);
+    free(buffers->points.skip);
     free(buffers->occluded);
     free(buffers);
 }
@@ -36,11 +35,11 @@ static struct tile_buffers *get_buffers(struct shading *shading, uint32_t worker
     struct tile_buffers *bigger = calloc(1, sizeof *bigger);
     if (!bigger) return NULL;
     bigger->capacity = count;
-    bigger->points = malloc(count * sizeof *bigger->points);
-    bigger->skip = malloc(count * sizeof *bigger->skip);
+    bigger->points.positions = malloc(count * sizeof *bigger->points.positions);
+    bigger->points.skip = malloc(count * sizeof *bigger->points.skip);
     bigger->occluded = malloc(count);
     bigger->counters.struct_size = sizeof bigger->counters;
-    if (!bigger->points || !bigger->skip || !bigger->occluded) {
+    if (!bigger->points.positions || !bigger->points.skip || !bigger->occluded) {
         free_buffers(bigger);
         return NULL;
     }
@@ -223,33 +222,46 @@ static void shade_miss(const struct shading *shading, uint32_t row, float light[
 /* ---- tiles --------------------------------------------------------------------------------------------------------
  */
 
-// Asks which points of the tile the light does not reach. A miss is a point that is nowhere, which is never occluded.
-static int32_t trace_shadows(const struct shading *shading, const mlrt_tile *tile, struct tile_buffers *buffers)
+size_t place_shadow_points(const mlrt_tree *tree, const mlrt_tile *hits, const struct shadow_points *points)
 {
-    size_t count = (size_t)tile->width * tile->height;
+    size_t count = (size_t)hits->width * hits->height, hit_count = 0;
     for (size_t i = 0; i < count; i++) {
-        buffers->skip[i][0] = tile->mesh[i], buffers->skip[i][1] = tile->triangle[i];
+        float *position = points->positions[i];
+        points->skip[i][0] = hits->mesh[i], points->skip[i][1] = hits->triangle[i];
         int32_t status = MLRT_ERROR_ARGUMENT;
-        if (tile->facing[i] != 0) {
-            status = mlrt_offset_point(shading->tree, tile->mesh[i], tile->triangle[i], tile->u[i], tile->v[i],
-                                       -tile->facing[i], buffers->points[i]);
+        if (hits->facing[i] != 0) {
+            status = mlrt_offset_point(tree, hits->mesh[i], hits->triangle[i], hits->u[i], hits->v[i], -hits->facing[i],
+                                       position);
         }
         if (status == MLRT_OK)
-            buffers->ray_count++;
+            hit_count++;
         else
-            buffers->points[i][0] = buffers->points[i][1] = buffers->points[i][2] = NAN;
+            position[0] = position[1] = position[2] = NAN;
     }
-    const mlrt_points points = {.struct_size = sizeof points,
-                                .row_length = tile->width,
-                                .count = count,
-                                .positions = {buffers->points, 0},
-                                .skip = {buffers->skip, 0}};
+    return hit_count;
+}
+
+int32_t trace_shadow_points(const mlrt_tree *tree, const struct shadow_points *points, uint32_t width, uint32_t height,
+                            const double light_position[3], const mlrt_trace_options *options, uint8_t *occluded)
+{
+    const mlrt_points rays = {.struct_size = sizeof rays,
+                              .row_length = width,
+                              .count = (size_t)width * height,
+                              .positions = {points->positions, 0},
+                              .skip = {points->skip, 0}};
     mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
-    for (int k = 0; k < 3; k++) light.position[k] = (float)shading->view->light[k];
+    for (int k = 0; k < 3; k++) light.position[k] = (float)light_position[k];
+    const mlrt_array results = {occluded, 0, 0};
+    return mlrt_occluded_points(tree, &rays, &light, options, &results);
+}
+
+static int32_t trace_shadows(const struct shading *shading, const mlrt_tile *tile, struct tile_buffers *buffers)
+{
     mlrt_trace_options options = shading->shadow_options;
     options.counters = shading->counting ? &buffers->counters : NULL;
-    const mlrt_array occluded = {buffers->occluded, 0, 0};
-    return mlrt_occluded_points(shading->tree, &points, &light, &options, &occluded);
+    buffers->ray_count += place_shadow_points(shading->tree, tile, &buffers->points);
+    return trace_shadow_points(shading->tree, &buffers->points, tile->width, tile->height, shading->view->light,
+                               &options, buffers->occluded);
 }
 
 static void shade_pixels(const struct shading *shading, const mlrt_tile *tile, const uint8_t *occluded)
@@ -290,6 +302,39 @@ int32_t shade_tile(void *user, const mlrt_tile *tile)
     for (uint32_t row = 0; shading->occluded && buffers && row < tile->height; row++) {
         uint8_t *to = shading->occluded + (size_t)(tile->y + row) * shading->camera->width + tile->x;
         memcpy(to, buffers->occluded + (size_t)row * tile->width, tile->width);
+    }
+    return 0;
+}
+
+/* ---- the least shading --------------------------------------------------------------------------------------------
+ */
+
+int32_t shade_tile_simply(void *user, const mlrt_tile *tile)
+{
+    const struct shading *shading = user;
+    const mlrt_camera *camera = shading->camera;
+    uint32_t triangle = MLRT_NONE;
+    float normal[3] = {0, 0, 0};
+    size_t i = 0;
+    for (uint32_t row = tile->y; row < tile->y + tile->height; row++) {
+        uint8_t *pixel = shading->rgba + 4 * ((size_t)row * camera->width + tile->x);
+        for (uint32_t column = tile->x; column < tile->x + tile->width; column++, i++, pixel += 4) {
+            if (tile->triangle[i] != triangle) {
+                double exact[3] = {0, 0, 0};
+                triangle = tile->triangle[i];
+                if (triangle != MLRT_NONE) facing_normal(shading->scene, triangle, 1, exact);
+                for (int k = 0; k < 3; k++) normal[k] = (float)exact[k];
+            }
+            float x = (float)column + 0.5f, y = (float)row + 0.5f, product = 0, square = 0;
+            for (int k = 0; k < 3; k++) {
+                float d = camera->d00[k] + x * camera->dx[k] + y * camera->dy[k];
+                product += d * normal[k];
+                square += d * d;
+            }
+            float cosine = fabsf(product) / sqrtf(square);
+            pixel[0] = pixel[1] = pixel[2] = (uint8_t)(255 * (cosine < 1 ? cosine : 1));
+            pixel[3] = 255;
+        }
     }
     return 0;
 }

@@ -101,10 +101,18 @@ static void traverse_group(const struct mlrt_job *job, const struct entry_point 
         const uint32_t count = mlrt_leaf_count(here);
         uint32_t changed = 0;
         for (uint32_t i = 0; i < count; ++i) {
-            const struct mlrt_triangle *triangle = &tree->triangles[entries[i]];
-            if (group->has_frustum && is_out_of_frustum(group, packet->apex, farthest, triangle)) continue;
+            const uint32_t number = entries[i];
+            if (was_seen(group, number)) continue;
+            struct mlrt_triangle_setup *setup = NULL;
+            uint32_t touched = group->lanes;
+            if (group->has_frustum) {
+                setup = get_setup(tree, number, group, worker);
+                touched = touched_lanes(group, setup, farthest);
+                if (!touched) continue;
+                if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->apex, setup);
+            }
             COUNT(counters, triangle_test_count, 1);
-            changed |= test_triangle(tree, entries[i], group, 0, MLRT_PACKET_RAYS, packet, worker);
+            changed |= test_triangle(tree, number, setup, group, touched, packet, counters);
         }
         if (changed) {
             if (job->any) {

@@ -15,6 +15,7 @@
 
 #include "camera_packet.h"
 #include "ray_group.h"
+#include "triangle_setup.h"
 #include "triangle_filter.h"
 #include "interval_traversal.h"
 #include "masked_traversal.h"

@@ -11,7 +11,6 @@
 
 /* Vectors that hold the four lanes of a 2x2 packet, or the one vector that holds them and others. */
 #define PACKET2_VECTORS (VW < 4 ? 4 / VW : 1)
-#define ALL_LANES ((1u << VW) - 1)
 
 struct masked_interval {
     vf lo[PACKET2_VECTORS];
@@ -123,9 +122,16 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
         const uint32_t *entries = tree->references + here->u.offset;
         const uint32_t count = mlrt_leaf_count(here);
         for (uint32_t i = 0; i < count; ++i) {
+            struct mlrt_triangle_setup *setup = NULL;
+            if (packet->has_apex) {
+                setup = &worker->setups[0];
+                if (setup->number != entries[i] || !setup->has_terms) {
+                    setup->number = entries[i];
+                    set_up_terms(&tree->triangles[entries[i]], packet->apex, setup);
+                }
+            }
             COUNT(counters, triangle_test_count, 1);
-            const uint32_t changed =
-                test_triangle(tree, entries[i], &group, first_lane, first_lane + PACKET2_VECTORS * VW, packet, worker);
+            const uint32_t changed = test_triangle(tree, entries[i], setup, &group, group.lanes, packet, counters);
             if (job->any) {
                 alive &= ~changed;
                 group.lanes &= alive;

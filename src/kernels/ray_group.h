@@ -21,14 +21,22 @@ struct group_axis {
     uint32_t negative;
 };
 
+/* A triangle lies in several leaves. All rays of a group are tested against it at once, so once is enough. */
+#define SEEN_COUNT 16
+
+/* Squares of 2x2 rays in a packet, padded to whole vectors. */
+#define SQUARE_COUNT (MLRT_PACKET_RAYS / 4)
+#define SQUARE_LANES (VW > SQUARE_COUNT ? VW : SQUARE_COUNT)
+
 struct ray_group {
     uint32_t lanes;
     struct group_axis axis[3];
-    int has_frustum;
-    int main_axis[3]; /* where the directions are largest, and the other two */
-    float direction;  /* +1 or -1: along the main axis */
-    float upper[2];   /* slopes against the main axis, of the planes around the rays over the other two axes; moved */
-    float lower[2];   /*   outward by SLOPE_SLACK of themselves */
+    int has_frustum;    /* a common origin; only then what follows is set */
+    int main_axis[3];   /* where the directions are largest, and the other two */
+    float direction;    /* +1 or -1: along the main axis */
+    MLRT_ALIGNED(64) float slope_lo[2][SQUARE_LANES]; /* bounds of d_j / |d_main| over the rays of each square, for the */
+    MLRT_ALIGNED(64) float slope_hi[2][SQUARE_LANES]; /*   two other axes, moved apart by SLOPE_SLACK of themselves */
+    uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
 #define RECIPROCAL_SLACK 0x1p-21f
@@ -133,6 +141,28 @@ MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes
     }
 }
 
+/* Bounds of the slopes of each square over one axis. A square without rays is nowhere. */
+MLRT_INLINE void set_square_slopes(const struct mlrt_packet *packet, uint32_t lanes, int main_axis, int axis,
+                                   float lo[SQUARE_LANES], float hi[SQUARE_LANES])
+{
+    MLRT_ALIGNED(64) float least[MLRT_PACKET_RAYS], greatest[MLRT_PACKET_RAYS];
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm inside = m_from_bits(lanes >> v);
+        const vf slope = v_div(v_load(packet->direction[axis] + v), v_abs(v_load(packet->direction[main_axis] + v)));
+        const vf slack = v_mul(v_abs(slope), v_set1(SLOPE_SLACK));
+        v_store(least + v, v_select(inside, v_sub(slope, slack), v_set1(INFINITY)));
+        v_store(greatest + v, v_select(inside, v_add(slope, slack), v_set1(-INFINITY)));
+    }
+    for (int square = 0; square < SQUARE_LANES; ++square) {
+        lo[square] = INFINITY;
+        hi[square] = -INFINITY;
+        for (int lane = 4 * square; lane < 4 * square + 4 && square < SQUARE_COUNT; ++lane) {
+            lo[square] = least[lane] < lo[square] ? least[lane] : lo[square];
+            hi[square] = greatest[lane] > hi[square] ? greatest[lane] : hi[square];
+        }
+    }
+}
+
 MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group *group)
 {
     group->has_frustum = packet->has_apex;
@@ -144,14 +174,8 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
     group->main_axis[2] = (a + 2) % 3;
     group->direction = group->axis[a].negative ? -1 : 1;
     for (int side = 0; side < 2; ++side) {
-        const float *other = packet->direction[group->main_axis[1 + side]];
-        MLRT_ALIGNED(64) float slopes[MLRT_PACKET_RAYS];
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            v_store(slopes + v, v_div(v_load(other + v), v_abs(v_load(packet->direction[a] + v))));
-        }
-        const float lo = lowest(slopes, group->lanes), hi = highest(slopes, group->lanes);
-        group->lower[side] = lo - fabsf(lo) * SLOPE_SLACK;
-        group->upper[side] = hi + fabsf(hi) * SLOPE_SLACK;
+        set_square_slopes(packet, group->lanes, a, group->main_axis[1 + side], group->slope_lo[side],
+                          group->slope_hi[side]);
     }
 }
 
@@ -171,26 +195,14 @@ static void make_group(const struct mlrt_packet *packet, uint32_t lanes, struct 
     group->lanes = lanes;
     for (int k = 0; k < 3; ++k) set_group_axis(packet, lanes, k, range.lo[k], range.hi[k], &group->axis[k]);
     set_frustum(packet, group);
+    for (int i = 0; i < SEEN_COUNT; ++i) group->seen[i] = MLRT_NONE;
 }
 
-/*
- * 1 if no ray of a group with a frustum hits the triangle nearer than at `farthest`: its vertices are all in front of
- * the apex, and all beyond one plane. Each comparison is of a difference of floats, one rounding, with a product of
- * three, and the slopes are widened for that: so it is a proof.
- */
-MLRT_INLINE int is_out_of_frustum(const struct ray_group *group, const float apex[3], float farthest,
-                                  const struct mlrt_triangle *triangle)
+/* 1 if the triangle was seen before; it is seen from now on. */
+MLRT_INLINE int was_seen(struct ray_group *group, uint32_t number)
 {
-    const int a = group->main_axis[0], j = group->main_axis[1], l = group->main_axis[2];
-    const float depth_limit = farthest * group->axis[a].reach * (1 + SLOPE_SLACK);
-    int in_front = 1, outside = 15, too_far = 1;
-    for (int i = 0; i < 3; ++i) {
-        const float depth = (triangle->v[i][a] - apex[a]) * group->direction;
-        const float x = triangle->v[i][j] - apex[j], y = triangle->v[i][l] - apex[l];
-        in_front &= depth >= 0;
-        too_far &= depth > depth_limit;
-        outside &= (x > group->upper[0] * depth) | (x < group->lower[0] * depth) << 1 |
-                   (y > group->upper[1] * depth) << 2 | (y < group->lower[1] * depth) << 3;
-    }
-    return in_front & ((outside != 0) | too_far);
+    uint32_t *entry = &group->seen[number % SEEN_COUNT];
+    const int seen = *entry == number;
+    *entry = number;
+    return seen;
 }

@@ -2,7 +2,7 @@
 /*
  * The vocabulary of the kernels, one lane wide and in plain C: what every other simd_*.h must mean lane by lane.
  *
- *   vf floats, vi 32-bit integers, vm masks; VW lanes. Loads and stores are aligned to the width.
+ *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to the width.
  *   v_min and v_max return their second operand if either is a NaN; comparisons with a NaN are false.
  *   A mask lane is all ones or all zeros; m_bits has lane i in bit i.
  */
@@ -14,6 +14,7 @@
 #include "platform.h"
 
 #define VW 1
+#define ALL_LANES 1u
 typedef float vf;
 typedef uint32_t vi;
 typedef uint32_t vm;

@@ -10,6 +10,7 @@
 #include "platform.h"
 
 #define VW 4
+#define ALL_LANES 15u
 typedef __m128 vf;
 typedef __m128i vi;
 typedef __m128 vm;

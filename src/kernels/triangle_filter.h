@@ -25,8 +25,6 @@
  * three roundings, paid for by a factor 1 -+ 2^-21, and 2^-148 for underflow of the quotient.
  */
 
-#define FILTER_BOUND 0x1p-20f
-#define FILTER_FLOOR 0x1p-146f
 #define QUOTIENT_BOUND 0x1p-21f
 #define QUOTIENT_FLOOR 0x1p-148f
 
@@ -100,56 +98,7 @@ MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin
     terms->distance_bound = dot_bound(away[0], size);
 }
 
-/*
- * The same for rays of one origin, in two parts: what depends on the triangle and the origin alone is kept, in a small
- * table of the worker, for the packets of the neighbourhood.
- */
-static void forget_setups(const float apex[3], struct mlrt_worker *worker)
-{
-    for (uint32_t i = 0; i <= worker->setup_mask; ++i) worker->setups[i].number = MLRT_NONE;
-    memcpy(worker->apex, apex, sizeof worker->apex);
-}
-
-static const struct mlrt_triangle_setup *set_up_triangle(const struct mlrt_tree *tree, uint32_t number,
-                                                         const float apex[3], struct mlrt_worker *worker)
-{
-    struct mlrt_triangle_setup *setup = &worker->setups[number & worker->setup_mask];
-    if (setup->number == number) return setup;
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
-    float sum[3][4], sum_size[3][4], edge[3][4], length[3][4], vertex[3];
-    for (int k = 0; k < 3; ++k) {
-        const float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
-        const float x = a - apex[k], y = b - apex[k], z = c - apex[k];
-        const float sums[4] = {x + y, y + z, z + x, a - c};
-        const float sizes[4] = {fabsf(x) + fabsf(y), fabsf(y) + fabsf(z), fabsf(z) + fabsf(x), fabsf(a - c)};
-        const float edges[4] = {b - a, c - b, a - c, b - a};
-        vertex[k] = x;
-        for (int i = 0; i < 4; ++i) {
-            sum[k][i] = sums[i];
-            sum_size[k][i] = sizes[i];
-            edge[k][i] = edges[i];
-            length[k][i] = fabsf(edges[i]);
-        }
-    }
-    float distance = 0, distance_size = 0, distance_floor = 4;
-    for (int k = 0; k < 3; ++k) {
-        const int p = (k + 1) % 3, q = (k + 2) % 3;
-        for (int i = 0; i < 4; ++i) {
-            setup->cross[k][i] = sum[p][i] * edge[q][i] - sum[q][i] * edge[p][i];
-            setup->size[k][i] = sum_size[p][i] * length[q][i] + sum_size[q][i] * length[p][i];
-        }
-    }
-    for (int k = 0; k < 3; ++k) {
-        distance += vertex[k] * setup->cross[k][3];
-        distance_size += fabsf(vertex[k]) * setup->size[k][3];
-        distance_floor += fabsf(vertex[k]);
-    }
-    setup->number = number;
-    setup->distance = distance;
-    setup->distance_bound = distance_size * FILTER_BOUND + distance_floor * FILTER_FLOOR;
-    return setup;
-}
-
+/* Terms for rays of one origin, from what was set up; reach >= |d|. */
 MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, const float reach[3],
                                 struct triangle_terms *terms)
 {
@@ -236,21 +185,25 @@ static MLRT_NOINLINE uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t
 }
 
 /*
- * Tests the rays of `group`, which lie in the vectors from first_lane up to end_lane, against triangle `number`, and
- * updates their nearest hits. Returns the lanes whose nearest hit changed.
+ * Tests the rays of `group` in the lanes `lanes` against triangle `number` and updates their nearest hits. `setup` is
+ * that of the triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
  */
-static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, const struct ray_group *group,
-                              int first_lane, int end_lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
+static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, const struct mlrt_triangle_setup *setup,
+                              const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
+                              mlrt_counters *counters)
 {
     const float reach[3] = {group->axis[0].reach, group->axis[1].reach, group->axis[2].reach};
     struct triangle_terms terms;
-    if (packet->has_apex) set_apex_terms(set_up_triangle(tree, number, packet->apex, worker), reach, &terms);
+    terms.distance = terms.distance_bound = v_set1(0);
+    if (setup) set_apex_terms(setup, reach, &terms);
     uint32_t changed = 0;
-    for (int v = first_lane; v < end_lane; v += VW) {
-        vm active = m_from_bits(group->lanes >> v);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        if (!(lanes >> v & ALL_LANES)) continue;
+        /* A triangle met again in another leaf is no news to the rays that it is the nearest of. */
+        vm active = m_andnot(m_from_bits(lanes >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
         if (packet->has_skip) active = m_andnot(active, i_eq(i_load(packet->skip + v), i_set1(number)));
         if (!m_bits(active)) continue;
-        if (!packet->has_apex) {
+        if (!setup) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
                                   v_load(packet->origin[2] + v)};
             set_terms(&tree->triangles[number], origin, reach, &terms);
@@ -264,7 +217,7 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
             changed |= nearer << v;
         }
         if (undecided) {
-            COUNT(&worker->counters, judged_lane_count, mlrt_count_bits(undecided));
+            COUNT(counters, judged_lane_count, mlrt_count_bits(undecided));
             changed |= judge_lanes(tree, number, undecided << v, packet);
         }
     }
