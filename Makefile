@@ -117,6 +117,16 @@ demo: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/render
 	$(BUILD)/bin/render --scene office --stats -o $(BUILD)/demo.png
 
+# ---- reproduction of the paper's tables -----------------------------------------------------------------------------
+
+PAPER_SCENES := erw6 conference_mgf cruiser_mgf dragon_x9
+SCENE_FILES = $(if $(SCENES),$(or $(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)),$(error $(SCENES): none of $(PAPER_SCENES:%=%.ply))))
+
+# Only the tables go to standard output: make reproduce > tables.md
+reproduce: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/reproduce >&2
+	@$(BUILD)/bin/reproduce $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS))
+
 # ---- tests ---------------------------------------------------------------------------------------------------------
 
 $(BUILD)/tests/%.o: tests/%.c

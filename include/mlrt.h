@@ -303,8 +303,9 @@ typedef struct mlrt_trace_options {
     uint32_t minimum_tile_size;  /* pixels, 4..initial_tile_size, a power of two; 0 = default */
     uint32_t split_factor;       /* 4 or 16; 0 = default */
     uint32_t outputs;            /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
-    uint32_t whole_tile_hits_off; /* 1 = trace packets also where one triangle provably covers the whole tile, as the
-                                   * paper does; the counters are then comparable with its tables */
+    uint32_t paper_levels;       /* 1 = multilevel as in the paper: from its entry point, each 4x4 packet is traced by
+                                  * itself. 0 = packets also share: a tile that one triangle provably covers is done
+                                  * at once, and four packets go down the tree together */
     uint32_t reserved;           /* 0 */
     mlrt_pool *pool;             /* NULL = the calling thread alone */
     mlrt_counters *counters;     /* NULL = not counted, at no cost */

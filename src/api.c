@@ -64,7 +64,7 @@ static int32_t check_mesh(const mlrt_mesh *mesh)
 {
     if (mesh->struct_size != sizeof *mesh) return MLRT_ERROR_STRUCT_SIZE;
     const uint32_t index_size = mesh->index_size ? mesh->index_size : 4;
-    if (index_size != 2 && index_size != 4) return MLRT_ERROR_ARGUMENT;
+    if ((index_size != 2 && index_size != 4) || mesh->reserved != 0) return MLRT_ERROR_ARGUMENT;
     if (mesh->triangle_count == 0) return MLRT_OK;
     if (mesh->triangle_count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
     if (!mesh->vertices && mesh->vertex_count) return MLRT_ERROR_ARGUMENT;
@@ -268,7 +268,7 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_MULTILEVEL) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_SSE) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if (options->culling_check > 1 || options->whole_tile_hits_off > 1 || options->outputs & ~15u) return MLRT_ERROR_ARGUMENT;
+    if (options->reserved != 0 || options->culling_check > 1 || options->paper_levels > 1 || options->outputs & ~15u) return MLRT_ERROR_ARGUMENT;
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
         return MLRT_ERROR_ARGUMENT;
     }
@@ -278,7 +278,7 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     job->method = options->method == MLRT_METHOD_DEFAULT ? MLRT_METHOD_MULTILEVEL : options->method;
     job->culling = options->culling;
     job->culling_check = options->culling_check != 0;
-    job->whole_tile_hits = !options->whole_tile_hits_off;
+    job->share_tiles = job->method == MLRT_METHOD_MULTILEVEL && !options->paper_levels;
     const uint32_t standard_tile =
         job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_INITIAL_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
     job->initial_tile_size = resolve_size(options->initial_tile_size, standard_tile, 4, 1024);
@@ -426,7 +426,7 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
                 memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
             }
             if (directions && directions->data) {
-                memcpy(vector_at(directions, view.width, i, j), view.parallel ? view.direction : p, sizeof p);
+                memcpy(vector_at(directions, view.width, i, j), view.parallel ? camera->direction : p, sizeof p);
             }
         }
     }

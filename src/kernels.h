@@ -16,7 +16,7 @@ struct mlrt_job {
     int32_t method;  /* resolved: not DEFAULT */
     int32_t culling;
     int culling_check;
-    int whole_tile_hits;
+    int share_tiles; /* whole-tile hits, groups of packets: what the multi-level method has beyond the paper */
     int any;
     uint32_t initial_tile_size;
     uint32_t minimum_tile_size;

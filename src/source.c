@@ -5,6 +5,7 @@
 #include "source.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "hit.h"
 #include "rounding.h"
@@ -25,6 +26,7 @@ static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row
     if (count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
     source->count = (uint32_t)count;
     source->width = row_length ? row_length : 4;
+    if (source->width > source->count && source->count > 4) source->width = source->count;
     source->height = source->count / source->width + (source->count % source->width != 0);
     return MLRT_OK;
 }
@@ -165,15 +167,13 @@ void mlrt_get_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, u
         packet->triangle[lane] = MLRT_NONE;
         packet->skip[lane] = skip;
         if (!valid) continue;
-        if (!is_safe_ray(&ray)) {
+        if (!(packet->active | packet->single)) memcpy(packet->apex, ray.origin, sizeof packet->apex);
+        packet->has_apex &= memcmp(packet->apex, ray.origin, sizeof packet->apex) == 0;
+        if (is_safe_ray(&ray)) {
+            packet->active |= 1u << lane;
+        } else {
             packet->single |= 1u << lane;
-            continue;
         }
-        if (!packet->active) {
-            for (int k = 0; k < 3; ++k) packet->apex[k] = ray.origin[k];
-        }
-        for (int k = 0; k < 3; ++k) packet->has_apex &= ray.origin[k] == packet->apex[k];
-        packet->active |= 1u << lane;
     }
 }
 

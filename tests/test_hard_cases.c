@@ -370,7 +370,7 @@ static void no_leak_from_a_shifted_sphere(void **state)
     for (int i = 0; i < 2; i++) {
         const float offset[3] = {shifts[i], shifts[i], -shifts[i]};
         struct soup soup = {0};
-        soup_add_icosphere(&soup, 4, 1);
+        soup_add_icosphere(&soup, 3, 1);
         move_soup(&soup, 1, offset);
         check_closed("shifted sphere", &soup, offset, 1);
     }

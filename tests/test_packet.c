@@ -178,7 +178,7 @@ static void the_scan(void **state)
 {
     (void)state;
     struct fixture fixture = fixture_of_example("scan:20000");
-    check_mixed(&fixture, 600, -1, 1);
+    check_mixed(&fixture, 300, -1, 1);
 }
 
 static void every_preset_and_rule(void **state)
@@ -265,7 +265,7 @@ static void mixed_scales(void **state)
         soup_add_random(&soup, &random, 30, scales[i], scales[i] * 0.4f);
     struct fixture fixture = fixture_of_soup("mixed scales", 300, &soup);
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++)
-        add_mixed_rays(&list, &random, &fixture, scaled(400), -2 * scales[i], 2 * scales[i]);
+        add_mixed_rays(&list, &random, &fixture, scaled(200), -2 * scales[i], 2 * scales[i]);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
@@ -283,7 +283,7 @@ static void far_from_the_origin(void **state)
         soup_add_icosphere(&soup, 2, offsets[i] * 1e-6f < 1 ? 1 : offsets[i] * 1e-6f);
         move_soup(&soup, 1, offset);
         struct fixture fixture = fixture_of_soup("far away", 400 + i, &soup);
-        add_aimed_rays(&list, &random, &fixture, scaled(600), -offsets[i], offsets[i]);
+        add_aimed_rays(&list, &random, &fixture, scaled(300), -offsets[i], offsets[i]);
         add_axis_rays(&list, &random, &fixture, scaled(300));
         add_surface_rays(&list, &random, &fixture, scaled(300));
         check_rays(&fixture, &list);
@@ -298,19 +298,19 @@ static void arbitrary_bits(void **state)
     struct random random = {500};
     struct soup soup = {0};
     struct ray_list list = {0};
-    for (int i = 0; i < 120; i++) {
+    for (int i = 0; i < 60; i++) {
         float p[3][3];
         for (int k = 0; k < 9; k++) p[k / 3][k % 3] = draw_finite(&random);
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     struct fixture fixture = fixture_of_soup("arbitrary bits", 500, &soup);
-    for (size_t i = 0; i < scaled(800); i++) {
+    for (size_t i = 0; i < scaled(300); i++) {
         float p[2][3];
         for (int k = 0; k < 6; k++) p[k / 3][k % 3] = draw_finite(&random);
         add_ray(&list, p[0], p[1]);
     }
-    add_aimed_rays(&list, &random, &fixture, scaled(800), -1e38f, 1e38f);
-    add_aimed_rays(&list, &random, &fixture, scaled(800), -1, 1);
+    add_aimed_rays(&list, &random, &fixture, scaled(300), -1e38f, 1e38f);
+    add_aimed_rays(&list, &random, &fixture, scaled(300), -1, 1);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);

@@ -309,30 +309,39 @@ int32_t shade_tile(void *user, const mlrt_tile *tile)
 /* ---- the least shading --------------------------------------------------------------------------------------------
  */
 
+static void unit_normal(const struct scene *scene, uint32_t triangle, float normal[3])
+{
+    double exact[3] = {0, 0, 0};
+    if (triangle != MLRT_NONE) facing_normal(scene, triangle, 1, exact);
+    for (int k = 0; k < 3; k++) normal[k] = (float)exact[k];
+}
+
+static uint8_t grey_by_angle(const mlrt_camera *camera, uint32_t column, uint32_t row, const float normal[3])
+{
+    float x = (float)column + 0.5f, y = (float)row + 0.5f, product = 0, square = 0;
+    for (int k = 0; k < 3; k++) {
+        float d = camera->d00[k] + x * camera->dx[k] + y * camera->dy[k];
+        product += d * normal[k];
+        square += d * d;
+    }
+    float cosine = fabsf(product) / sqrtf(square);
+    return (uint8_t)(255 * (cosine < 1 ? cosine : 1));
+}
+
 int32_t shade_tile_simply(void *user, const mlrt_tile *tile)
 {
     const struct shading *shading = user;
-    const mlrt_camera *camera = shading->camera;
     uint32_t triangle = MLRT_NONE;
     float normal[3] = {0, 0, 0};
     size_t i = 0;
     for (uint32_t row = tile->y; row < tile->y + tile->height; row++) {
-        uint8_t *pixel = shading->rgba + 4 * ((size_t)row * camera->width + tile->x);
+        uint8_t *pixel = shading->rgba + 4 * ((size_t)row * shading->camera->width + tile->x);
         for (uint32_t column = tile->x; column < tile->x + tile->width; column++, i++, pixel += 4) {
             if (tile->triangle[i] != triangle) {
-                double exact[3] = {0, 0, 0};
                 triangle = tile->triangle[i];
-                if (triangle != MLRT_NONE) facing_normal(shading->scene, triangle, 1, exact);
-                for (int k = 0; k < 3; k++) normal[k] = (float)exact[k];
+                unit_normal(shading->scene, triangle, normal);
             }
-            float x = (float)column + 0.5f, y = (float)row + 0.5f, product = 0, square = 0;
-            for (int k = 0; k < 3; k++) {
-                float d = camera->d00[k] + x * camera->dx[k] + y * camera->dy[k];
-                product += d * normal[k];
-                square += d * d;
-            }
-            float cosine = fabsf(product) / sqrtf(square);
-            pixel[0] = pixel[1] = pixel[2] = (uint8_t)(255 * (cosine < 1 ? cosine : 1));
+            pixel[0] = pixel[1] = pixel[2] = grey_by_angle(shading->camera, column, row, normal);
             pixel[3] = 255;
         }
     }

@@ -33,7 +33,7 @@ struct shading {
     int shadows;                       /* 1 = ask for them */
     int counting;                      /* 1 = count them */
     uint8_t *rgb;                      /* where the picture goes, 3 bytes a pixel; NULL = no colours */
-    uint8_t *rgba;      /* where the picture of shade_tile_simply goes, 4 bytes a pixel */
+    uint8_t *rgba;                     /* where the picture of shade_tile_simply goes, 4 bytes a pixel */
     uint8_t *occluded;  /* where the answers for the light go, a byte a pixel, 0 for a miss; NULL = nowhere */
     uint8_t tone[4096]; /* from linear to sRGB; prepared by start_shading */
     struct tile_buffers *buffers[MAXIMUM_WORKERS];

@@ -48,14 +48,3 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
     packet->active = apex_is_safe ? valid & safe : 0;
     packet->single = valid & ~packet->active;
 }
-
-/* The block of at most 4x4 rays at (x, y) of any source. `lanes` are those that exist. */
-static void get_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                       uint32_t lanes, struct mlrt_packet *packet)
-{
-    if (source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel) {
-        get_pinhole_packet(&source->view, x, y, lanes, packet);
-    } else {
-        mlrt_get_packet(source, x, y, width, height, packet);
-    }
-}

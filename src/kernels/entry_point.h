@@ -160,6 +160,6 @@ static int find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, 
         *cover = MLRT_NONE;
         break;
     }
-    if (*cover != MLRT_NONE && job->whole_tile_hits && beam->is_unlimited) return BEAM_IS_COVERED;
+    if (*cover != MLRT_NONE && job->share_tiles && beam->is_unlimited) return BEAM_IS_COVERED;
     return clip_to_region(beam, &entry->box) ? BEAM_ENTERS : BEAM_MISSES;
 }

@@ -34,6 +34,8 @@ MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *ax
     t.lo = a < b ? a : b;
     t.hi = a > b ? a : b;
     if (x == y) return t;
+    /* Different origins: one of them may lie in the plane, and its ray too. */
+    if ((x == 0 || y == 0) && isinf(axis->large)) return (struct distance_interval){-INFINITY, INFINITY};
     const float e = y * axis->small, f = y * axis->large;
     const float lo = e < f ? e : f, hi = e > f ? e : f;
     t.lo = t.lo < lo ? t.lo : lo;

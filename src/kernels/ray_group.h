@@ -129,7 +129,8 @@ MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes
                                 struct group_axis *axis)
 {
     axis->negative = lo < 0;
-    const float largest = axis->negative ? lo : hi, smallest = axis->negative ? hi : lo;
+    /* -0 + 0 is +0: the reciprocals of a group that is not negative are not either. */
+    const float largest = (axis->negative ? lo : hi) + 0.0f, smallest = (axis->negative ? hi : lo) + 0.0f;
     axis->small = (1 / largest) * (1 - RECIPROCAL_SLACK);
     axis->large = (1 / smallest) * (1 + RECIPROCAL_SLACK);
     axis->reach = largest < 0 ? -largest : largest;
