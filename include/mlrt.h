@@ -256,6 +256,16 @@ enum {
     MLRT_CULLING_DIRECT = 1   /* the planes of the beam against the cell */
 };
 
+/*
+ * What the multi-level method does beyond the paper. Each can be switched off to measure its effect, and the paper's
+ * algorithm is what remains without all of them: mlrt_trace_options.shortcuts_off
+ */
+enum {
+    MLRT_SHORTCUT_WHOLE_TILES = 1,  /* a tile that one triangle provably covers, in front of all else, is done at once */
+    MLRT_SHORTCUT_ENTRY_LISTS = 2,  /* packets start at a list of leaves, not at the one node above them all */
+    MLRT_SHORTCUT_SHARED_SETUPS = 4 /* what depends on a triangle and the origin only is kept for the next packets */
+};
+
 /* Results a tile callback receives: mlrt_trace_options.outputs */
 enum {
     MLRT_OUTPUT_T = 1,
@@ -303,9 +313,7 @@ typedef struct mlrt_trace_options {
     uint32_t minimum_tile_size;  /* pixels, 4..initial_tile_size, a power of two; 0 = default */
     uint32_t split_factor;       /* 4 or 16; 0 = default */
     uint32_t outputs;            /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
-    uint32_t paper_levels;       /* 1 = multilevel as in the paper: from its entry point, each 4x4 packet is traced by
-                                  * itself. 0 = packets also share: a tile that one triangle provably covers is done
-                                  * at once, and four packets go down the tree together */
+    uint32_t shortcuts_off;      /* MLRT_SHORTCUT_* or-ed together: parts of multilevel to do without */
     uint32_t reserved;           /* 0 */
     mlrt_pool *pool;             /* NULL = the calling thread alone */
     mlrt_counters *counters;     /* NULL = not counted, at no cost */

@@ -19,7 +19,7 @@
 
 #define DEFAULT_INITIAL_TILE 128
 #define DEFAULT_INITIAL_TILE_ARRAYS 32 /* beams of arrays are made by looking at every ray, on every level */
-#define DEFAULT_MINIMUM_TILE 8
+#define DEFAULT_MINIMUM_TILE 16
 #define DEFAULT_SPLIT_FACTOR 16
 
 MLRT_API uint32_t mlrt_version(void)
@@ -268,7 +268,7 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_MULTILEVEL) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_SSE) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if (options->reserved != 0 || options->culling_check > 1 || options->paper_levels > 1 || options->outputs & ~15u) return MLRT_ERROR_ARGUMENT;
+    if (options->reserved != 0 || options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~15u) return MLRT_ERROR_ARGUMENT;
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
         return MLRT_ERROR_ARGUMENT;
     }
@@ -278,7 +278,10 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     job->method = options->method == MLRT_METHOD_DEFAULT ? MLRT_METHOD_MULTILEVEL : options->method;
     job->culling = options->culling;
     job->culling_check = options->culling_check != 0;
-    job->share_tiles = job->method == MLRT_METHOD_MULTILEVEL && !options->paper_levels;
+    const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;
+    job->whole_tiles = (shortcuts & MLRT_SHORTCUT_WHOLE_TILES) != 0;
+    job->entry_lists = (shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) != 0;
+    job->shared_setups = (shortcuts & MLRT_SHORTCUT_SHARED_SETUPS) != 0;
     const uint32_t standard_tile =
         job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_INITIAL_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
     job->initial_tile_size = resolve_size(options->initial_tile_size, standard_tile, 4, 1024);

@@ -16,7 +16,10 @@ struct mlrt_job {
     int32_t method;  /* resolved: not DEFAULT */
     int32_t culling;
     int culling_check;
-    int share_tiles; /* whole-tile hits, groups of packets: what the multi-level method has beyond the paper */
+    /* What the multi-level method has beyond the paper. */
+    int whole_tiles;
+    int entry_lists;
+    int shared_setups;
     int any;
     uint32_t initial_tile_size;
     uint32_t minimum_tile_size;
@@ -28,17 +31,22 @@ struct mlrt_job {
     void *user;
 };
 
+/* Where something is seen from an apex, against a main axis: bounds of x_j / depth for the two other axes. */
+struct mlrt_outline {
+    float slope_lo[2];
+    float slope_hi[2];
+    float least_depth; /* along the main axis */
+};
+
 /*
  * What packets of one apex share about a triangle (triangle_setup.h): where it is seen from the apex, and the terms of
  * its edge functions.
  */
 struct mlrt_triangle_setup {
     uint32_t number;     /* of the triangle; MLRT_NONE = empty entry */
-    uint32_t main_axis;  /* that the slopes are against, with its sign: axis | negative << 2 */
+    uint32_t main_axis;  /* of the outline, with its sign: axis | negative << 2 */
     int has_terms;
-    float slope_lo[2];   /* bounds of x_j / depth over the triangle, for the two other axes */
-    float slope_hi[2];
-    float least_depth;   /* along the main axis */
+    struct mlrt_outline outline;
     float distance;
     float distance_bound;
     float cross[3][4];   /* [component][edge ab, bc, ca; normal] */

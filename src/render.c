@@ -117,7 +117,7 @@ int32_t mlrt_run_job(const struct mlrt_job *job, mlrt_pool *pool, mlrt_counters 
     }
     for (uint32_t w = 0; w < worker_count; ++w) {
         /* Only the multi-level method shares set-up triangles among packets. */
-        workers[w].setup_mask = job->share_tiles ? MLRT_SETUP_COUNT - 1 : 0;
+        workers[w].setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
         for (int k = 0; k < 3; ++k) workers[w].apex[k] = NAN;
     }
     struct run run = {job, workers, columns};

@@ -680,7 +680,7 @@ static void list_variants_of(int32_t isa)
             add_variant(MLRT_METHOD_MULTILEVEL, isa, switches & 1 ? fine : whole, switches == 0 || switches == 7);
         variant->options.culling = switches & 1 ? MLRT_CULLING_DIRECT : MLRT_CULLING_INVERSE;
         variant->options.culling_check = switches >> 1 & 1;
-        variant->options.paper_levels = switches >> 2 & 1;
+        variant->options.shortcuts_off = switches & 4 ? 7u : 0;
     }
     for (size_t i = 0; i < sizeof tilings / sizeof tilings[0]; i++)
         add_variant(MLRT_METHOD_MULTILEVEL, isa, tilings[i], 0);

@@ -136,6 +136,13 @@ static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_po
     return is_covered ? find_first_cover(entries, count, terms) : MLRT_NONE;
 }
 
+/* What is left of `cell`'s far child in the beam's region; 0 if nothing. */
+MLRT_INLINE int enter_far_region(const struct mlrt_tree *tree, const struct mlrt_beam *beam, struct entry_point *cell)
+{
+    enter_far_child(tree, beam, cell);
+    return clip_to_region(beam, &cell->box);
+}
+
 /*
  * Searches from *entry, where all rays of the beam may start. BEAM_ENTERS: *entry is the deepest such node, with what of
  * its cell is in the beam's region. BEAM_IS_COVERED: *cover is the triangle.
@@ -153,13 +160,52 @@ static int find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, 
     *cover = look_for_cover(job, &leaf, beam);
     for (int i = 0; i < stack_count; ++i) {
         struct entry_point far = stack[i];
-        enter_far_child(job->tree, beam, &far);
-        if (!clip_to_region(beam, &far.box)) continue;
+        if (!enter_far_region(job->tree, beam, &far)) continue;
         if (!find_first_leaf(job, beam, far, deeper, &deeper_count, &leaf, counters)) continue;
         *entry = stack[i];
         *cover = MLRT_NONE;
         break;
     }
-    if (*cover != MLRT_NONE && job->share_tiles && beam->is_unlimited) return BEAM_IS_COVERED;
+    if (*cover != MLRT_NONE && job->whole_tiles && beam->is_unlimited) return BEAM_IS_COVERED;
     return clip_to_region(beam, &entry->box) ? BEAM_ENTERS : BEAM_MISSES;
+}
+
+/*
+ * The same, but the list receives all leaves with potential, front to back, in place of the node above them. The search
+ * goes on behind each leaf as it did behind those without potential, until there are ENTRY_LIST_LEAVES; then what is
+ * still on the stack is entered whole.
+ */
+static int find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point from,
+                           struct entry_list *list, uint32_t *cover, mlrt_counters *counters)
+{
+    struct entry_point stack[MLRT_DEPTH_LIMIT], deeper[MLRT_DEPTH_LIMIT];
+    int stack_count = 0;
+    list->count = 0;
+    *cover = MLRT_NONE;
+    COUNT(counters, beam_count, 1);
+    int inside = clip_to_region(beam, &from.box);
+    for (;;) {
+        int deeper_count;
+        struct entry_point *leaf = &list->entries[list->count];
+        if (inside && find_first_leaf(job, beam, from, deeper, &deeper_count, leaf, counters)) {
+            ++list->count;
+            *cover = look_for_cover(job, leaf, beam);
+            memcpy(stack + stack_count, deeper, (size_t)deeper_count * sizeof *deeper);
+            stack_count += deeper_count;
+        }
+        if (stack_count == 0) break;
+        from = stack[--stack_count];
+        inside = enter_far_region(job->tree, beam, &from);
+        if (inside && list->count >= ENTRY_LIST_LEAVES) {
+            list->entries[list->count++] = from;
+            inside = 0;
+        }
+    }
+    if (list->count == 0) return BEAM_MISSES;
+    list->axis_code = beam->has_apex ? axis_code(beam->main_axis, beam->negative[beam->main_axis]) : NO_OUTLINES;
+    for (uint32_t i = 0; i < list->count && beam->has_apex; ++i) {
+        set_box_outline(&list->entries[i].box, list->axis_code, beam->origin_lo, &list->outlines[i]);
+    }
+    return list->count == 1 && *cover != MLRT_NONE && job->whole_tiles && beam->is_unlimited ? BEAM_IS_COVERED
+                                                                                         : BEAM_ENTERS;
 }

@@ -13,12 +13,28 @@
  * Based on: Reshetov et al. 2005, section 4.3.
  */
 
-/* Where a traversal starts: a node, and a box that contains all that matters of its cell. */
+/* A node, and a box that contains all that matters of its cell. */
 struct entry_point {
     uint32_t node;
     uint32_t depth;
     struct mlrt_box box;
 };
+
+/*
+ * Where the packets of a tile start: one node, or several, each with all that is in front of the next for every ray.
+ * Several are mostly leaves.
+ */
+#define ENTRY_LIST_LEAVES 16
+#define ENTRY_LIST_SIZE (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
+
+struct entry_list {
+    uint32_t count;
+    uint32_t axis_code; /* of the outlines; NO_OUTLINES without */
+    struct entry_point entries[ENTRY_LIST_SIZE];
+    struct mlrt_outline outlines[ENTRY_LIST_SIZE]; /* of the entries' boxes */
+};
+
+#define NO_OUTLINES 3 /* no axis */
 
 struct distance_interval {
     float lo;
@@ -62,29 +78,48 @@ struct pending_cell {
     struct distance_interval part;
 };
 
-/* Traces a group from an entry point. */
-static void traverse_group(const struct mlrt_job *job, const struct entry_point *entry, struct ray_group *group,
-                           struct mlrt_packet *packet, struct mlrt_worker *worker)
+/* Tests a group against the triangles of a leaf. Lowers *farthest, the greatest distance at which its rays still look. */
+static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf, float *farthest,
+                       struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
-    const struct group_axis *axis = group->axis;
-    mlrt_counters *counters = &worker->counters;
-    struct distance_interval part = {lowest(packet->t_min, group->lanes), highest(packet->hi, group->lanes)};
-    part = box_distances(axis, &entry->box, part);
-    if (part.lo > part.hi) return;
+    const uint32_t *entries = tree->references + leaf->u.offset;
+    const uint32_t count = mlrt_leaf_count(leaf);
+    uint32_t changed = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t number = entries[i];
+        if (was_seen(group, number)) continue;
+        struct mlrt_triangle_setup *setup = NULL;
+        uint32_t touched = group->lanes;
+        if (group->has_frustum) {
+            setup = get_setup(tree, number, group, worker);
+            touched = touched_lanes(group, &setup->outline, *farthest);
+            if (!touched) continue;
+            if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->apex, setup);
+        }
+        COUNT(&worker->counters, triangle_test_count, 1);
+        changed |= test_triangle(tree, number, setup, group, touched, packet, &worker->counters);
+    }
+    if (!changed) return;
+    if (job->any) group->lanes &= ~changed;
+    *farthest = highest(packet->hi, group->lanes); /* -inf without lanes: nothing is left to look for */
+}
 
+/* Traces a group through the subtree below `node`, in whose cell its rays are within `part`. */
+static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct distance_interval part, float *farthest,
+                             struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
     struct pending_cell stack[MLRT_DEPTH_LIMIT];
     int pending_count = 0;
-    uint32_t node = entry->node;
-    float farthest = part.hi; /* of the nearest hits so far: what lies behind concerns no ray */
-    COUNT(counters, packet_count, 1);
     for (;;) {
-        const struct mlrt_node *here = &tree->nodes[node];
-        COUNT(counters, cell_count, 1);
+        const struct mlrt_node *here = &job->tree->nodes[node];
+        COUNT(&worker->counters, cell_count, 1);
         const uint32_t k = mlrt_node_axis(here);
         if (k != 3) {
-            const struct distance_interval plane = plane_distances(&axis[k], here->u.split);
-            const uint32_t child = mlrt_node_child(here), first = child + axis[k].negative, second = child + !axis[k].negative;
+            const struct group_axis *axis = &group->axis[k];
+            const struct distance_interval plane = plane_distances(axis, here->u.split);
+            const uint32_t child = mlrt_node_child(here);
+            const uint32_t first = child + axis->negative, second = child + !axis->negative;
             if (part.hi < plane.lo) {
                 node = first;
             } else if (part.lo > plane.hi) {
@@ -99,48 +134,50 @@ static void traverse_group(const struct mlrt_job *job, const struct entry_point 
             }
             continue;
         }
-        const uint32_t *entries = tree->references + here->u.offset;
-        const uint32_t count = mlrt_leaf_count(here);
-        uint32_t changed = 0;
-        for (uint32_t i = 0; i < count; ++i) {
-            const uint32_t number = entries[i];
-            if (was_seen(group, number)) continue;
-            struct mlrt_triangle_setup *setup = NULL;
-            uint32_t touched = group->lanes;
-            if (group->has_frustum) {
-                setup = get_setup(tree, number, group, worker);
-                touched = touched_lanes(group, setup, farthest);
-                if (!touched) continue;
-                if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->apex, setup);
-            }
-            COUNT(counters, triangle_test_count, 1);
-            changed |= test_triangle(tree, number, setup, group, touched, packet, counters);
-        }
-        if (changed) {
-            if (job->any) {
-                group->lanes &= ~changed;
-                if (!group->lanes) return;
-            }
-            farthest = highest(packet->hi, group->lanes);
-        }
-        do {
+        visit_leaf(job, here, farthest, group, packet, worker);
+        for (;;) {
             if (pending_count == 0) return;
             --pending_count;
             node = stack[pending_count].node;
             part = stack[pending_count].part;
-        } while (part.lo > farthest);
-        if (part.hi > farthest) part.hi = farthest;
+            if (!(part.lo > *farthest)) break;
+            COUNT(&worker->counters, cell_count, 1);
+        }
+        if (part.hi > *farthest) part.hi = *farthest;
     }
 }
 
-/* Traces a packet's active rays from an entry point, in as many groups as they make. */
-static void traverse_interval(const struct mlrt_job *job, const struct entry_point *entry, struct mlrt_packet *packet,
+/* Traces a group from where it may start. */
+static void traverse_list(const struct mlrt_job *job, const struct entry_list *list, struct ray_group *group,
+                          struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const int has_outlines = group->has_frustum && list->axis_code == group->axis_code;
+    const float nearest = lowest(packet->t_min, group->lanes);
+    float farthest = highest(packet->hi, group->lanes);
+    for (uint32_t i = 0; i < list->count; ++i) {
+        if (has_outlines && !touched_lanes(group, &list->outlines[i], farthest)) {
+            COUNT(&worker->counters, cell_count, 1);
+            continue;
+        }
+        const struct distance_interval ray = {nearest, farthest};
+        const struct distance_interval part = box_distances(group->axis, &list->entries[i].box, ray);
+        if (part.lo > part.hi) {
+            COUNT(&worker->counters, cell_count, 1);
+            continue;
+        }
+        traverse_subtree(job, list->entries[i].node, part, &farthest, group, packet, worker);
+    }
+}
+
+/* Traces a packet's active rays from where they may start, in as many groups as they make. */
+static void traverse_interval(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
     for (uint32_t left = packet->active; left;) {
         struct ray_group group;
         make_group(packet, left, &group);
         left &= ~group.lanes;
-        traverse_group(job, entry, &group, packet, worker);
+        COUNT(&worker->counters, packet_count, 1);
+        traverse_list(job, list, &group, packet, worker);
     }
 }

@@ -14,6 +14,7 @@
 #include "trace_ray.h"
 
 #include "camera_packet.h"
+#include "outline.h"
 #include "ray_group.h"
 #include "triangle_setup.h"
 #include "triangle_filter.h"

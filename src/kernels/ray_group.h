@@ -24,23 +24,16 @@ struct group_axis {
 /* A triangle lies in several leaves. All rays of a group are tested against it at once, so once is enough. */
 #define SEEN_COUNT 16
 
-/* Squares of 2x2 rays in a packet, padded to whole vectors. */
-#define SQUARE_COUNT (MLRT_PACKET_RAYS / 4)
-#define SQUARE_LANES (VW > SQUARE_COUNT ? VW : SQUARE_COUNT)
-
 struct ray_group {
     uint32_t lanes;
     struct group_axis axis[3];
     int has_frustum;    /* a common origin; only then what follows is set */
-    int main_axis[3];   /* where the directions are largest, and the other two */
-    float direction;    /* +1 or -1: along the main axis */
-    MLRT_ALIGNED(64) float slope_lo[2][SQUARE_LANES]; /* bounds of d_j / |d_main| over the rays of each square, for the */
-    MLRT_ALIGNED(64) float slope_hi[2][SQUARE_LANES]; /*   two other axes, moved apart by SLOPE_SLACK of themselves */
+    uint32_t axis_code; /* the main axis, where the directions are largest, and its sign (outline.h) */
+    struct square_slopes slopes; /* against it */
     uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
 #define RECIPROCAL_SLACK 0x1p-21f
-#define SLOPE_SLACK 0x1p-20f
 
 MLRT_INLINE float lowest(const float *values, uint32_t lanes)
 {
@@ -170,13 +163,9 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
     if (!group->has_frustum) return;
     const float x = group->axis[0].reach, y = group->axis[1].reach, z = group->axis[2].reach;
     const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    group->main_axis[0] = a;
-    group->main_axis[1] = (a + 1) % 3;
-    group->main_axis[2] = (a + 2) % 3;
-    group->direction = group->axis[a].negative ? -1 : 1;
+    group->axis_code = axis_code(a, (int)group->axis[a].negative);
     for (int side = 0; side < 2; ++side) {
-        set_square_slopes(packet, group->lanes, a, group->main_axis[1 + side], group->slope_lo[side],
-                          group->slope_hi[side]);
+        set_square_slopes(packet, group->lanes, a, (a + 1 + side) % 3, group->slopes.lo[side], group->slopes.hi[side]);
     }
 }
 
@@ -206,4 +195,14 @@ MLRT_INLINE int was_seen(struct ray_group *group, uint32_t number)
     const int seen = *entry == number;
     *entry = number;
     return seen;
+}
+
+/*
+ * Lanes of a group with a frustum that may hit what has this outline nearer than at `farthest`: a ray that hits it at t is
+ * there at the depth t |d_main|.
+ */
+MLRT_INLINE uint32_t touched_lanes(const struct ray_group *group, const struct mlrt_outline *outline, float farthest)
+{
+    if (outline->least_depth > farthest * group->axis[group->axis_code & 3].reach * (1 + SLOPE_SLACK)) return 0;
+    return overlapping_lanes(&group->slopes, outline) & group->lanes;
 }

@@ -70,9 +70,9 @@ static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
-/* Traces a block of at most 4x4 rays from an entry point and writes the results. */
+/* Traces a block of at most 4x4 rays from where they may start and writes the results. */
 static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *block,
-                        const struct entry_point *entry)
+                        const struct entry_list *list)
 {
     const uint32_t lanes = existing_lanes(&job->source, block);
     struct mlrt_packet packet;
@@ -88,7 +88,7 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
         if (job->method == MLRT_METHOD_PACKET2) {
             traverse_masked(job, &packet, worker);
         } else {
-            traverse_interval(job, entry, &packet, worker);
+            traverse_interval(job, list, &packet, worker);
         }
     }
     if (packet.single) trace_single_rays(job, packet.single, &packet, &worker->counters);
@@ -96,12 +96,12 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
 }
 
 static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile,
-                         const struct entry_point *entry)
+                         const struct entry_list *list)
 {
     for (uint32_t j = 0; j < tile->height; j += 4) {
         for (uint32_t i = 0; i < tile->width; i += 4) {
             const struct rectangle block = cut_piece(tile, i, j, 4);
-            trace_block(job, worker, &block, entry);
+            trace_block(job, worker, &block, list);
         }
     }
 }
@@ -144,45 +144,83 @@ static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
 }
 
-static struct entry_point root_entry(const struct mlrt_tree *tree)
+/* Done with a tile that needs no rays to be traced. */
+static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
+                        const struct rectangle *tile)
 {
-    return (struct entry_point){0, 0, tree->bounds};
+    if (found == BEAM_MISSES) {
+        COUNT(&worker->counters, missed_beam_count, 1);
+        write_misses(job, worker, tile);
+    } else {
+        COUNT(&worker->counters, covered_beam_count, 1);
+        write_cover(job, worker, cover, tile);
+    }
+}
+
+static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct entry_list *list,
+                       const struct rectangle *tile)
+{
+    for (uint32_t i = 0; i < list->count; ++i) {
+        COUNT(&worker->counters, entry_point_count, 1);
+        COUNT(&worker->counters, entry_point_depth_sum, list->entries[i].depth);
+    }
+    trace_blocks(job, worker, tile, list);
+}
+
+/* A tile of the smallest size, whose rays may all start at `above`. */
+static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile,
+                             const struct entry_point *above)
+{
+    struct mlrt_beam beam;
+    struct entry_list list;
+    list.count = 1;
+    list.axis_code = NO_OUTLINES;
+    list.entries[0] = *above;
+    if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
+        uint32_t cover;
+        const int found = job->entry_lists
+                              ? find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                              : find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
+        if (found != BEAM_ENTERS) {
+            finish_tile(job, worker, found, cover, tile);
+            return;
+        }
+    }
+    enter_tile(job, worker, &list, tile);
 }
 
 /* A tile of side at most `size`, whose rays may all start at `above`. */
 static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile,
                         uint32_t size, const struct entry_point *above)
 {
+    if (size <= job->minimum_tile_size) {
+        trace_last_level(job, worker, tile, above);
+        return;
+    }
     struct mlrt_beam beam;
-    struct entry_point entry = *above;
-    int is_leaf = 0;
+    struct entry_list list;
+    struct entry_point *entry = &list.entries[0];
+    list.count = 1;
+    list.axis_code = NO_OUTLINES;
+    *entry = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = find_entry_point(job, &beam, &entry, &cover, &worker->counters);
-        if (found == BEAM_MISSES) {
-            COUNT(&worker->counters, missed_beam_count, 1);
-            write_misses(job, worker, tile);
+        const int found = find_entry_point(job, &beam, entry, &cover, &worker->counters);
+        if (found != BEAM_ENTERS) {
+            finish_tile(job, worker, found, cover, tile);
             return;
         }
-        if (found == BEAM_IS_COVERED) {
-            COUNT(&worker->counters, covered_beam_count, 1);
-            write_cover(job, worker, cover, tile);
+        if (mlrt_node_is_leaf(&job->tree->nodes[entry->node])) {
+            enter_tile(job, worker, &list, tile);
             return;
         }
-        is_leaf = mlrt_node_is_leaf(&job->tree->nodes[entry.node]);
-    }
-    if (size <= job->minimum_tile_size || is_leaf) {
-        COUNT(&worker->counters, entry_point_count, 1);
-        COUNT(&worker->counters, entry_point_depth_sum, entry.depth);
-        trace_blocks(job, worker, tile, &entry);
-        return;
     }
     uint32_t side = size / job->split_divisor;
     if (side < job->minimum_tile_size) side = job->minimum_tile_size;
     for (uint32_t j = 0; j < tile->height; j += side) {
         for (uint32_t i = 0; i < tile->width; i += side) {
             const struct rectangle piece = cut_piece(tile, i, j, side);
-            trace_level(job, worker, &piece, side, &entry);
+            trace_level(job, worker, &piece, side, entry);
         }
     }
 }
@@ -190,11 +228,14 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
 static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
                        uint32_t height)
 {
-    const struct entry_point root = root_entry(job->tree);
+    struct entry_list root;
+    root.count = 1;
+    root.axis_code = NO_OUTLINES;
+    root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
     const struct rectangle tile = {x, y, width, height};
     COUNT(&worker->counters, ray_count, (uint64_t)width * height);
     if (job->method == MLRT_METHOD_MULTILEVEL && job->tree->float_safe) {
-        trace_level(job, worker, &tile, job->initial_tile_size, &root);
+        trace_level(job, worker, &tile, job->initial_tile_size, &root.entries[0]);
     } else {
         trace_blocks(job, worker, &tile, &root);
     }

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Outlines: where triangles and cells are seen from an apex, to leave out at once what no ray of a packet can hit.
+ *
+ * Along a main axis with its sign, a point in front of the apex has a depth and slopes x_j / depth over the other two
+ * axes. What lies wholly in front is seen between the slopes of its vertices, and so is every ray that hits it. A slope of
+ * a vertex has three roundings, one of a ray two; both kinds of bounds are moved apart by 2^-20 of themselves. So rays
+ * whose slopes do not overlap an outline surely miss what it is of. What is not wholly in front is seen everywhere.
+ */
+
+#define SLOPE_SLACK 0x1p-20f
+
+/* Squares of 2x2 rays in a packet, padded to whole vectors. */
+#define SQUARE_COUNT (MLRT_PACKET_RAYS / 4)
+#define SQUARE_LANES (VW > SQUARE_COUNT ? VW : SQUARE_COUNT)
+
+/* An axis and its sign in one number. */
+MLRT_INLINE uint32_t axis_code(int axis, int negative)
+{
+    return (uint32_t)axis | (negative ? 4u : 0);
+}
+
+MLRT_INLINE void set_outline_side(float lo, float hi, float least_depth, int side, struct mlrt_outline *outline)
+{
+    outline->slope_lo[side] = least_depth > 0 ? lo - fabsf(lo) * SLOPE_SLACK : -INFINITY;
+    outline->slope_hi[side] = least_depth > 0 ? hi + fabsf(hi) * SLOPE_SLACK : INFINITY;
+}
+
+MLRT_INLINE void set_triangle_outline(const struct mlrt_triangle *triangle, uint32_t code, const float apex[3],
+                                      struct mlrt_outline *outline)
+{
+    const uint32_t a = code & 3;
+    float depth[3], least = INFINITY;
+    for (int i = 0; i < 3; ++i) {
+        depth[i] = code & 4 ? apex[a] - triangle->v[i][a] : triangle->v[i][a] - apex[a];
+        least = depth[i] < least ? depth[i] : least;
+    }
+    outline->least_depth = least;
+    for (int side = 0; side < 2; ++side) {
+        const uint32_t j = (a + 1 + (uint32_t)side) % 3;
+        float lo = INFINITY, hi = -INFINITY;
+        for (int i = 0; i < 3; ++i) {
+            const float slope = (triangle->v[i][j] - apex[j]) / depth[i];
+            lo = slope < lo ? slope : lo;
+            hi = slope > hi ? slope : hi;
+        }
+        set_outline_side(lo, hi, least, side, outline);
+    }
+}
+
+MLRT_INLINE void set_box_outline(const struct mlrt_box *box, uint32_t code, const float apex[3],
+                                 struct mlrt_outline *outline)
+{
+    const uint32_t a = code & 3;
+    const float near = code & 4 ? apex[a] - box->hi[a] : box->lo[a] - apex[a];
+    const float far = code & 4 ? apex[a] - box->lo[a] : box->hi[a] - apex[a];
+    outline->least_depth = near;
+    for (int side = 0; side < 2; ++side) {
+        const uint32_t j = (a + 1 + (uint32_t)side) % 3;
+        const float lo = box->lo[j] - apex[j], hi = box->hi[j] - apex[j];
+        set_outline_side(lo / (lo < 0 ? near : far), hi / (hi < 0 ? far : near), near, side, outline);
+    }
+}
+
+/* Bounds of d_j / |d_main| over the rays of each square of a packet, moved apart by SLOPE_SLACK of themselves. */
+struct square_slopes {
+    MLRT_ALIGNED(64) float lo[2][SQUARE_LANES];
+    MLRT_ALIGNED(64) float hi[2][SQUARE_LANES];
+};
+
+/* Lanes of the squares whose rays overlap an outline. */
+MLRT_INLINE uint32_t overlapping_lanes(const struct square_slopes *slopes, const struct mlrt_outline *outline)
+{
+    uint32_t squares = 0;
+    for (int v = 0; v < SQUARE_COUNT; v += VW) {
+        const vm wide = m_and(v_le(v_load(slopes->lo[0] + v), v_set1(outline->slope_hi[0])),
+                              v_ge(v_load(slopes->hi[0] + v), v_set1(outline->slope_lo[0])));
+        const vm high = m_and(v_le(v_load(slopes->lo[1] + v), v_set1(outline->slope_hi[1])),
+                              v_ge(v_load(slopes->hi[1] + v), v_set1(outline->slope_lo[1])));
+        squares |= m_bits(m_and(wide, high)) << v;
+    }
+    static const uint16_t lanes[16] = {0x0000, 0x000F, 0x00F0, 0x00FF, 0x0F00, 0x0F0F, 0x0FF0, 0x0FFF,
+                                       0xF000, 0xF00F, 0xF0F0, 0xF0FF, 0xFF00, 0xFF0F, 0xFFF0, 0xFFFF};
+    return lanes[squares & 15];
+}
