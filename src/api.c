@@ -18,7 +18,7 @@
 #include "trace_ray.h"
 
 #define DEFAULT_INITIAL_TILE 128
-#define DEFAULT_INITIAL_TILE_ARRAYS 32 /* beams of arrays are made by looking at every ray, on every level */
+#define DEFAULT_INITIAL_TILE_ARRAYS 32 /* beams of arrays are made by looking at every ray: on one level only */
 #define DEFAULT_MINIMUM_TILE 16
 #define DEFAULT_SPLIT_FACTOR 16
 
@@ -285,8 +285,9 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     const uint32_t standard_tile =
         job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_INITIAL_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
     job->initial_tile_size = resolve_size(options->initial_tile_size, standard_tile, 4, 1024);
-    const uint32_t standard_minimum =
-        job->initial_tile_size < DEFAULT_MINIMUM_TILE ? job->initial_tile_size : DEFAULT_MINIMUM_TILE;
+    uint32_t standard_minimum =
+        job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_MINIMUM_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
+    if (standard_minimum > job->initial_tile_size) standard_minimum = job->initial_tile_size;
     job->minimum_tile_size = resolve_size(options->minimum_tile_size, standard_minimum, 4, job->initial_tile_size);
     if (!job->initial_tile_size || !job->minimum_tile_size) return MLRT_ERROR_ARGUMENT;
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;

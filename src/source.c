@@ -117,14 +117,14 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
                  uint32_t *skip)
 {
-    *skip = MLRT_NONE;
+    if (skip) *skip = MLRT_NONE;
     if (source->kind == MLRT_SOURCE_CAMERA) return get_camera_ray(&source->view, x, y, ray);
 
     const uint64_t position = (uint64_t)y * source->width + x;
     if (position >= source->count) return 0;
     const uint32_t i = (uint32_t)position;
     const float *point = float_at(&source->points, i);
-    *skip = skip_at(source, i);
+    if (skip) *skip = skip_at(source, i);
     if (source->kind == MLRT_SOURCE_RAYS) {
         return mlrt_make_segment(point, float_at(&source->directions, i),
                                  source->t_min.data ? *float_at(&source->t_min, i) : 0,
@@ -191,9 +191,8 @@ static void add_to_region(const struct mlrt_ray_segment *ray, int k, double *lo,
 struct bounds {
     double region_lo[3];
     double region_hi[3];
-    double slope_lo[3][3];
-    double slope_hi[3][3];
-    double size[3];
+    float direction_lo[3];
+    float direction_hi[3];
     uint32_t ray_count;
 };
 
@@ -201,15 +200,8 @@ static void add_ray(const struct mlrt_ray_segment *ray, struct bounds *bounds)
 {
     for (int a = 0; a < 3; ++a) {
         add_to_region(ray, a, &bounds->region_lo[a], &bounds->region_hi[a]);
-        bounds->size[a] += fabsf(ray->direction[a]);
-        const double reciprocal = 1.0 / ray->direction[a];
-        for (int j = 0; j < 3; ++j) {
-            if (j == a) continue;
-            /* 0 / 0 is a NaN: no bound, and it must not be lost in what follows. */
-            double slope = ray->direction[a] == 0 && ray->direction[j] == 0 ? NAN : ray->direction[j] * reciprocal;
-            if (!(slope >= bounds->slope_lo[a][j])) bounds->slope_lo[a][j] = isnan(slope) ? -INFINITY : slope;
-            if (!(slope <= bounds->slope_hi[a][j])) bounds->slope_hi[a][j] = isnan(slope) ? INFINITY : slope;
-        }
+        if (ray->direction[a] < bounds->direction_lo[a]) bounds->direction_lo[a] = ray->direction[a];
+        if (ray->direction[a] > bounds->direction_hi[a]) bounds->direction_hi[a] = ray->direction[a];
     }
     ++bounds->ray_count;
 }
@@ -234,17 +226,32 @@ static int fit_ray(const struct mlrt_ray_segment *ray, int first, struct mlrt_be
     return 1;
 }
 
+/* All d_j / d_a for components in these ranges, of which that of d_a has one sign. */
+static void set_slope_range(const struct bounds *bounds, int a, int j, struct mlrt_beam *beam)
+{
+    const double j_lo = bounds->direction_lo[j], j_hi = bounds->direction_hi[j];
+    const double p = 1.0 / bounds->direction_lo[a], q = 1.0 / bounds->direction_hi[a];
+    if (bounds->direction_lo[a] == 0 || bounds->direction_hi[a] == 0) {
+        mlrt_set_slope(beam, a, j, -INFINITY, INFINITY);
+        return;
+    }
+    mlrt_set_slope(beam, a, j, fmin(fmin(j_lo * p, j_lo * q), fmin(j_hi * p, j_hi * q)),
+                   fmax(fmax(j_lo * p, j_lo * q), fmax(j_hi * p, j_hi * q)));
+}
+
 static void finish_beam(const struct bounds *bounds, struct mlrt_beam *beam)
 {
+    float size[3];
     beam->has_apex = 1;
     beam->main_axis = 0;
     for (int a = 0; a < 3; ++a) {
+        size[a] = fmaxf(-bounds->direction_lo[a], bounds->direction_hi[a]);
         beam->has_apex &= beam->origin_lo[a] == beam->origin_hi[a];
         beam->region.lo[a] = mlrt_float_down(bounds->region_lo[a]);
         beam->region.hi[a] = mlrt_float_up(bounds->region_hi[a]);
-        if (bounds->size[a] > bounds->size[beam->main_axis]) beam->main_axis = a;
+        if (size[a] > size[beam->main_axis]) beam->main_axis = a;
         for (int j = 0; j < 3; ++j) {
-            if (j != a) mlrt_set_slope(beam, a, j, bounds->slope_lo[a][j], bounds->slope_hi[a][j]);
+            if (j != a) set_slope_range(bounds, a, j, beam);
         }
     }
 }
@@ -258,18 +265,15 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
     for (int a = 0; a < 3; ++a) {
         bounds.region_lo[a] = INFINITY;
         bounds.region_hi[a] = -INFINITY;
-        for (int j = 0; j < 3; ++j) {
-            bounds.slope_lo[a][j] = INFINITY;
-            bounds.slope_hi[a][j] = -INFINITY;
-        }
+        bounds.direction_lo[a] = INFINITY;
+        bounds.direction_hi[a] = -INFINITY;
     }
     beam->may_cover = source->skip.data == NULL;
     beam->is_unlimited = 0;
     for (uint32_t j = y; j < y + height; ++j) {
         for (uint32_t i = x; i < x + width; ++i) {
             struct mlrt_ray_segment ray;
-            uint32_t skip;
-            if (!mlrt_get_ray(source, i, j, &ray, &skip)) continue;
+            if (!mlrt_get_ray(source, i, j, &ray, NULL)) continue;
             if (!fit_ray(&ray, bounds.ray_count == 0, beam)) return 0;
             add_ray(&ray, &bounds);
         }

@@ -43,7 +43,7 @@ int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *
 /* Number of triangle `triangle` of the mesh with this id; MLRT_NONE if there is none. */
 uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle);
 
-/* The ray at (x, y): 0 if it can hit nothing. */
+/* The ray at (x, y): 0 if it can hit nothing. *skip receives the number of the triangle that it passes; may be NULL. */
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
                  uint32_t *skip);
 

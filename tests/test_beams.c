@@ -1,0 +1,456 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Beams at their edges: triangles and cells that just touch the outermost ray of a tile or of a square of rays, exactly or
+ * within a few ulps, and covering triangles that just do not cover. Small scenes, many of them, each compared with the
+ * reference bit for bit; the seed of a failing case is printed.
+ *
+ * How a triangle touches a ray exactly: for a direction d of floats and a small integer n, n d_k does not fit into a float,
+ * but it is the difference of two floats, p_k = fl(n d_k) and o_k = p_k - n d_k. So the ray from o goes through p exactly,
+ * and p - o, which every float test has to round, is not a float.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support.h"
+
+/* ---- cases ------------------------------------------------------------------------------------------------------- */
+
+/* A scene, and rays from one point or in one direction: those of a camera or of an array. */
+struct beam_case {
+    const char *name;
+    uint64_t seed;
+    struct random random;
+    struct soup soup;
+    struct ray_list list; /* of a camera too, when it is complete */
+    int has_camera;
+    mlrt_camera camera;
+    int has_skip;
+    int has_range; /* t_min and t_max of the list count */
+};
+
+static struct beam_case make_case(const char *name, uint64_t seed)
+{
+    struct beam_case the = {.name = name, .seed = seed, .random = {seed * 0x10001 + 77}};
+    return the;
+}
+
+static mlrt_build_options draw_build_options(struct random *random)
+{
+    mlrt_build_options options = {.struct_size = sizeof options};
+    if (draw_below(random, 4) == 0) return options;
+    options.preset = MLRT_TREE_PAPER;
+    options.intersection_cost = 100; /* cells down to single triangles */
+    options.traversal_cost = 0.01f;
+    if (draw_below(random, 4) == 0) options.rules_off = draw_below(random, 32);
+    return options;
+}
+
+static mlrt_trace_options draw_trace_options(struct random *random, char *text, size_t size)
+{
+    static const uint32_t tiles[][3] = {{0, 0, 0}, {4, 4, 4}, {8, 4, 4}, {8, 8, 4}, {16, 4, 16}, {16, 16, 4}, {32, 4, 4}};
+    static const int32_t methods[] = {MLRT_METHOD_PACKET2, MLRT_METHOD_PACKET4, MLRT_METHOD_PACKET4};
+    mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_MULTILEVEL};
+    const uint32_t *tile = tiles[draw_below(random, 7)];
+    if (draw_below(random, 5) == 0) options.method = methods[draw_below(random, 3)];
+    options.isa = draw_below(random, 2) ? MLRT_ISA_SCALAR : MLRT_ISA_AUTO;
+    options.culling = (int32_t)draw_below(random, 2);
+    options.culling_check = draw_below(random, 4) == 0;
+    options.shortcuts_off = draw_below(random, 2) ? 0 : draw_below(random, 8);
+    options.initial_tile_size = tile[0];
+    options.minimum_tile_size = tile[1];
+    options.split_factor = tile[2];
+    options.query = draw_below(random, 4) == 0 ? MLRT_QUERY_ANY : MLRT_QUERY_CLOSEST;
+    snprintf(text, size, "method %d, isa %d, culling %d, check %u, shortcuts off %u, tiles %u/%u/%u, query %d",
+             (int)options.method, (int)options.isa, (int)options.culling, (unsigned)options.culling_check,
+             (unsigned)options.shortcuts_off, (unsigned)tile[0], (unsigned)tile[1], (unsigned)tile[2],
+             (int)options.query);
+    return options;
+}
+
+struct results {
+    struct reference_hit *hits;
+    uint8_t *occluded;
+    mlrt_hits arrays;
+};
+
+static void point_to(struct results *results, size_t row, int any)
+{
+    const size_t stride = sizeof *results->hits, rows = row * stride;
+    struct reference_hit *hits = results->hits;
+    results->arrays = (mlrt_hits){.struct_size = sizeof results->arrays};
+    if (any) {
+        results->arrays.occluded.data = results->occluded;
+        return;
+    }
+    results->arrays.t = (mlrt_array){&hits->t, stride, rows};
+    results->arrays.u = (mlrt_array){&hits->u, stride, rows};
+    results->arrays.v = (mlrt_array){&hits->v, stride, rows};
+    results->arrays.mesh = (mlrt_array){&hits->mesh, stride, rows};
+    results->arrays.triangle = (mlrt_array){&hits->triangle, stride, rows};
+    results->arrays.facing = (mlrt_array){&hits->facing, stride, rows};
+}
+
+static void trace_case(const struct beam_case *the, const mlrt_tree *tree, const mlrt_trace_options *options,
+                       struct results *results)
+{
+    const int any = options->query == MLRT_QUERY_ANY;
+    int32_t status;
+    if (the->has_camera) {
+        point_to(results, the->list.row_length, any);
+        status = mlrt_render_tiles(tree, &the->camera, options, &results->arrays, NULL, NULL);
+    } else {
+        mlrt_rays rays = public_rays(&the->list);
+        if (!the->has_skip) rays.skip.data = NULL; /* with it, no beam of the array may be covered */
+        if (!the->has_range) rays.t_min.data = rays.t_max.data = NULL;
+        point_to(results, 0, any);
+        status = mlrt_trace_packet(tree, &rays, options, &results->arrays);
+    }
+    assert_int_equal(status, MLRT_OK);
+}
+
+static void compare(const struct beam_case *the, const struct fixture *fixture, const struct reference_hit *expected,
+                    const struct results *results, int any, const char *text)
+{
+    for (size_t i = 0; i < the->list.count; i++) {
+        struct reference_hit got = results->hits[i];
+        if (any) got = results->occluded[i] == (expected[i].mesh != MLRT_NONE) ? expected[i] : (struct reference_hit){0};
+        check_hit(fixture, text, i, &the->list.rays[i], &expected[i], &got);
+    }
+}
+
+/* Traces the case in `ways` ways drawn by lot, compares, and frees it. */
+static void finish_case(struct beam_case *the, int ways)
+{
+    char text[200];
+    mlrt_mesh mesh = soup_mesh(&the->soup);
+    mlrt_build_options build = draw_build_options(&the->random);
+    struct fixture fixture = make_fixture_with(the->name, the->seed, &mesh, 1, &build);
+    if (the->has_camera) {
+        the->list.count = 0;
+        add_camera_rays(&the->list, &the->camera);
+    }
+    const size_t count = the->list.count;
+    struct reference_hit *expected = allocate_or_fail(count, sizeof *expected);
+    struct results results = {allocate_or_fail(count, sizeof *results.hits), allocate_or_fail(count, 1), {0}};
+    for (size_t i = 0; i < count; i++) reference_trace_filtered(fixture.reference, &the->list.rays[i], &expected[i]);
+    for (int way = 0; way < ways; way++) {
+        mlrt_trace_options options = draw_trace_options(&the->random, text, sizeof text);
+        trace_case(the, fixture.tree, &options, &results);
+        compare(the, &fixture, expected, &results, options.query == MLRT_QUERY_ANY, text);
+    }
+    free(expected);
+    free(results.hits);
+    free(results.occluded);
+    free_rays(&the->list);
+    free_soup(&the->soup);
+    free_fixture(&fixture);
+}
+
+/* ---- numbers and vectors ----------------------------------------------------------------------------------------- */
+
+static float draw_sign(struct random *random)
+{
+    return draw_below(random, 2) ? 1.0f : -1.0f;
+}
+
+/* Of a random magnitude between 2^lo and 2^hi, positive. */
+static float draw_magnitude(struct random *random, int lo, int hi)
+{
+    return ldexpf(draw_range(random, 1, 2), lo + (int)draw_below(random, (uint32_t)(hi - lo)));
+}
+
+/* A few bits, or all that a float has. */
+static float draw_number(struct random *random, float lo, float hi)
+{
+    if (draw_below(random, 2)) return draw_range(random, lo, hi);
+    return lo + (hi - lo) * (float)draw_below(random, 65) / 64;
+}
+
+/* A point a little off in one coordinate, at times. */
+static void nudge(struct random *random, float point[3])
+{
+    const uint32_t k = draw_below(random, 3);
+    if (point[k] != 0) point[k] = next_float(point[k], (int)draw_below(random, 5) - 2);
+}
+
+/* ---- rays from one point ----------------------------------------------------------------------------------------- */
+
+/* A tile of directions over a main axis, in rows along the two others. All signs are equal, mostly. */
+static void add_tile(struct beam_case *the, int main_axis)
+{
+    struct random *random = &the->random;
+    const uint32_t width = 1 + draw_below(random, 16), height = 1 + draw_below(random, 16);
+    const float length = draw_below(random, 3) ? 1 : draw_magnitude(random, -20, 20), sign = draw_sign(random);
+    const float span = draw_magnitude(random, -24, 0);
+    float first[2], step[2];
+    for (int side = 0; side < 2; side++) {
+        const float turn = draw_sign(random);
+        first[side] = draw_below(random, 3) ? turn * draw_number(random, 0, 1) : 0;
+        step[side] = turn * (draw_below(random, 2) ? span / 16 : ldexpf(1, -4 - (int)draw_below(random, 12)));
+    }
+    for (uint32_t i = 0; i < width * height; i++) {
+        const float zero[3] = {0, 0, 0};
+        const float slopes[2] = {first[0] + (float)(i % width) * step[0], first[1] + (float)(i / width) * step[1]};
+        const float scale = length * (draw_below(random, 8) ? 1 : draw_range(random, 0.5f, 2));
+        float d[3];
+        d[main_axis] = sign * scale;
+        for (int side = 0; side < 2; side++) d[(main_axis + 1 + side) % 3] = slopes[side] * scale;
+        add_ray(&the->list, zero, d);
+    }
+    the->list.row_length = draw_below(random, 4) ? width : 0;
+}
+
+static void draw_camera_axes(struct random *random, int main_axis, mlrt_camera *camera)
+{
+    const int j = (main_axis + 1) % 3, l = (main_axis + 2) % 3;
+    const float length = draw_below(random, 2) ? 1 : draw_magnitude(random, -20, 20);
+    const float pixel = draw_magnitude(random, -26, -4);
+    camera->d00[main_axis] = draw_sign(random) * length;
+    camera->d00[j] = draw_number(random, -1, 1) * length;
+    camera->d00[l] = draw_number(random, -1, 1) * length;
+    camera->dx[j] = draw_sign(random) * pixel * length;
+    camera->dy[l] = draw_sign(random) * pixel * length;
+    switch (draw_below(random, 4)) {
+    case 0: break;
+    case 1: /* turned */
+        for (int k = 0; k < 3; k++) {
+            camera->dx[k] = draw_range(random, -pixel, pixel) * length;
+            camera->dy[k] = draw_range(random, -pixel, pixel) * length;
+        }
+        break;
+    case 2: /* a fan in a plane */
+        camera->d00[l] = camera->dy[l] = 0;
+        camera->dy[main_axis] = draw_number(random, -1, 1) * pixel * length + pixel * length / 1024;
+        break;
+    default: /* rows and columns exchanged */
+        camera->dx[l] = camera->dy[l];
+        camera->dy[j] = camera->dx[j];
+        camera->dx[j] = camera->dy[l] = 0;
+        break;
+    }
+}
+
+/* A small crop, often far off: then d00 and x dx nearly cancel, and the pixels' vectors are what rounding makes them. */
+static void add_camera(struct beam_case *the, int main_axis)
+{
+    struct random *random = &the->random;
+    mlrt_camera camera = {.struct_size = sizeof camera, .width = 1u << 23, .height = 1u << 23};
+    static const float samples[] = {0, 0.5f, 0.25f, -1000.25f};
+    draw_camera_axes(random, main_axis, &camera);
+    camera.crop_width = 1 + draw_below(random, 16);
+    camera.crop_height = 1 + draw_below(random, 16);
+    if (draw_below(random, 2)) {
+        camera.crop_x = draw_below(random, 1u << (1 + draw_below(random, 20)));
+        camera.crop_y = draw_below(random, 1u << (1 + draw_below(random, 20)));
+    }
+    camera.sample_x = samples[draw_below(random, 4)];
+    camera.sample_y = draw_below(random, 4) ? samples[draw_below(random, 4)] : draw_range(random, 0, 1);
+    for (int k = 0; k < 3; k++) {
+        const double x = (double)camera.crop_x + (double)camera.sample_x, y = (double)camera.crop_y + (double)camera.sample_y;
+        camera.d00[k] = (float)((double)camera.d00[k] - x * (double)camera.dx[k] - y * (double)camera.dy[k]);
+    }
+    the->has_camera = 1;
+    the->camera = camera;
+    add_camera_rays(&the->list, &camera);
+}
+
+static void set_origin(struct beam_case *the, const float origin[3])
+{
+    memcpy(the->camera.eye, origin, sizeof the->camera.eye);
+    for (size_t i = 0; i < the->list.count; i++) memcpy(the->list.rays[i].origin, origin, 3 * sizeof *origin);
+}
+
+/* ---- touching ---------------------------------------------------------------------------------------------------- */
+
+/* The outermost ray of a tile, or of a square in it, on one side of one axis. */
+struct limb {
+    size_t ray;
+    int main_axis;
+    int axis;   /* the side's */
+    int other;  /* neither of the two */
+    float side; /* +1 or -1: outward along `axis` */
+};
+
+static double slope_of(const struct reference_ray *ray, const struct limb *limb)
+{
+    return (double)ray->direction[limb->axis] / fabs((double)ray->direction[limb->main_axis]);
+}
+
+static struct limb draw_limb(struct beam_case *the, int main_axis)
+{
+    struct random *random = &the->random;
+    static const size_t sizes[] = {1024, 1024, 8, 4, 2, 1};
+    const size_t size = sizes[draw_below(random, 6)], count = the->list.count;
+    const size_t row = the->list.row_length ? the->list.row_length : 4;
+    const size_t seed = draw_below(random, (uint32_t)count);
+    const int turn = (int)draw_below(random, 2);
+    struct limb limb = {seed, main_axis, (main_axis + 1 + turn) % 3, (main_axis + 2 - turn) % 3, draw_sign(random)};
+    for (size_t i = 0; i < count; i++) {
+        if (i % row / size != seed % row / size || i / row / size != seed / row / size) continue;
+        const double gain = slope_of(&the->list.rays[i], &limb) - slope_of(&the->list.rays[limb.ray], &limb);
+        if (gain * (double)limb.side > 0) limb.ray = i;
+    }
+    return limb;
+}
+
+/* Makes the case's rays start at a point from where the limb's ray goes through p exactly, p at about the distance. */
+static void aim_exactly(struct beam_case *the, const struct limb *limb, double distance, float p[3])
+{
+    const float *d = the->list.rays[limb->ray].direction;
+    const uint32_t n = 2 * draw_below(&the->random, 1u << (1 + draw_below(&the->random, 22))) + 1;
+    int exponent;
+    frexp(distance / n / fabs((double)d[limb->main_axis]), &exponent);
+    const double t = ldexp(n, exponent);
+    float origin[3];
+    for (int k = 0; k < 3; k++) {
+        p[k] = (float)(t * (double)d[k]);
+        origin[k] = (float)((double)p[k] - t * (double)d[k]);
+    }
+    set_origin(the, origin);
+}
+
+/* The float next to where the limb's ray is after t times its way to p. */
+static void point_on_ray(const struct beam_case *the, const struct limb *limb, double t, const float p[3], float point[3])
+{
+    const float *o = the->list.rays[limb->ray].origin;
+    for (int k = 0; k < 3; k++) point[k] = (float)((double)o[k] + t * ((double)p[k] - (double)o[k]));
+}
+
+/* From a point on the ray outward by `out`, and by `along` across. */
+static void step_outward(const struct limb *limb, float out, float along, const float from[3], float point[3])
+{
+    const float size = fabsf(from[limb->main_axis]);
+    memcpy(point, from, 3 * sizeof *point);
+    point[limb->axis] += limb->side * out * size;
+    point[limb->other] += along * size;
+}
+
+static void add_vertex_touch(struct beam_case *the, const struct limb *limb, const float p[3])
+{
+    struct random *random = &the->random;
+    float q[2][3];
+    for (int i = 0; i < 2; i++) {
+        const float out = draw_magnitude(random, -20, 1);
+        point_on_ray(the, limb, draw_number(random, 0.25f, 2), p, q[i]);
+        step_outward(limb, out, draw_sign(random) * draw_magnitude(random, -20, 1), q[i], q[i]);
+    }
+    const uint32_t turn = draw_below(random, 3);
+    const float *corners[3] = {p, q[0], q[1]};
+    soup_add_triangle(&the->soup, corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]);
+}
+
+/* An edge whose middle is p; exactly, unless a binade ends within it. It may lean along the rays and across the tile. */
+static void add_edge_touch(struct beam_case *the, const struct limb *limb, const float p[3])
+{
+    struct random *random = &the->random;
+    const float *o = the->list.rays[limb->ray].origin;
+    const float reach = draw_magnitude(random, -20, -1), lean = draw_below(random, 2) ? draw_range(random, -0.5f, 0.5f) : 0;
+    float across[3] = {0, 0, 0}, a[3], b[3], c[3];
+    across[limb->other] = reach * fabsf(p[limb->main_axis]);
+    across[limb->axis] = draw_below(random, 2) ? 0 : draw_number(random, -1, 1) * across[limb->other];
+    for (int k = 0; k < 3; k++) {
+        a[k] = (float)((double)p[k] - (double)across[k] - (double)lean * ((double)p[k] - (double)o[k]));
+        b[k] = (float)(2 * (double)p[k] - (double)a[k]);
+    }
+    step_outward(limb, draw_magnitude(random, -20, 1), draw_range(random, -1, 1), p, c);
+    soup_add_triangle(&the->soup, a, draw_below(random, 2) ? b : c, b);
+    the->soup.count--;
+    soup_add_triangle(&the->soup, a, b, c);
+}
+
+/* A box whose corner is p: the planes of the tree go through it. Along the rays it lies before or behind p. */
+static void add_box_touch(struct beam_case *the, const struct limb *limb, const float p[3])
+{
+    struct random *random = &the->random;
+    float lo[3], hi[3], q[3];
+    step_outward(limb, draw_magnitude(random, -10, 1), draw_sign(random) * draw_magnitude(random, -10, 1), p, q);
+    q[limb->main_axis] += draw_range(random, -0.75f, 1) * p[limb->main_axis];
+    const uint32_t flat = draw_below(random, 9); /* of no thickness, at times */
+    if (flat < 3) q[flat] = p[flat];
+    for (int k = 0; k < 3; k++) {
+        lo[k] = fminf(p[k], q[k]);
+        hi[k] = fmaxf(p[k], q[k]);
+    }
+    soup_add_box(&the->soup, lo, hi);
+}
+
+/* Something behind it all, so that what is lost in front is not just missing. It covers the tile, mostly. */
+static void add_wall(struct beam_case *the, const struct limb *limb, const float p[3], double depth)
+{
+    float centre[3], corners[3][3];
+    point_on_ray(the, limb, depth, p, centre);
+    for (int i = 0; i < 3; i++) {
+        const float out = i == 0 ? -8.0f : 4.0f, along = i == 1 ? -8.0f : i == 2 ? 8.0f : 0.0f;
+        step_outward(limb, out, along, centre, corners[i]);
+    }
+    if (draw_below(&the->random, 2)) corners[0][limb->main_axis] *= 1.5f;
+    soup_add_triangle(&the->soup, corners[0], corners[1], corners[2]);
+}
+
+static void add_touches(struct beam_case *the, int main_axis)
+{
+    struct random *random = &the->random;
+    struct limb limb = draw_limb(the, main_axis);
+    float exact[3], p[3];
+    if (draw_below(random, 2)) {
+        aim_exactly(the, &limb, pow(10, (double)draw_range(random, -3, 6)), exact);
+    } else { /* from anywhere, at any scale: then the rounded points next to the ray */
+        const float scale = powf(10, draw_range(random, -9, 9)) / fabsf(the->list.rays[limb.ray].direction[main_axis]);
+        draw_point(random, -4, 4, p);
+        for (int k = 0; k < 3; k++) {
+            exact[k] = p[k] * scale * fabsf(the->list.rays[limb.ray].direction[main_axis]);
+        }
+        set_origin(the, exact);
+        for (int k = 0; k < 3; k++) exact[k] += the->list.rays[limb.ray].direction[k] * scale;
+    }
+    const uint32_t count = 1 + draw_below(random, 4);
+    for (uint32_t i = 0; i < count; i++) {
+        memcpy(p, exact, sizeof p);
+        if (i > 0) {
+            limb = draw_below(random, 2) ? draw_limb(the, main_axis) : limb;
+            point_on_ray(the, &limb, i % 2 ? 1 : (double)draw_range(random, 0.5f, 4), exact, p);
+        }
+        if (i > 0 || draw_below(random, 2)) nudge(random, p);
+        switch (draw_below(random, 3)) {
+        case 0: add_vertex_touch(the, &limb, p); break;
+        case 1: add_edge_touch(the, &limb, p); break;
+        default: add_box_touch(the, &limb, p); break;
+        }
+    }
+    if (draw_below(random, 2)) add_wall(the, &limb, exact, 8);
+}
+
+static void rays_that_triangles_touch_from_outside(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(8000); i++) {
+        struct beam_case the = make_case("touched tile", i);
+        const int main_axis = (int)draw_below(&the.random, 3);
+        add_tile(&the, main_axis);
+        add_touches(&the, main_axis);
+        finish_case(&the, 3);
+    }
+}
+
+static void pixels_that_triangles_touch_from_outside(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(8000); i++) {
+        struct beam_case the = make_case("touched pixels", i);
+        const int main_axis = (int)draw_below(&the.random, 3);
+        add_camera(&the, main_axis);
+        add_touches(&the, main_axis);
+        finish_case(&the, 3);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rays_that_triangles_touch_from_outside),
+        cmocka_unit_test(pixels_that_triangles_touch_from_outside),
+    };
+    return cmocka_run_group_tests_name("beams", tests, NULL, NULL);
+}
