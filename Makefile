@@ -115,7 +115,7 @@ AFTER_DEPS := $(filter deps,$(MAKECMDGOALS))
 
 demo: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/render
-	$(BUILD)/bin/render --scene office --stats -o $(BUILD)/demo.png
+	$(BUILD)/bin/render --scene office --shadows --stats -o $(BUILD)/demo.png
 
 # ---- reproduction of the paper's tables -----------------------------------------------------------------------------
 

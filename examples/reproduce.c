@@ -53,7 +53,19 @@ enum {
     SHADOW_ENTRY_CELLS, // not in the paper
     SHADOW_TESTS,
     SHADOW_TESTS_FROM_ROOT,
+    PRIMARY_CELLS_OF_LISTS, // from here on: from lists of entry points, not in the paper
+    PRIMARY_ENTRY_CELLS_OF_LISTS,
+    PRIMARY_TESTS_OF_LISTS,
+    SHADOW_CELLS_OF_LISTS,
+    SHADOW_ENTRY_CELLS_OF_LISTS,
+    SHADOW_TESTS_OF_LISTS,
     QUANTITY_COUNT
+};
+
+// What is left of the multi-level method without these shortcuts is the paper's algorithm, or that with entry lists.
+enum {
+    PAPER = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_ENTRY_LISTS | MLRT_SHORTCUT_SHARED_SETUPS,
+    ENTRY_LISTS_ONLY = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_SHARED_SETUPS
 };
 
 enum { PLAIN, SHADED, SHADING_COUNT };
@@ -130,12 +142,12 @@ static const uint32_t minimum_sizes[] = {4, 8, 16, 32, 64};
 static const struct {
     const char *title;
     int32_t method;
-    uint32_t paper_levels;
+    uint32_t shortcuts_off;
 } methods[] = {
     {"ray", MLRT_METHOD_RAY, 0},
     {"packet2", MLRT_METHOD_PACKET2, 0},
     {"packet4", MLRT_METHOD_PACKET4, 0},
-    {"multilevel, `paper_levels`", MLRT_METHOD_MULTILEVEL, 1},
+    {"multilevel as in the paper", MLRT_METHOD_MULTILEVEL, PAPER},
     {"multilevel", MLRT_METHOD_MULTILEVEL, 0},
 };
 
@@ -145,12 +157,14 @@ enum { PACKET2 = 1, PACKET4 = 2, FIRST_MULTILEVEL = 3 };
 // What the answers must not depend on besides method, instruction set and threads. Sizes 0: the default.
 static const mlrt_trace_options variations[] = {
     {.initial_tile_size = 0},
-    {.paper_levels = 1},
+    {.shortcuts_off = PAPER},
+    {.shortcuts_off = ENTRY_LISTS_ONLY},
+    {.shortcuts_off = MLRT_SHORTCUT_ENTRY_LISTS},
     {.culling = MLRT_CULLING_DIRECT},
     {.culling_check = 1},
     {.initial_tile_size = 16, .minimum_tile_size = 4, .split_factor = 4},
     {.initial_tile_size = 64, .minimum_tile_size = 8, .split_factor = 4},
-    {.initial_tile_size = 128, .minimum_tile_size = 32, .split_factor = 16, .paper_levels = 1},
+    {.initial_tile_size = 128, .minimum_tile_size = 32, .split_factor = 16, .shortcuts_off = PAPER},
     {.initial_tile_size = 256, .minimum_tile_size = 4, .split_factor = 16},
 };
 
@@ -265,7 +279,7 @@ static mlrt_trace_options options_for(const struct subject *subject, int32_t met
 static mlrt_trace_options paper_options_for(const struct subject *subject, int32_t method)
 {
     mlrt_trace_options options = options_for(subject, method);
-    options.paper_levels = 1;
+    options.shortcuts_off = PAPER;
     return options;
 }
 
@@ -423,17 +437,23 @@ static int measure_quantities(struct subject *subject)
     double *quantities = subject->results->quantities;
     const struct {
         int32_t method;
+        uint32_t shortcuts_off;
         checked_trace trace;
         int cells, entry_cells, tests; // -1 = none
     } pictures[] = {
-        {MLRT_METHOD_MULTILEVEL, check_hits, PRIMARY_CELLS, PRIMARY_ENTRY_CELLS, PRIMARY_TESTS},
-        {MLRT_METHOD_MULTILEVEL, check_shadows, SHADOW_CELLS, SHADOW_ENTRY_CELLS, SHADOW_TESTS},
-        {MLRT_METHOD_PACKET4, check_hits, PRIMARY_CELLS_FROM_ROOT, -1, PRIMARY_TESTS_FROM_ROOT},
-        {MLRT_METHOD_PACKET4, check_shadows, SHADOW_CELLS_FROM_ROOT, -1, SHADOW_TESTS_FROM_ROOT},
+        {MLRT_METHOD_MULTILEVEL, PAPER, check_hits, PRIMARY_CELLS, PRIMARY_ENTRY_CELLS, PRIMARY_TESTS},
+        {MLRT_METHOD_MULTILEVEL, PAPER, check_shadows, SHADOW_CELLS, SHADOW_ENTRY_CELLS, SHADOW_TESTS},
+        {MLRT_METHOD_PACKET4, PAPER, check_hits, PRIMARY_CELLS_FROM_ROOT, -1, PRIMARY_TESTS_FROM_ROOT},
+        {MLRT_METHOD_PACKET4, PAPER, check_shadows, SHADOW_CELLS_FROM_ROOT, -1, SHADOW_TESTS_FROM_ROOT},
+        {MLRT_METHOD_MULTILEVEL, ENTRY_LISTS_ONLY, check_hits, PRIMARY_CELLS_OF_LISTS, PRIMARY_ENTRY_CELLS_OF_LISTS,
+         PRIMARY_TESTS_OF_LISTS},
+        {MLRT_METHOD_MULTILEVEL, ENTRY_LISTS_ONLY, check_shadows, SHADOW_CELLS_OF_LISTS, SHADOW_ENTRY_CELLS_OF_LISTS,
+         SHADOW_TESTS_OF_LISTS},
     };
     struct measured sum = {.cells = 0};
     for (size_t i = 0; i < LENGTH(pictures); i++) {
-        const mlrt_trace_options options = paper_options_for(subject, pictures[i].method);
+        mlrt_trace_options options = options_for(subject, pictures[i].method);
+        options.shortcuts_off = pictures[i].shortcuts_off;
         // The shadows' numbers include those of the primary rays before them.
         if (pictures[i].trace == check_hits) memset(&sum, 0, sizeof sum);
         if (count_picture(subject, subject->tree, &options, pictures[i].trace, &sum)) return 1;
@@ -530,7 +550,7 @@ static int measure_methods(struct subject *subject)
         struct contender contenders[LENGTH(methods)];
         for (size_t i = 0; i < LENGTH(methods); i++) {
             mlrt_trace_options options = options_for(subject, methods[i].method);
-            options.paper_levels = methods[i].paper_levels;
+            options.shortcuts_off = methods[i].shortcuts_off;
             options.pool = threading == ALL_THREADS ? subject->pool : NULL;
             contenders[i] = (struct contender){subject->tree, options, shading == SHADED, 0};
         }
@@ -657,6 +677,13 @@ static void print_quantities(const struct settings *settings, const struct resul
         {"ratio: cells from the root / multilevel, primary", PRIMARY_CELLS_FROM_ROOT, PRIMARY_CELLS},
         {"ratio: cells from the root / multilevel, with shadows", SHADOW_CELLS_FROM_ROOT, SHADOW_CELLS},
         {"ratio: entry-point search / all multilevel cells, primary", PRIMARY_ENTRY_CELLS, PRIMARY_CELLS},
+        {"entry lists, primary: cells", PRIMARY_CELLS_OF_LISTS, -1},
+        {"entry lists, primary: of these, search", PRIMARY_ENTRY_CELLS_OF_LISTS, -1},
+        {"entry lists, primary: unmasked triangle tests", PRIMARY_TESTS_OF_LISTS, -1},
+        {"entry lists, with shadows: cells", SHADOW_CELLS_OF_LISTS, -1},
+        {"entry lists, with shadows: unmasked triangle tests", SHADOW_TESTS_OF_LISTS, -1},
+        {"ratio: cells from the root / entry lists, primary", PRIMARY_CELLS_FROM_ROOT, PRIMARY_CELLS_OF_LISTS},
+        {"ratio: cells from the root / entry lists, with shadows", SHADOW_CELLS_FROM_ROOT, SHADOW_CELLS_OF_LISTS},
     };
     (void)settings;
     char columns[MAXIMUM_WORDS * 3 * NAME_SIZE] = "";
@@ -880,25 +907,24 @@ static const struct table {
     void (*print)(const struct settings *settings, const struct results *results, size_t count);
 } tables[] = {
     {"Cells and tests per 4x4 packet",
-     "The paper's table 2, with its kind of tree (preset `paper`) and `paper_levels`. Multilevel: from entry points; "
-     "from "
-     "the root: method `packet4`. Sums over the picture, divided by its 4x4 packets; with shadows, they are those of "
-     "the "
-     "primary rays and of a shadow ray from the light to each of their hits.",
+     "The paper's table 2, with its kind of tree (preset `paper`). Multilevel: the paper's algorithm, from one entry "
+     "point per tile; entry lists: from the list of leaves that a tile's beam reaches; from the root: method `packet4`. "
+     "Sums over the picture, divided by its 4x4 packets; with shadows, they are those of the primary rays and of a "
+     "shadow ray from the light to each of their hits. Every node that is descended into, popped or, in a list, looked "
+     "at is a cell.",
      ON_PAPER_TREE, measure_quantities, print_quantities},
     {"Rules of the tree",
-     "Each rule of preset `paper` left out. Cells and tests are per 4x4 packet, of primary rays with `paper_levels`; "
+     "Each rule of preset `paper` left out. Cells and tests are per 4x4 packet, of primary rays by the paper's algorithm; "
      "times are relative to the tree with all rules, of one thread without shader.",
      ON_PAPER_TREE, measure_rules, print_rules},
     {"Inverse and direct culling",
-     "Per 4x4 packet, primary rays, preset `paper`, `paper_levels`. Undecided: inner nodes where the culling test "
+     "Per 4x4 packet, primary rays, preset `paper`, the paper's algorithm. Undecided: inner nodes where the culling test "
      "could "
      "exclude no child. Times are of one thread without shader.",
      ON_PAPER_TREE, measure_cullings, print_cullings},
     {"Tile sizes",
      "Each entry: all cells / entry-point cells / milliseconds. Cells are per 4x4 packet, primary rays, preset "
-     "`paper`, "
-     "`paper_levels`; times are of one thread without shader. ITS: initial tile size, SF: split factor. The best of "
+     "`paper`, the paper's algorithm; times are of one thread without shader. ITS: initial tile size, SF: split factor. The best of "
      "each "
      "is bold.",
      ON_PAPER_TREE, measure_sweep, print_sweep},

@@ -295,8 +295,11 @@ static struct limb draw_limb(struct beam_case *the, int main_axis)
     return limb;
 }
 
-/* Makes the case's rays start at a point from where the limb's ray goes through p exactly, p at about the distance. */
-static void aim_exactly(struct beam_case *the, const struct limb *limb, double distance, float p[3])
+/*
+ * Makes the case's rays start at a point from where the limb's ray goes through p exactly, p at about the distance.
+ * Returns the t of p.
+ */
+static double aim_exactly(struct beam_case *the, const struct limb *limb, double distance, float p[3])
 {
     const float *d = the->list.rays[limb->ray].direction;
     const uint32_t n = 2 * draw_below(&the->random, 1u << (1 + draw_below(&the->random, 22))) + 1;
@@ -309,6 +312,7 @@ static void aim_exactly(struct beam_case *the, const struct limb *limb, double d
         origin[k] = (float)((double)p[k] - t * (double)d[k]);
     }
     set_origin(the, origin);
+    return t;
 }
 
 /* The float next to where the limb's ray is after t times its way to p. */
@@ -355,8 +359,6 @@ static void add_edge_touch(struct beam_case *the, const struct limb *limb, const
         b[k] = (float)(2 * (double)p[k] - (double)a[k]);
     }
     step_outward(limb, draw_magnitude(random, -20, 1), draw_range(random, -1, 1), p, c);
-    soup_add_triangle(&the->soup, a, draw_below(random, 2) ? b : c, b);
-    the->soup.count--;
     soup_add_triangle(&the->soup, a, b, c);
 }
 
@@ -446,11 +448,176 @@ static void pixels_that_triangles_touch_from_outside(void **state)
     }
 }
 
+/* ---- covering ---------------------------------------------------------------------------------------------------- */
+
+/* Triangles that a tile is inside of, but for an edge or two that go through its outermost rays or next to them. */
+static void add_tight_cover(struct beam_case *the, int main_axis, const float exact[3], double depth)
+{
+    struct random *random = &the->random;
+    struct limb limb = draw_limb(the, main_axis);
+    float p[3], a[3], b[3], c[3], across[3] = {0, 0, 0};
+    point_on_ray(the, &limb, depth, exact, p);
+    if (draw_below(random, 2)) nudge(random, p);
+    across[limb.other] = draw_magnitude(random, 0, 4) * fabsf(p[main_axis]);
+    across[limb.axis] = draw_below(random, 2) ? 0 : draw_number(random, -1, 1) * across[limb.other];
+    across[main_axis] = draw_below(random, 2) ? 0 : draw_number(random, -0.05f, 0.05f) * across[limb.other];
+    for (int k = 0; k < 3; k++) {
+        a[k] = (float)((double)p[k] - (double)across[k]);
+        b[k] = (float)(2 * (double)p[k] - (double)a[k]);
+    }
+    step_outward(&limb, -draw_magnitude(random, 1, 4), draw_range(random, -1, 1), p, c);
+    if (draw_below(random, 4) == 0) nudge(random, a);
+    if (draw_below(random, 2)) soup_add_triangle(&the->soup, a, b, c);
+    else soup_add_triangle(&the->soup, b, a, c);
+}
+
+static void add_rays(struct beam_case *the, int main_axis)
+{
+    if (draw_below(&the->random, 2)) add_camera(the, main_axis);
+    else add_tile(the, main_axis);
+}
+
+static void tiles_that_triangles_just_cover(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(6000); i++) {
+        struct beam_case the = make_case("tight covers", i);
+        struct random *random = &the.random;
+        const int main_axis = (int)draw_below(random, 3);
+        float p[3];
+        add_rays(&the, main_axis);
+        const struct limb limb = draw_limb(&the, main_axis);
+        aim_exactly(&the, &limb, pow(10, (double)draw_range(random, -3, 6)), p);
+        const uint32_t count = 1 + draw_below(random, 3);
+        for (uint32_t n = 0; n < count; n++) add_tight_cover(&the, main_axis, p, n ? (double)draw_range(random, 0.5f, 4) : 1);
+        if (draw_below(random, 2)) add_edge_touch(&the, &limb, p);
+        if (draw_below(random, 4)) add_wall(&the, &limb, p, 8);
+        finish_case(&the, 3);
+    }
+}
+
+/*
+ * The one direction that a beam does not widen is that along an axis. An edge goes by it within 2^-50 or so of the
+ * lengths in the determinants: too close for doubles to tell on which side.
+ */
+static void edges_that_pass_an_axis_too_closely_to_tell(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(4000); i++) {
+        struct beam_case the = make_case("edge by an axis", i);
+        struct random *random = &the.random;
+        const int a = (int)draw_below(random, 3), j = (a + 1) % 3, l = (a + 2) % 3;
+        const float sign = draw_sign(random), tilt = (float)(1 + draw_below(random, 7));
+        float origin[3] = {0, 0, 0}, corners[3][3], wall[3][3];
+        for (int n = 0; n < 64; n++) {
+            float d[3];
+            d[a] = sign;
+            d[j] = (float)(n % 8) / 1024;
+            d[l] = (float)(n / 8) / 1024;
+            add_ray(&the.list, origin, d);
+        }
+        the.list.row_length = 8;
+        origin[j] = draw_sign(random) * draw_magnitude(random, -58, -48);
+        origin[l] = draw_sign(random) * draw_magnitude(random, -58, -48);
+        set_origin(&the, origin);
+        for (int n = 0; n < 3; n++) {
+            const float out = (n ? 1.0f : -1.0f) * draw_range(random, 1, 8);
+            corners[n][a] = sign * draw_range(random, 1, 8);
+            corners[n][j] = n == 2 ? 100 : out;
+            corners[n][l] = n == 2 ? 100 : -out * tilt / 4;
+            wall[n][a] = sign * 16;
+            wall[n][j] = n == 1 ? 100.0f : -50.0f;
+            wall[n][l] = n == 2 ? 100.0f : -50.0f;
+        }
+        soup_add_triangle(&the.soup, corners[0], corners[1], corners[2]);
+        soup_add_triangle(&the.soup, wall[0], wall[1], wall[2]);
+        finish_case(&the, 4);
+    }
+}
+
+/* Plates across the tile, some in one plane, some an ulp apart, some not quite parallel, and limits of t next to them. */
+static void plates_an_ulp_apart(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(6000); i++) {
+        struct beam_case the = make_case("plates", i);
+        struct random *random = &the.random;
+        const int main_axis = (int)draw_below(random, 3);
+        const uint32_t count = 1 + draw_below(random, 5);
+        float p[3];
+        add_rays(&the, main_axis);
+        const struct limb limb = draw_limb(&the, main_axis);
+        const float t = (float)aim_exactly(&the, &limb, pow(10, (double)draw_range(random, -3, 6)), p);
+        for (uint32_t n = 0; n < count; n++) {
+            float corners[3][3];
+            const float turn = draw_sign(random);
+            for (int c = 0; c < 3; c++) {
+                const float out = c == 0 ? -16.0f : 8.0f, along = c == 1 ? -16.0f : c == 2 ? 16.0f : 0.0f;
+                step_outward(&limb, out * turn, along + draw_range(random, -1, 1), p, corners[c]);
+            }
+            const int steps = (int)draw_below(random, 3) - 1;
+            for (int c = 0; c < 3; c++) {
+                const int lean = draw_below(random, 4) ? 0 : (int)draw_below(random, 3) - 1;
+                corners[c][main_axis] = next_float(p[main_axis], steps + lean);
+            }
+            soup_add_triangle(&the.soup, corners[0], corners[1], corners[2]);
+        }
+        the.has_skip = draw_below(random, 4) == 0;
+        the.has_range = draw_below(random, 2) == 0;
+        const float t_min = draw_below(random, 2) ? next_float(t, (int)draw_below(random, 5) - 3) : 0;
+        const float t_max = draw_below(random, 2) ? next_float(t, (int)draw_below(random, 5) - 2) : INFINITY;
+        for (size_t n = 0; n < the.list.count; n++) {
+            if (the.has_range) the.list.rays[n].t_min = t_min;
+            if (the.has_range) the.list.rays[n].t_max = t_max;
+            if (!the.has_skip) continue;
+            the.list.rays[n].skip[0] = 0;
+            the.list.rays[n].skip[1] = draw_below(random, 2);
+        }
+        if (the.has_range) the.camera.t_min = t_min;
+        if (the.has_range) the.camera.t_max = isinf(t_max) ? 0 : t_max;
+        finish_case(&the, 3);
+    }
+}
+
+/* Triangles in the plane that the eye is in, or all but in: what they are at cancels. */
+static void eyes_in_the_plane_of_a_cover(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(4000); i++) {
+        struct beam_case the = make_case("eye in a plane", i);
+        struct random *random = &the.random;
+        const int main_axis = (int)draw_below(random, 3);
+        float corners[3][3], other[3], eye[3];
+        add_rays(&the, main_axis);
+        for (int k = 0; k < 3; k++) {
+            for (int c = 0; c < 3; c++) corners[c][k] = (float)draw_below(random, 1u << 20) / 65536 - 8;
+            other[k] = 2 * corners[2][k] - corners[draw_below(random, 2)][k];
+            eye[k] = (corners[0][k] + corners[1][k] + 2 * corners[2][k]) / 4;
+        }
+        const uint32_t kind = draw_below(random, 3), axis = draw_below(random, 3);
+        if (kind > 0) eye[axis] += draw_sign(random) * draw_magnitude(random, -20, -4);
+        if (kind > 1) eye[axis] = next_float(eye[axis], 1);
+        set_origin(&the, eye);
+        const int first = (int)draw_below(random, 2);
+        for (int n = 0; n < 2; n++) soup_add_triangle(&the.soup, corners[0], corners[1], n == first ? other : corners[2]);
+        const struct limb limb = draw_limb(&the, main_axis);
+        float p[3];
+        for (int k = 0; k < 3; k++) p[k] = eye[k];
+        p[main_axis] += the.list.rays[0].direction[main_axis] < 0 ? -64.0f : 64.0f;
+        if (draw_below(random, 2)) add_wall(&the, &limb, p, 1);
+        finish_case(&the, 3);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_that_triangles_touch_from_outside),
         cmocka_unit_test(pixels_that_triangles_touch_from_outside),
+        cmocka_unit_test(tiles_that_triangles_just_cover),
+        cmocka_unit_test(edges_that_pass_an_axis_too_closely_to_tell),
+        cmocka_unit_test(plates_an_ulp_apart),
+        cmocka_unit_test(eyes_in_the_plane_of_a_cover),
     };
     return cmocka_run_group_tests_name("beams", tests, NULL, NULL);
 }

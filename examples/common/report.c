@@ -46,6 +46,7 @@ void print_counters(const char *prefix, const mlrt_counters *c)
         {"entry_point_count", c->entry_point_count},
         {"entry_point_depth_sum", c->entry_point_depth_sum},
         {"missed_beam_count", c->missed_beam_count},
+        {"covered_beam_count", c->covered_beam_count},
         {"undecided_cull_count", c->undecided_cull_count},
         {"undecided_checked_count", c->undecided_checked_count},
     };

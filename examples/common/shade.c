@@ -71,6 +71,7 @@ void add_shadow_counters(const struct shading *shading, mlrt_counters *sum)
         sum->entry_point_count += c->entry_point_count;
         sum->entry_point_depth_sum += c->entry_point_depth_sum;
         sum->missed_beam_count += c->missed_beam_count;
+        sum->covered_beam_count += c->covered_beam_count;
         sum->undecided_cull_count += c->undecided_cull_count;
         sum->undecided_checked_count += c->undecided_checked_count;
     }
