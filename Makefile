@@ -13,7 +13,7 @@
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
-OPTIMIZE ?= -O3
+OPTIMIZE ?= -O2
 SAN      ?=
 V        ?=
 
@@ -63,9 +63,16 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
+# Only kernels that somebody waits for are worth the size of -O3.
+FAST := $(if $(filter -O2,$(OPTIMIZE)),-O3)
+
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -DMLRT_COUNTING=1 -c $< -o $@
+
+$(BUILD)/obj/kernels/%.o: src/kernels/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(if $(and $(IS_X86),$(filter scalar,$*)),,$(FAST)) -fPIC -fvisibility=hidden -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)

@@ -28,6 +28,9 @@ struct beam_case {
     mlrt_camera camera;
     int has_skip;
     int has_range; /* t_min and t_max of the list count */
+    int has_light; /* the list's rays are those of points in its light */
+    mlrt_light light;
+    float *points;
 };
 
 static struct beam_case make_case(const char *name, uint64_t seed)
@@ -97,7 +100,16 @@ static void trace_case(const struct beam_case *the, const mlrt_tree *tree, const
 {
     const int any = options->query == MLRT_QUERY_ANY;
     int32_t status;
-    if (the->has_camera) {
+    if (the->has_light) {
+        const size_t stride = sizeof *the->list.rays;
+        const mlrt_const_array points = {the->points, 0}, origins = {the->list.rays->origin, stride};
+        mlrt_points receivers = {.struct_size = sizeof receivers, .row_length = the->list.row_length};
+        mlrt_array occluded = {results->occluded, 0, 0};
+        receivers.count = the->list.count;
+        receivers.positions = the->points ? points : origins;
+        if (the->has_skip) receivers.skip = (mlrt_const_array){the->list.rays->skip, stride};
+        status = mlrt_occluded_points(tree, &receivers, &the->light, options, &occluded);
+    } else if (the->has_camera) {
         point_to(results, the->list.row_length, any);
         status = mlrt_render_tiles(tree, &the->camera, options, &results->arrays, NULL, NULL);
     } else {
@@ -137,12 +149,14 @@ static void finish_case(struct beam_case *the, int ways)
     for (size_t i = 0; i < count; i++) reference_trace_filtered(fixture.reference, &the->list.rays[i], &expected[i]);
     for (int way = 0; way < ways; way++) {
         mlrt_trace_options options = draw_trace_options(&the->random, text, sizeof text);
+        if (the->has_light) options.query = MLRT_QUERY_ANY;
         trace_case(the, fixture.tree, &options, &results);
         compare(the, &fixture, expected, &results, options.query == MLRT_QUERY_ANY, text);
     }
     free(expected);
     free(results.hits);
     free(results.occluded);
+    free(the->points);
     free_rays(&the->list);
     free_soup(&the->soup);
     free_fixture(&fixture);
@@ -391,6 +405,15 @@ static void add_wall(struct beam_case *the, const struct limb *limb, const float
     soup_add_triangle(&the->soup, corners[0], corners[1], corners[2]);
 }
 
+static void add_touch(struct beam_case *the, const struct limb *limb, const float p[3])
+{
+    switch (draw_below(&the->random, 3)) {
+    case 0: add_vertex_touch(the, limb, p); break;
+    case 1: add_edge_touch(the, limb, p); break;
+    default: add_box_touch(the, limb, p); break;
+    }
+}
+
 static void add_touches(struct beam_case *the, int main_axis)
 {
     struct random *random = &the->random;
@@ -415,11 +438,7 @@ static void add_touches(struct beam_case *the, int main_axis)
             point_on_ray(the, &limb, i % 2 ? 1 : (double)draw_range(random, 0.5f, 4), exact, p);
         }
         if (i > 0 || draw_below(random, 2)) nudge(random, p);
-        switch (draw_below(random, 3)) {
-        case 0: add_vertex_touch(the, &limb, p); break;
-        case 1: add_edge_touch(the, &limb, p); break;
-        default: add_box_touch(the, &limb, p); break;
-        }
+        add_touch(the, &limb, p);
     }
     if (draw_below(random, 2)) add_wall(the, &limb, exact, 8);
 }
@@ -609,6 +628,192 @@ static void eyes_in_the_plane_of_a_cover(void **state)
     }
 }
 
+/* ---- other rays -------------------------------------------------------------------------------------------------- */
+
+/*
+ * Rays in one direction, by a parallel camera, a list or points in a directional light. Their origins spread from the
+ * first, whose ray goes through p exactly.
+ */
+static struct limb add_parallel_rays(struct beam_case *the, float p[3])
+{
+    struct random *random = &the->random;
+    const int a = (int)draw_below(random, 3), turn = (int)draw_below(random, 2);
+    const int j = (a + 1 + turn) % 3, l = (a + 2 - turn) % 3;
+    const struct limb limb = {0, a, j, l, draw_sign(random)};
+    const float zero[3] = {0, 0, 0}, length = draw_below(random, 2) ? 1 : draw_magnitude(random, -20, 20);
+    mlrt_camera camera = {.struct_size = sizeof camera, .projection = MLRT_PROJECTION_PARALLEL};
+    camera.direction[a] = draw_sign(random) * length;
+    camera.direction[j] = draw_below(random, 4) ? draw_number(random, -1, 1) * length : 0;
+    camera.direction[l] = draw_below(random, 4) ? draw_number(random, -1, 1) * length : 0;
+    camera.dx[j] = -limb.side * draw_magnitude(random, -20, 0);
+    camera.dy[l] = draw_sign(random) * draw_magnitude(random, -20, 0);
+    camera.width = 1 + draw_below(random, 16);
+    camera.height = 1 + draw_below(random, 16);
+    add_ray(&the->list, zero, camera.direction);
+    aim_exactly(the, &limb, pow(10, (double)draw_range(random, -1, 3)), p);
+    memcpy(camera.d00, the->list.rays[0].origin, sizeof camera.d00);
+    the->list.count = 0;
+    add_camera_rays(&the->list, &camera);
+    switch (draw_below(random, 3)) {
+    case 0:
+        the->has_camera = 1;
+        the->camera = camera;
+        break;
+    case 1: break;
+    default:
+        the->has_light = 1;
+        the->light = (mlrt_light){.struct_size = sizeof the->light, .kind = MLRT_LIGHT_DIRECTIONAL};
+        memcpy(the->light.position, camera.direction, sizeof camera.direction);
+        break;
+    }
+    return limb;
+}
+
+static void parallel_rays_that_triangles_touch(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(4000); i++) {
+        struct beam_case the = make_case("parallel rays", i);
+        struct random *random = &the.random;
+        float p[3];
+        const struct limb limb = add_parallel_rays(&the, p);
+        const uint32_t count = 1 + draw_below(random, 3);
+        for (uint32_t n = 0; n < count; n++) {
+            float q[3];
+            point_on_ray(&the, &limb, n ? (double)draw_range(random, 0.5f, 4) : 1, p, q);
+            if (n > 0 || draw_below(random, 2)) nudge(random, q);
+            add_touch(&the, &limb, q);
+        }
+        if (draw_below(random, 2)) add_wall(&the, &limb, p, 8);
+        finish_case(&the, 3);
+    }
+}
+
+/* Receivers in the order of a picture. What touches their rays may be as far from the light as they are: t = 1. */
+static void points_in_the_light_that_triangles_touch(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(4000); i++) {
+        struct beam_case the = make_case("point light", i);
+        struct random *random = &the.random;
+        const int main_axis = (int)draw_below(random, 3);
+        float p[3];
+        add_tile(&the, main_axis);
+        const struct limb limb = draw_limb(&the, main_axis);
+        struct reference_ray *rays = the.list.rays;
+        the.has_light = 1;
+        the.has_skip = draw_below(random, 4) == 0;
+        the.light = (mlrt_light){.struct_size = sizeof the.light, .kind = MLRT_LIGHT_POINT};
+        the.points = allocate_or_fail(the.list.count, 12);
+        for (size_t n = 0; n < the.list.count; n++) memcpy(the.points + 3 * n, rays[n].direction, 12);
+        aim_exactly(&the, &limb, 0.4 * fabs((double)rays[limb.ray].direction[main_axis]), p);
+        if (draw_below(random, 3) == 0) memcpy(p, rays[limb.ray].direction, sizeof p);
+        memcpy(the.light.position, rays->origin, sizeof the.light.position);
+        for (size_t n = 0; n < the.list.count; n++) {
+            reference_difference(the.points + 3 * n, rays[n].origin, rays[n].direction);
+            rays[n].t_max = 1;
+            if (the.has_skip) rays[n].skip[0] = rays[n].skip[1] = draw_below(random, 2);
+        }
+        const uint32_t count = 1 + draw_below(random, 3);
+        for (uint32_t n = 0; n < count; n++) {
+            float q[3];
+            point_on_ray(&the, &limb, n ? (double)draw_range(random, 0.25f, 1.75f) : 1, p, q);
+            if (n > 0 || draw_below(random, 2)) nudge(random, q);
+            add_touch(&the, &limb, q);
+        }
+        if (draw_below(random, 4) == 0) add_wall(&the, &limb, p, (double)draw_range(random, 0.5f, 2));
+        finish_case(&the, 3);
+    }
+}
+
+/* ---- lattices ---------------------------------------------------------------------------------------------------- */
+
+/* Small integers: origins in planes of the tree and on vertices, rays along cells without thickness and through edges. */
+static void boxes_and_eyes_on_a_lattice(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(2500); i++) {
+        struct beam_case the = make_case("lattice", i);
+        struct random *random = &the.random;
+        float eye[3], first[3], dx[3], dy[3];
+        const uint32_t count = 1 + draw_below(random, 6), spread = draw_below(random, 3) == 0;
+        for (uint32_t n = 0; n < count; n++) {
+            float lo[3], hi[3], far[3];
+            for (int k = 0; k < 3; k++) {
+                lo[k] = (float)draw_below(random, 4);
+                hi[k] = lo[k] + (float)draw_below(random, 3);
+                far[k] = (float)draw_below(random, 5);
+            }
+            if (draw_below(random, 2)) soup_add_box(&the.soup, lo, hi);
+            else soup_add_triangle(&the.soup, lo, hi, far);
+        }
+        for (int k = 0; k < 3; k++) {
+            eye[k] = (float)draw_below(random, 13) / 2 - 1;
+            first[k] = (float)draw_below(random, 17) / 8 - 1;
+            dx[k] = (float)draw_below(random, 5) / 64 - 1.0f / 32;
+            dy[k] = (float)draw_below(random, 5) / 64 - 1.0f / 32;
+            if (draw_below(random, 3) == 0) dx[k] = 0;
+            if (draw_below(random, 3) == 0) dy[k] = 0;
+        }
+        for (int n = 0; n < 256; n++) {
+            float d[3], o[3];
+            for (int k = 0; k < 3; k++) {
+                d[k] = first[k] + (float)(n % 16) * dx[k] + (float)(n / 16) * dy[k];
+                o[k] = eye[k] + (spread ? (float)(n % 3) * dx[k] * 16 : 0);
+            }
+            struct reference_ray *ray = add_ray(&the.list, o, d);
+            ray->t_min = (float)draw_below(random, 3);
+            ray->t_max = draw_below(random, 3) ? INFINITY : (float)draw_below(random, 8);
+        }
+        the.list.row_length = 16;
+        the.has_range = draw_below(random, 4) == 0;
+        for (int n = 0; n < 256 && !the.has_range; n++) {
+            the.list.rays[n].t_min = 0;
+            the.list.rays[n].t_max = INFINITY;
+        }
+        finish_case(&the, 3);
+    }
+}
+
+static void pictures_of_a_lattice(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < scaled(2500); i++) {
+        struct beam_case the = make_case("picture of a lattice", i);
+        struct random *random = &the.random;
+        mlrt_camera camera = {.struct_size = sizeof camera, .width = 20, .height = 20};
+        const int a = (int)draw_below(random, 3), j = (a + 1) % 3, l = (a + 2) % 3;
+        const uint32_t count = 1 + draw_below(random, 6);
+        for (uint32_t n = 0; n < count; n++) {
+            float lo[3], hi[3], far[3];
+            for (int k = 0; k < 3; k++) {
+                lo[k] = (float)draw_below(random, 4);
+                hi[k] = lo[k] + (float)draw_below(random, 3);
+                far[k] = (float)draw_below(random, 5);
+            }
+            if (draw_below(random, 2)) soup_add_box(&the.soup, lo, hi);
+            else soup_add_triangle(&the.soup, lo, hi, far);
+        }
+        camera.projection = (int32_t)draw_below(random, 2);
+        for (int k = 0; k < 3; k++) {
+            camera.eye[k] = (float)draw_below(random, 13) / 2 - 1;
+            camera.direction[k] = (float)draw_below(random, 3) - 1;
+            camera.d00[k] = (float)draw_below(random, 17) / 4 - 2;
+        }
+        if (camera.direction[a] == 0) camera.direction[a] = 1;
+        camera.d00[a] = camera.d00[a] < 0 ? -1 : 1;
+        camera.dx[j] = (camera.projection ? 0.25f : 0.0625f) * draw_sign(random);
+        camera.dy[l] = (camera.projection ? 0.25f : 0.0625f) * draw_sign(random);
+        camera.sample_x = draw_below(random, 2) ? 0.5f : 0;
+        camera.sample_y = draw_below(random, 2) ? 0.5f : 0;
+        camera.t_min = draw_below(random, 4) ? 0 : (float)draw_below(random, 4);
+        camera.t_max = draw_below(random, 4) ? 0 : camera.t_min + (float)(1 + draw_below(random, 4));
+        the.has_camera = 1;
+        the.camera = camera;
+        finish_case(&the, 3);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -618,6 +823,10 @@ int main(void)
         cmocka_unit_test(edges_that_pass_an_axis_too_closely_to_tell),
         cmocka_unit_test(plates_an_ulp_apart),
         cmocka_unit_test(eyes_in_the_plane_of_a_cover),
+        cmocka_unit_test(parallel_rays_that_triangles_touch),
+        cmocka_unit_test(points_in_the_light_that_triangles_touch),
+        cmocka_unit_test(boxes_and_eyes_on_a_lattice),
+        cmocka_unit_test(pictures_of_a_lattice),
     };
     return cmocka_run_group_tests_name("beams", tests, NULL, NULL);
 }

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Whole scenes against the exact reference: random pixels of a picture, the closest hit and the shadow ray of each, by
+ * every method and instruction set.
+ *
+ * Without arguments it runs on procedural scenes, as one of the tests. For any other scene:
+ *
+ *     test_scenes PIXELS FILE [VIEWS.json:SCENE/VIEW]
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <mlrt.h>
+
+#include "common/scene.h"
+#include "common/view.h"
+#include "reference.h"
+
+enum { SIDE = 1024 };
+
+/* The pictures of one scene, and what the reference says of them. */
+struct subject {
+    struct scene scene;
+    mlrt_camera camera;
+    mlrt_tree *tree;
+    struct reference_scene *reference;
+    uint32_t pixel_count;
+    uint32_t *pixels;              /* positions in the picture */
+    struct reference_hit *hits;    /* of these pixels */
+    uint8_t *shadows;
+    float *points;                 /* of all pixels: where shadow rays go */
+    uint32_t *skip;
+    size_t difference_count;
+};
+
+static void *allocate(size_t count, size_t size)
+{
+    void *block = calloc(count, size);
+    if (!block) abort();
+    return block;
+}
+
+static struct reference_scene *make_reference(const struct scene *scene)
+{
+    struct reference_triangle *triangles = allocate(scene->triangle_count, sizeof *triangles);
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        for (int corner = 0; corner < 3; corner++) {
+            const float *vertex = scene->vertices + 3 * (size_t)scene->indices[3 * i + (size_t)corner];
+            memcpy(triangles[i].corner[corner], vertex, sizeof triangles[i].corner[corner]);
+        }
+        triangles[i].triangle = (uint32_t)i;
+    }
+    struct reference_scene *reference = reference_create(triangles, scene->triangle_count);
+    free(triangles);
+    return reference;
+}
+
+/* The ray of a pixel, by the reference's own formula. */
+static struct reference_ray pixel_ray(const mlrt_camera *camera, uint32_t pixel)
+{
+    struct reference_ray ray = {.t_max = INFINITY, .skip = {REFERENCE_NONE, REFERENCE_NONE}};
+    memcpy(ray.origin, camera->eye, sizeof ray.origin);
+    reference_pixel_vector(camera->d00, camera->dx, camera->dy, pixel % SIDE, pixel / SIDE, camera->sample_x,
+                           camera->sample_y, ray.direction);
+    return ray;
+}
+
+static struct reference_ray shadow_ray(const struct subject *subject, const float light[3], uint32_t pixel)
+{
+    struct reference_ray ray = {.t_max = 1, .skip = {subject->skip[2 * pixel], subject->skip[2 * pixel + 1]}};
+    memcpy(ray.origin, light, sizeof ray.origin);
+    reference_difference(subject->points + 3 * (size_t)pixel, light, ray.direction);
+    return ray;
+}
+
+/* Asks the reference. Points off the hits come from the library; only the rays towards them are judged. */
+static void find_answers(struct subject *subject, const float light[3])
+{
+    uint32_t state = 12345;
+    for (uint32_t i = 0; i < subject->pixel_count; i++) {
+        state = state * 1664525u + 1013904223u;
+        const uint32_t pixel = state >> 12;
+        subject->pixels[i] = pixel;
+        const struct reference_ray ray = pixel_ray(&subject->camera, pixel);
+        struct reference_hit *hit = &subject->hits[i], shadow;
+        reference_trace(subject->reference, &ray, hit);
+        float *point = subject->points + 3 * (size_t)pixel;
+        if (hit->triangle == REFERENCE_NONE ||
+            mlrt_offset_point(subject->tree, 0, hit->triangle, hit->u, hit->v, -hit->facing, point) != MLRT_OK) {
+            continue;
+        }
+        subject->skip[2 * pixel] = 0;
+        subject->skip[2 * pixel + 1] = hit->triangle;
+        const struct reference_ray to_light = shadow_ray(subject, light, pixel);
+        reference_trace(subject->reference, &to_light, &shadow);
+        subject->shadows[i] = shadow.triangle != REFERENCE_NONE;
+    }
+}
+
+/* One method's picture and shadows beside the answers. */
+static void compare(struct subject *subject, const float light[3], const mlrt_trace_options *options)
+{
+    const size_t count = (size_t)SIDE * SIDE;
+    float *t = allocate(count, sizeof *t), *u = allocate(count, sizeof *u), *v = allocate(count, sizeof *v);
+    uint32_t *triangle = allocate(count, sizeof *triangle);
+    uint8_t *occluded = allocate(count, 1);
+    const mlrt_hits frame = {
+        .struct_size = sizeof frame, .t = {t, 0, 0}, .u = {u, 0, 0}, .v = {v, 0, 0}, .triangle = {triangle, 0, 0}};
+    const mlrt_points points = {.struct_size = sizeof points,
+                                .row_length = SIDE,
+                                .count = count,
+                                .positions = {subject->points, 0},
+                                .skip = {subject->skip, 0}};
+    const mlrt_light lamp = {sizeof lamp, MLRT_LIGHT_POINT, {light[0], light[1], light[2]}};
+    const mlrt_array answers = {occluded, 0, 0};
+    int32_t status = mlrt_render_tiles(subject->tree, &subject->camera, options, &frame, NULL, NULL);
+    if (status == MLRT_OK) status = mlrt_occluded_points(subject->tree, &points, &lamp, options, &answers);
+    size_t different = status != MLRT_OK;
+    for (uint32_t i = 0; i < subject->pixel_count; i++) {
+        const uint32_t pixel = subject->pixels[i];
+        const struct reference_hit *hit = &subject->hits[i];
+        const int same = hit->triangle == triangle[pixel] && memcmp(&hit->t, &t[pixel], sizeof *t) == 0 &&
+                         memcmp(&hit->u, &u[pixel], sizeof *u) == 0 && memcmp(&hit->v, &v[pixel], sizeof *v) == 0 &&
+                         subject->shadows[i] == occluded[pixel];
+        if (!same && different == 0) {
+            print_message("pixel %u, method %d, isa %d: triangle %u, not %u; t %a, not %a; shadow %d, not %d\n",
+                          (unsigned)pixel, (int)options->method, (int)options->isa, (unsigned)triangle[pixel],
+                          (unsigned)hit->triangle, (double)t[pixel], (double)hit->t, occluded[pixel],
+                          subject->shadows[i]);
+        }
+        different += !same;
+    }
+    subject->difference_count += different;
+    free(t);
+    free(u);
+    free(v);
+    free(triangle);
+    free(occluded);
+}
+
+static void compare_methods(struct subject *subject, const float light[3])
+{
+    mlrt_pool *pool = NULL;
+    mlrt_create_pool(2, &pool);
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_SSE; isa++) {
+        for (int32_t method = MLRT_METHOD_RAY; method <= MLRT_METHOD_MULTILEVEL; method++) {
+            mlrt_trace_options options = {.struct_size = sizeof options, .isa = isa, .method = method, .pool = pool};
+            compare(subject, light, &options);
+            if (method != MLRT_METHOD_MULTILEVEL) continue;
+            options.shortcuts_off = 7;
+            options.minimum_tile_size = 4;
+            compare(subject, light, &options);
+        }
+    }
+    mlrt_destroy_pool(pool);
+}
+
+/* Answers of all methods that differ from the reference on random pixels of a scene; SIZE_MAX if it cannot be loaded. */
+static size_t count_differences(const char *name, const char *view, uint32_t pixel_count)
+{
+    struct subject subject = {.pixel_count = pixel_count};
+    if (load_scene(name, &subject.scene) || (view && read_view(view, &subject.scene.view)) ||
+        camera_of_view(&subject.scene.view, SIDE, SIDE, &subject.camera)) {
+        return SIZE_MAX;
+    }
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh,
+                            .vertices = subject.scene.vertices,
+                            .vertex_count = subject.scene.vertex_count,
+                            .indices = subject.scene.indices,
+                            .triangle_count = subject.scene.triangle_count};
+    if (mlrt_build_kdtree(&mesh, 1, NULL, &subject.tree) != MLRT_OK) return SIZE_MAX;
+    subject.reference = make_reference(&subject.scene);
+    subject.pixels = allocate(pixel_count, sizeof *subject.pixels);
+    subject.hits = allocate(pixel_count, sizeof *subject.hits);
+    subject.shadows = allocate(pixel_count, 1);
+    subject.points = allocate((size_t)SIDE * SIDE * 3, sizeof *subject.points);
+    subject.skip = allocate((size_t)SIDE * SIDE * 2, sizeof *subject.skip);
+    for (size_t i = 0; i < (size_t)SIDE * SIDE * 3; i++) subject.points[i] = NAN;
+    float light[3];
+    for (int k = 0; k < 3; k++) light[k] = (float)subject.scene.view.light[k];
+
+    find_answers(&subject, light);
+    compare_methods(&subject, light);
+
+    reference_destroy(subject.reference);
+    mlrt_destroy_tree(subject.tree);
+    free_scene(&subject.scene);
+    free(subject.pixels);
+    free(subject.hits);
+    free(subject.shadows);
+    free(subject.points);
+    free(subject.skip);
+    return subject.difference_count;
+}
+
+static void pixels_of_room(void **state)
+{
+    (void)state;
+    assert_int_equal(count_differences("room", NULL, 2000), 0);
+}
+
+static void pixels_of_scan(void **state)
+{
+    (void)state;
+    assert_int_equal(count_differences("scan:20000", NULL, 500), 0);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc >= 3) {
+        const size_t different = count_differences(argv[2], argc > 3 ? argv[3] : NULL, (uint32_t)atoi(argv[1]));
+        printf("%s: %s pixels, differences: %zd\n", argv[2], argv[1], (ptrdiff_t)different);
+        return different != 0;
+    }
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pixels_of_room), cmocka_unit_test(pixels_of_scan)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
