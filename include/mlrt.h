@@ -93,7 +93,7 @@ enum {
     MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; see build_options.message */
     MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed; nothing was kept */
     MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
-    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, or with vectors that are not finite or span no picture */
+    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside of it, numbers that are not finite, no plane */
     MLRT_ERROR_UNSUPPORTED = 7,   /* the instruction set asked for is not in this machine or build */
     MLRT_ERROR_THREAD = 8,        /* the system would not start a thread */
     MLRT_ERROR_CANCELLED = 9      /* a tile callback asked to stop */
@@ -123,7 +123,7 @@ typedef struct mlrt_tree mlrt_tree;
  */
 typedef struct mlrt_mesh {
     uint32_t struct_size;
-    uint32_t id;            /* reported with hits. Ids must differ; if all are 0, positions in the array take their place */
+    uint32_t id;            /* reported with hits. Ids must differ and not be MLRT_NONE; if all are 0, they are 0, 1, 2, ... */
     const void *vertices;   /* float[3] each, aligned to 4 bytes */
     size_t vertex_count;
     size_t vertex_stride;   /* bytes from one vertex to the next, a multiple of 4; 0 = 12 */
@@ -172,8 +172,7 @@ typedef struct mlrt_build_options {
  * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
  * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
  * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
- * 2^31 - 1 triangles in all. Memory: about 36 bytes per triangle plus what mlrt_tree_info reports, and while building
- * about 80 bytes per triangle more.
+ * 2^30 - 1 triangles in all. Memory: see mlrt_tree_info, some 60 to 90 bytes per triangle, and while building twice that.
  *
  * Method: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
  * shooting", 2002) with the three rules of the paper (section 3.1).

@@ -17,6 +17,8 @@
 #include "render.h"
 #include "trace_ray.h"
 
+#define TRIANGLE_LIMIT ((1u << 30) - 1) /* leaves count in 30 bits */
+
 #define DEFAULT_INITIAL_TILE 128
 #define DEFAULT_INITIAL_TILE_ARRAYS 32 /* beams of arrays are made by looking at every ray: on one level only */
 #define DEFAULT_MINIMUM_TILE 16
@@ -66,7 +68,7 @@ static int32_t check_mesh(const mlrt_mesh *mesh)
     const uint32_t index_size = mesh->index_size ? mesh->index_size : 4;
     if ((index_size != 2 && index_size != 4) || mesh->reserved != 0) return MLRT_ERROR_ARGUMENT;
     if (mesh->triangle_count == 0) return MLRT_OK;
-    if (mesh->triangle_count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
+    if (mesh->triangle_count > TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
     if (!mesh->vertices && mesh->vertex_count) return MLRT_ERROR_ARGUMENT;
     if (mesh->vertex_stride % 4 || (mesh->vertex_stride && mesh->vertex_stride < 12)) return MLRT_ERROR_ARGUMENT;
     if ((uintptr_t)mesh->vertices % 4 || (uintptr_t)mesh->indices % index_size) return MLRT_ERROR_ARGUMENT;
@@ -157,7 +159,7 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_
         int32_t status = check_mesh(mesh_at(meshes, i));
         if (status != MLRT_OK) return status;
         triangle_count += mesh_at(meshes, i)->triangle_count;
-        if (triangle_count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
+        if (triangle_count > TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
     }
     tree->mesh_count = (uint32_t)mesh_count;
     tree->triangle_count = (uint32_t)triangle_count;
@@ -331,9 +333,45 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     return status == MLRT_OK ? mlrt_run_job(&job, pool_of(options), counters_of(options)) : status;
 }
 
-/* A list of one ray. The arrays are the caller's struct, so that every method and option works on it. */
-static int32_t trace_one(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
-                         mlrt_hit *hit)
+/* Writes what a ray hit to the caller's struct; `number` is MLRT_NONE for a miss. */
+static void write_hit(const mlrt_tree *tree, const struct mlrt_ray_segment *segment, uint32_t number, int any,
+                      mlrt_hit *hit)
+{
+    hit->occluded = number != MLRT_NONE;
+    if (any) return;
+    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
+    hit->mesh = hit->triangle = MLRT_NONE;
+    if (number != MLRT_NONE) {
+        const uint32_t mesh = mlrt_mesh_of_triangle(tree, number);
+        hit->mesh = tree->mesh_ids[mesh];
+        hit->triangle = number - tree->mesh_first[mesh];
+        mlrt_report_hit(segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
+    }
+    hit->t = report.t;
+    hit->u = report.u;
+    hit->v = report.v;
+    hit->facing = report.facing;
+}
+
+/* Method `ray` for one ray: nothing to set up. */
+static MLRT_NOINLINE void trace_directly(const mlrt_tree *tree, const mlrt_ray *ray, int any, mlrt_counters *counters,
+                                         mlrt_hit *hit)
+{
+    struct mlrt_ray_segment segment;
+    uint32_t number = MLRT_NONE;
+    const uint32_t skip =
+        ray->flags & MLRT_RAY_SKIP ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
+    if (counters) ++counters->ray_count;
+    if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, ray->t_max == 0 ? INFINITY : ray->t_max, &segment)) {
+        if (counters) ++counters->packet_count;
+        number = mlrt_trace_segment(tree, &segment, skip, any, counters);
+    }
+    write_hit(tree, &segment, number, any, hit);
+}
+
+/* Any other method: a list of one ray. The arrays are the caller's struct. */
+static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
+                             mlrt_hit *hit)
 {
     const float t_max = ray->t_max == 0 ? INFINITY : ray->t_max;
     const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
@@ -367,13 +405,16 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     if (!tree || !ray || !hit) return MLRT_ERROR_ARGUMENT;
     if (ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit) return MLRT_ERROR_STRUCT_SIZE;
     if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
-    mlrt_trace_options one = {.struct_size = sizeof one};
-    if (options) {
-        if (options->struct_size != sizeof *options) return MLRT_ERROR_STRUCT_SIZE;
-        one = *options;
+    struct mlrt_job job = {.callback = NULL};
+    const int32_t status = resolve_options(options, &job);
+    if (status != MLRT_OK) return status;
+    if (options && options->method != MLRT_METHOD_DEFAULT && options->method != MLRT_METHOD_RAY) {
+        return trace_as_list(tree, ray, options, job.any, hit);
     }
-    if (one.method == MLRT_METHOD_DEFAULT) one.method = MLRT_METHOD_RAY;
-    return trace_one(tree, ray, &one, one.query == MLRT_QUERY_ANY, hit);
+    const uint64_t environment = mlrt_enter_fp_environment();
+    trace_directly(tree, ray, job.any, counters_of(options), hit);
+    mlrt_leave_fp_environment(environment);
+    return MLRT_OK;
 }
 
 static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_camera *camera,
