@@ -281,7 +281,8 @@ typedef struct mlrt_counters {
     uint32_t struct_size;
     uint32_t reserved;                  /* 0 */
     uint64_t ray_count;                 /* rays traced */
-    uint64_t packet_count;              /* packets (4x4 or 2x2) traced through the tree, or rays of method `ray` */
+    uint64_t packet_count;              /* groups of rays traced together: packets, or less where directions differ; rays
+                                         * of method `ray` */
     uint64_t beam_count;                /* beams for which an entry point was searched */
     uint64_t cell_count;                /* nodes, inner or leaf, descended into or popped; those of the entry-point search included */
     uint64_t entry_point_cell_count;    /* of these, in the entry-point search */

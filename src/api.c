@@ -11,7 +11,6 @@
 #include <time.h>
 
 #include "dispatch.h"
-#include "hit.h"
 #include "kdtree_build.h"
 #include "offset.h"
 #include "render.h"
@@ -38,7 +37,7 @@ MLRT_API const char *mlrt_status_string(int32_t status)
         "a triangle names a vertex that does not exist",
         "out of memory",
         "more triangles, rays or pixels than 32-bit counts allow",
-        "camera of size zero, or with vectors that span no picture",
+        "camera of size zero, crop outside of it, numbers that are not finite, or vectors that span no picture",
         "instruction set not available here",
         "the system would not start a thread",
         "stopped by a callback",

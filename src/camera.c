@@ -91,16 +91,6 @@ int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
     return MLRT_OK;
 }
 
-void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi)
-{
-    if (!(lo <= hi)) {
-        lo = -INFINITY;
-        hi = INFINITY;
-    }
-    beam->slope_lo[a][j] = mlrt_float_down(lo - fabs(lo) * MLRT_SLOPE_SLACK);
-    beam->slope_hi[a][j] = mlrt_float_up(hi + fabs(hi) * MLRT_SLOPE_SLACK);
-}
-
 /* p at the corners of a tile's sample positions, exact but for 2^-52, and the pad that covers every rounding. */
 struct corners {
     double p[3][4];

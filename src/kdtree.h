@@ -54,6 +54,16 @@ static inline uint32_t mlrt_leaf_count(const struct mlrt_node *node)
     return node->word >> 2;
 }
 
+/* Magnitudes that float arithmetic in traversal carries without overflow or loss: these, and 0. */
+#define MLRT_SAFE_MIN 0x1p-60f
+#define MLRT_SAFE_MAX 0x1p60f
+
+static inline int mlrt_is_float_safe(float a)
+{
+    float magnitude = a < 0 ? -a : a;
+    return a == 0 || (magnitude >= MLRT_SAFE_MIN && magnitude <= MLRT_SAFE_MAX);
+}
+
 struct mlrt_box {
     float lo[3];
     float hi[3];
@@ -77,7 +87,7 @@ struct mlrt_tree {
     uint32_t *references;
     uint32_t reference_count;
     struct mlrt_box bounds; /* of all triangles in the tree: exact, nothing is rounded. All 0 if there is none */
-    int float_safe;        /* 1 = every split plane and every bound is 0 or has a magnitude in 2^-60 .. 2^60 */
+    int float_safe;        /* 1 = every split plane and every bound is mlrt_is_float_safe */
     mlrt_tree_info info;
 };
 

@@ -510,7 +510,7 @@ static void make_safe(struct build *build, const struct mlrt_box *bounds, size_t
 {
     for (int k = 0; k < 3; k++)
         if (!mlrt_is_float_safe(bounds->lo[k]) || !mlrt_is_float_safe(bounds->hi[k])) return;
-    build->tiny = MLRT_SAFE_MINIMUM;
+    build->tiny = MLRT_SAFE_MIN;
     for (size_t i = 0; i < count; i++) round_tiny(&pending_at(build, i)->box, build->tiny);
 }
 

@@ -68,12 +68,6 @@ static uint64_t hash_tree(const struct mlrt_tree *tree)
     return hash;
 }
 
-int mlrt_is_float_safe(float x)
-{
-    float magnitude = fabsf(x);
-    return magnitude == 0 || (magnitude >= MLRT_SAFE_MINIMUM && magnitude <= MLRT_SAFE_MAXIMUM);
-}
-
 static double half_area(const struct mlrt_box *box)
 {
     double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1],

@@ -7,12 +7,6 @@
 
 #include "kdtree.h"
 
-/* The range of magnitudes that float_safe allows, besides 0. */
-#define MLRT_SAFE_MINIMUM 0x1p-60f
-#define MLRT_SAFE_MAXIMUM 0x1p60f
-
-int mlrt_is_float_safe(float x);
-
 /*
  * Sets what follows from nodes, references and bounds: float_safe, and in info depth, the counts of nodes and
  * references, tree_hash, sah_cost for these costs, and the bounds.

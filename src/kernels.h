@@ -53,7 +53,7 @@ struct mlrt_triangle_setup {
     float size[3][4];
 };
 
-#define MLRT_SETUP_COUNT 128 /* 18 KiB: fits the first-level cache beside a tile's packets and nodes */
+#define MLRT_SETUP_COUNT 128 /* 17 KiB: fits the first-level cache beside a tile's packets and nodes */
 
 /* What one worker has to itself. */
 struct mlrt_worker {
@@ -67,7 +67,6 @@ struct mlrt_worker {
 };
 
 struct mlrt_kernels {
-    const char *name;
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
     void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
                        uint32_t height);

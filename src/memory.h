@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Memory: the one place that allocates, and the one place where a count is multiplied by a size.
+ * Memory of a tree: blocks of count times size bytes, checked for overflow and counted.
  *
  * A `struct mlrt_memory` counts what is held through it, so that a build can report its peak.
  */

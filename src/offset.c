@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "platform.h"
 #include "predicate.h"
 #include "rounding.h"
 
@@ -74,7 +75,7 @@ static int find_normal(const struct mlrt_triangle *triangle, int side, double di
     return largest > 0;
 }
 
-int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3])
+MLRT_NOINLINE int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3])
 {
     if (!has_finite_vertices(triangle) || !mlrt_triangle_has_area(triangle)) return 0;
     double base[3], direction[3];

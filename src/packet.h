@@ -14,11 +14,10 @@
 
 #include <stdint.h>
 
+#include "kdtree.h"
 #include "platform.h"
 
 #define MLRT_PACKET_RAYS 16
-#define MLRT_SAFE_MIN 0x1p-60f
-#define MLRT_SAFE_MAX 0x1p60f
 
 struct mlrt_packet {
     MLRT_ALIGNED(64) float direction[3][MLRT_PACKET_RAYS];
@@ -45,12 +44,6 @@ static inline uint32_t mlrt_block_lanes(uint32_t width, uint32_t height)
     static const uint16_t columns[5] = {0, 0x0505, 0x0F0F, 0x5F5F, 0xFFFF};
     static const uint16_t rows[5] = {0, 0x0033, 0x00FF, 0x33FF, 0xFFFF};
     return columns[width] & rows[height];
-}
-
-static inline int mlrt_is_float_safe(float a)
-{
-    float magnitude = a < 0 ? -a : a;
-    return a == 0 || (magnitude >= MLRT_SAFE_MIN && magnitude <= MLRT_SAFE_MAX);
 }
 
 #endif

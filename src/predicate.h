@@ -16,7 +16,7 @@
 
 #include "kdtree.h"
 
-/* A ray whose numbers have been checked (ray.h). */
+/* A ray whose numbers have been checked (hit.h). */
 struct mlrt_ray_segment {
     float origin[3];
     float direction[3];

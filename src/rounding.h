@@ -26,12 +26,6 @@ static inline float mlrt_next_down(float a)
     return a;
 }
 
-/* The smallest float above a. */
-static inline float mlrt_next_up(float a)
-{
-    return -mlrt_next_down(-a);
-}
-
 /* The largest float <= a. Not for NaN. */
 static inline float mlrt_float_down(double a)
 {

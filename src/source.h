@@ -47,12 +47,17 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
                  uint32_t *skip);
 
+/* Can float arithmetic carry the ray (packet.h)? */
+static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
+{
+    for (int k = 0; k < 3; ++k) {
+        if (!mlrt_is_float_safe(ray->origin[k]) || !mlrt_is_float_safe(ray->direction[k])) return 0;
+    }
+    return 1;
+}
+
 /* Fills a packet with the block of at most 4x4 rays at (x, y), for any kind of source. */
 void mlrt_get_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                      struct mlrt_packet *packet);
-
-/* The beam of a tile; 0 if its rays differ in sign, are not float-safe, or are all invalid. */
-int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                  struct mlrt_beam *beam);
 
 #endif

@@ -6,9 +6,9 @@
  * With all signs of a direction component equal, the distances of a group's rays to the plane x_k = c are within
  * (c - o_k) [1 / |d|_max, 1 / |d|_min]. c - o_k has one rounding, the reciprocals and the products one each: the
  * reciprocals are moved apart by a factor 1 -+ 2^-21, which pays for all of them; packet.h's limits on the magnitudes
- * rule out overflow and underflow. d_k = 0 makes a reciprocal infinite; in the plane itself the product is then a NaN,
- * every comparison is false, and both children are visited. Comparisons are strict, so a ray that grazes a plane, and a
- * cell without thickness, see both sides.
+ * rule out overflow, and should the last product underflow, its rounding still keeps the order. d_k = 0 makes a reciprocal
+ * infinite; in the plane itself the product is then a NaN, every comparison is false, and both children are visited.
+ * Comparisons are strict, so a ray that grazes a plane, and a cell without thickness, see both sides.
  *
  * Based on: Reshetov et al. 2005, section 4.3.
  */

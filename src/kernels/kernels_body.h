@@ -26,7 +26,7 @@
 #include "trace_tile.h"
 
 #if MLRT_COUNTING
-const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_NAME, trace_tile};
+const struct mlrt_kernels KERNELS_COUNTING = {trace_tile};
 #else
-const struct mlrt_kernels KERNELS = {KERNELS_NAME, trace_tile};
+const struct mlrt_kernels KERNELS = {trace_tile};
 #endif

@@ -124,6 +124,7 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
         for (uint32_t i = 0; i < count; ++i) {
             struct mlrt_triangle_setup *setup = NULL;
             if (packet->has_apex) {
+                /* One entry is kept, for its terms only: this method looks at no outlines. */
                 setup = &worker->setups[0];
                 if (setup->number != entries[i] || !setup->has_terms) {
                     setup->number = entries[i];

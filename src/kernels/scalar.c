@@ -3,5 +3,4 @@
 #include "simd_scalar.h"
 #define KERNELS mlrt_kernels_scalar
 #define KERNELS_COUNTING mlrt_kernels_scalar_counting
-#define KERNELS_NAME "scalar"
 #include "kernels_body.h"

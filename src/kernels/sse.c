@@ -3,5 +3,4 @@
 #include "simd_sse.h"
 #define KERNELS mlrt_kernels_sse
 #define KERNELS_COUNTING mlrt_kernels_sse_counting
-#define KERNELS_NAME "sse"
 #include "kernels_body.h"
