@@ -16,8 +16,9 @@ void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi)
         lo = -INFINITY;
         hi = INFINITY;
     }
-    beam->slope_lo[a][j] = mlrt_float_down(lo - fabs(lo) * MLRT_SLOPE_SLACK);
-    beam->slope_hi[a][j] = mlrt_float_up(hi + fabs(hi) * MLRT_SLOPE_SLACK);
+    /* An infinite bound on the wrong side bounds nothing either. */
+    beam->slope_lo[a][j] = isinf(lo) ? -INFINITY : mlrt_float_down(lo - fabs(lo) * MLRT_SLOPE_SLACK);
+    beam->slope_hi[a][j] = isinf(hi) ? INFINITY : mlrt_float_up(hi + fabs(hi) * MLRT_SLOPE_SLACK);
 }
 
 /* Where the part (0, t_max] of a ray can be, per axis. */

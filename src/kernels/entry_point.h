@@ -28,10 +28,11 @@ MLRT_INLINE void enter_child(struct entry_point *cell, uint32_t child, int is_up
 {
     cell->node = child + (uint32_t)is_upper;
     ++cell->depth;
+    /* Only inward: the box may already be less than the cell. */
     if (is_upper) {
-        cell->box.lo[a] = c;
+        if (c > cell->box.lo[a]) cell->box.lo[a] = c;
     } else {
-        cell->box.hi[a] = c;
+        if (c < cell->box.hi[a]) cell->box.hi[a] = c;
     }
 }
 
