@@ -18,10 +18,10 @@
 
 #define TRIANGLE_LIMIT ((1u << 30) - 1) /* leaves count in 30 bits */
 
-#define DEFAULT_INITIAL_TILE 128
+#define DEFAULT_INITIAL_TILE        128
 #define DEFAULT_INITIAL_TILE_ARRAYS 32 /* beams of arrays are made by looking at every ray: on one level only */
-#define DEFAULT_MINIMUM_TILE 16
-#define DEFAULT_SPLIT_FACTOR 16
+#define DEFAULT_MINIMUM_TILE        16
+#define DEFAULT_SPLIT_FACTOR        16
 
 MLRT_API uint32_t mlrt_version(void)
 {
@@ -269,7 +269,8 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_MULTILEVEL) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_SSE) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if (options->reserved != 0 || options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~15u) return MLRT_ERROR_ARGUMENT;
+    if (options->reserved != 0 || options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~15u)
+        return MLRT_ERROR_ARGUMENT;
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
         return MLRT_ERROR_ARGUMENT;
     }
@@ -344,7 +345,8 @@ static void write_hit(const mlrt_tree *tree, const struct mlrt_ray_segment *segm
         const uint32_t mesh = mlrt_mesh_of_triangle(tree, number);
         hit->mesh = tree->mesh_ids[mesh];
         hit->triangle = number - tree->mesh_first[mesh];
-        mlrt_report_hit(segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
+        mlrt_report_hit(segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING,
+                        &report);
     }
     hit->t = report.t;
     hit->u = report.u;
@@ -518,8 +520,8 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     return status == MLRT_OK ? mlrt_run_job(&job, pool_of(options), counters_of(options)) : status;
 }
 
-MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v, int32_t side,
-                                   float point[3])
+MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
+                                   int32_t side, float point[3])
 {
     if (!tree || !point || (side != 1 && side != -1) || !isfinite(u) || !isfinite(v)) return MLRT_ERROR_ARGUMENT;
     const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);

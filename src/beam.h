@@ -8,7 +8,8 @@
  *   which pays for every rounding in the tests of kernels/beam_culling.h (a ray with d_a = 0 has infinite slopes);
  *   and every point of the ray that matters lies in `region`.
  *
- * Based on: Reshetov et al. 2005, section 4.1, requirement (3): a rectangle on any axis-aligned plane, and common signs.
+ * Based on: Reshetov et al. 2005, section 4.1, requirement (3): a rectangle on any axis-aligned plane, and common
+ * signs.
  */
 #ifndef MLRT_BEAM_H
 #define MLRT_BEAM_H
@@ -22,8 +23,8 @@ struct mlrt_beam {
     float slope_hi[3][3];
     struct mlrt_box region;
     int negative[3];
-    int main_axis;  /* where |d| is largest, about */
-    int has_apex;   /* one common origin */
+    int main_axis;    /* where |d| is largest, about */
+    int has_apex;     /* one common origin */
     int may_cover;    /* every ray counts every triangle from its origin on: no skip, t_min = 0 */
     int is_unlimited; /* all rays are valid and have no t_max */
 };

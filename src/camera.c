@@ -2,14 +2,14 @@
 /*
  * The camera: checking it, and the beams of its tiles.
  *
- * A tile's vectors p = d00 + x dx + y dy are affine in (x, y), so over the rectangle of sample positions each component,
- * and each ratio of two components whose denominator keeps its sign, has its extremes at the four corners. The rays are
- * those of *rounded* vectors: by the formula, component k is off by at most
+ * A tile's vectors p = d00 + x dx + y dy are affine in (x, y), so over the rectangle of sample positions each
+ * component, and each ratio of two components whose denominator keeps its sign, has its extremes at the four corners.
+ * The rays are those of *rounded* vectors: by the formula, component k is off by at most
  *
  *     fl(x dx): u |x dx|;  first sum: u (|d00| + |x dx|)(1 + u);  fl(y dy): u |y dy|;  second sum: u of everything
  *
- * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), u = 2^-24: `pad` is 4 u of the largest such sum over the
- * corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
+ * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), u = 2^-24: `pad` is 4 u of the largest such sum over
+ * the corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
  *
  *     |(A_j + e_j) / (A_a + e_a) - A_j / A_a| <= (p_j + |A_j / A_a| p_a) / (|A_a| - p_a).
  */

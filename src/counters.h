@@ -11,7 +11,7 @@
 #if defined(MLRT_COUNTING) && MLRT_COUNTING
 #define COUNT(counters, field, n) ((counters)->field += (uint64_t)(n))
 #else
-#define MLRT_COUNTING 0
+#define MLRT_COUNTING             0
 #define COUNT(counters, field, n) ((void)(counters))
 #endif
 

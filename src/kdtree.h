@@ -12,8 +12,8 @@
  *   I1. Children lie behind their parent: child > parent. Every node but the root has one parent; node_count is odd.
  *   I2. A cell is a closed box. The root's is `bounds`; a plane x_k = c with lo_k <= c <= hi_k splits a cell into
  *       [lo, hi with hi_k = c] and [lo with lo_k = c, hi]. c == lo_k or c == hi_k makes a cell of zero thickness.
- *   I3. For every triangle that was not left out, and every point p of it, some leaf whose closed cell contains p refers
- *       to the triangle. (Not every such leaf: a triangle that only touches a plane is on one side of it.) Here
+ *   I3. For every triangle that was not left out, and every point p of it, some leaf whose closed cell contains p
+ * refers to the triangle. (Not every such leaf: a triangle that only touches a plane is on one side of it.) Here
  *       arithmetic is exact: bounds are rounded outward wherever they are computed.
  *   I4. No path has more than MLRT_DEPTH_LIMIT inner nodes.
  *   I5. The entries of a leaf are ascending triangle numbers, each once.
@@ -79,15 +79,15 @@ struct mlrt_tree {
     struct mlrt_triangle *triangles;
     uint32_t triangle_count;
     uint32_t mesh_count;
-    uint32_t *mesh_ids;    /* mesh_count: as reported */
-    uint32_t *mesh_first;  /* mesh_count + 1: number of the first triangle of each mesh, ascending */
-    uint32_t *mesh_by_id;  /* mesh_count: positions in the order of their ids */
+    uint32_t *mesh_ids;   /* mesh_count: as reported */
+    uint32_t *mesh_first; /* mesh_count + 1: number of the first triangle of each mesh, ascending */
+    uint32_t *mesh_by_id; /* mesh_count: positions in the order of their ids */
     struct mlrt_node *nodes;
-    uint32_t node_count;   /* at least 1 */
+    uint32_t node_count; /* at least 1 */
     uint32_t *references;
     uint32_t reference_count;
     struct mlrt_box bounds; /* of all triangles in the tree: exact, nothing is rounded. All 0 if there is none */
-    int float_safe;        /* 1 = every split plane and every bound is mlrt_is_float_safe */
+    int float_safe;         /* 1 = every split plane and every bound is mlrt_is_float_safe */
     mlrt_tree_info info;
 };
 

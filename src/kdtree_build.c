@@ -35,12 +35,13 @@ struct preset {
  *
  * The empty factor hardly matters: expected costs for 1, 0.9, 0.8, 0.7 differ by less than 1 %.
  *
- * Minimum cell 1e-8, 1e-6, 2e-5, 1e-4, preset `paper`, by method packet4 (which tests no triangle twice in a row of leaves
- * and leaves out those its rays do not overlap): conference 64.8 / 6.7, 59.6 / 6.2, 56.9 / 6.3, 55.0 / 6.9; a ship seen
- * from inside (cruiser) 84.6 / 10.0, 75.0 / 8.5, 71.9 / 8.6, 69.4 / 9.9; a dense scan (dragon, 7.8 M triangles) 333 / 51,
- * 146 / 51, 42.9 / 43, 30.4 / 37. Build times fall by a third at each step. But leaves grow, and time follows neither:
- * frames of cruiser take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5, those of the dragon 969, 749, 694. So 1e-6 is a compromise.
- * At 2e-5 the dragon's cells are those that the paper counts for its own dragon without beams, 42.2.
+ * Minimum cell 1e-8, 1e-6, 2e-5, 1e-4, preset `paper`, by method packet4 (which tests no triangle twice in a row of
+ * leaves and leaves out those its rays do not overlap): conference 64.8 / 6.7, 59.6 / 6.2, 56.9 / 6.3, 55.0 / 6.9; a
+ * ship seen from inside (cruiser) 84.6 / 10.0, 75.0 / 8.5, 71.9 / 8.6, 69.4 / 9.9; a dense scan (dragon, 7.8 M
+ * triangles) 333 / 51, 146 / 51, 42.9 / 43, 30.4 / 37. Build times fall by a third at each step. But leaves grow, and
+ * time follows neither: frames of cruiser take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5, those of the dragon 969, 749, 694.
+ * So 1e-6 is a compromise. At 2e-5 the dragon's cells are those that the paper counts for its own dragon without
+ * beams, 42.2.
  */
 static const struct preset PRESETS[] = {
     {{1.0, 1.0, 0.9}, 1e-6}, /* MLRT_TREE_DEFAULT */

@@ -13,7 +13,7 @@ struct mlrt_job {
     const struct mlrt_tree *tree;
     const struct mlrt_kernels *kernels;
     struct mlrt_source source;
-    int32_t method;  /* resolved: not DEFAULT */
+    int32_t method; /* resolved: not DEFAULT */
     int32_t culling;
     int culling_check;
     /* What the multi-level method has beyond the paper. */
@@ -43,13 +43,13 @@ struct mlrt_outline {
  * its edge functions.
  */
 struct mlrt_triangle_setup {
-    uint32_t number;     /* of the triangle; MLRT_NONE = empty entry */
-    uint32_t main_axis;  /* of the outline, with its sign: axis | negative << 2 */
+    uint32_t number;    /* of the triangle; MLRT_NONE = empty entry */
+    uint32_t main_axis; /* of the outline, with its sign: axis | negative << 2 */
     int has_terms;
     struct mlrt_outline outline;
     float distance;
     float distance_bound;
-    float cross[3][4];   /* [component][edge ab, bc, ca; normal] */
+    float cross[3][4]; /* [component][edge ab, bc, ca; normal] */
     float size[3][4];
 };
 

@@ -16,15 +16,16 @@ struct mlrt_memory {
     uint64_t limit_size; /* held_size may not exceed it: tests run out of memory this way. 0 = no limit */
 };
 
-/* count * size bytes, aligned to 64, or NULL if there is no memory or the product overflows. count = 0 gives memory too. */
+/* count * size bytes, aligned to 64, or NULL if there is no memory or the product overflows. count = 0 gives memory
+ * too. */
 void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size);
 
 /* Frees what mlrt_allocate(memory, count, size) returned; `count` and `size` are those given then. NULL is allowed. */
 void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t size);
 
 /*
- * Grows (or shrinks) an array from old_count to new_count elements, keeping the common part. On failure returns NULL and
- * the old block stays as it is.
+ * Grows (or shrinks) an array from old_count to new_count elements, keeping the common part. On failure returns NULL
+ * and the old block stays as it is.
  */
 void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size);
 

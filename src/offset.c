@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Points just off a triangle: the point on it is computed in double, moved along the normal, rounded to float component
- * by component in the direction of the move, and then the exact side is looked up (predicate.h). If it is the wrong one,
- * the move is doubled. So the distance is about the spacing of floats there, and the side is a fact.
+ * by component in the direction of the move, and then the exact side is looked up (predicate.h). If it is the wrong
+ * one, the move is doubled. So the distance is about the spacing of floats there, and the side is a fact.
  */
 #include "offset.h"
 
@@ -28,9 +28,7 @@ static int move_point(const double base[3], const double direction[3], double st
     for (int k = 0; k < 3; ++k) {
         const double moved = base[k] + step * direction[k];
         if (!(fabs(moved) <= FLT_MAX)) return 0;
-        point[k] = direction[k] > 0   ? mlrt_float_up(moved)
-                   : direction[k] < 0 ? mlrt_float_down(moved)
-                                      : (float)moved;
+        point[k] = direction[k] > 0 ? mlrt_float_up(moved) : direction[k] < 0 ? mlrt_float_down(moved) : (float)moved;
     }
     return 1;
 }
@@ -75,7 +73,8 @@ static int find_normal(const struct mlrt_triangle *triangle, int side, double di
     return largest > 0;
 }
 
-MLRT_NOINLINE int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3])
+MLRT_NOINLINE int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side,
+                                         float point[3])
 {
     if (!has_finite_vertices(triangle) || !mlrt_triangle_has_area(triangle)) return 0;
     double base[3], direction[3];

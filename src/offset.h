@@ -8,8 +8,8 @@
 #include "kdtree.h"
 
 /*
- * A point near (1 - u - v) a + u b + v c, strictly on the side of the normal (side = +1) or the other (-1). 0 if there is
- * none in the range of float, or if the triangle has no plane.
+ * A point near (1 - u - v) a + u b + v c, strictly on the side of the normal (side = +1) or the other (-1). 0 if there
+ * is none in the range of float, or if the triangle has no plane.
  */
 int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3]);
 

@@ -6,8 +6,8 @@
  * (mlrt_lane_x[l], mlrt_lane_y[l]) of its block. So one layout serves packets of both sizes.
  *
  * Only rays whose numbers float arithmetic carries without overflow or loss are `active`: their direction components,
- * origin coordinates (and those of the tree, kdtree.h's float_safe) are 0 or of magnitude 2^-60 .. 2^60. Other rays that
- * can hit something are `single`, and go through the tree one by one in double.
+ * origin coordinates (and those of the tree, kdtree.h's float_safe) are 0 or of magnitude 2^-60 .. 2^60. Other rays
+ * that can hit something are `single`, and go through the tree one by one in double.
  */
 #ifndef MLRT_PACKET_H
 #define MLRT_PACKET_H
@@ -24,13 +24,13 @@ struct mlrt_packet {
     MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS]; /* not filled if has_apex */
     MLRT_ALIGNED(64) float t_min[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float t_max[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];         /* the nearest hit so far, as struct mlrt_nearest */
+    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS]; /* the nearest hit so far, as struct mlrt_nearest */
     MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) uint32_t triangle[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS];    /* triangle number, MLRT_NONE = none; not filled if !has_skip */
-    float apex[3];     /* the common origin, if has_apex */
-    uint32_t active;   /* bit per lane */
-    uint32_t single;   /* bit per lane */
+    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS]; /* triangle number, MLRT_NONE = none; not filled if !has_skip */
+    float apex[3];                                    /* the common origin, if has_apex */
+    uint32_t active;                                  /* bit per lane */
+    uint32_t single;                                  /* bit per lane */
     int has_apex;
     int has_skip;
 };

@@ -21,16 +21,16 @@
 #endif
 
 #if defined(__GNUC__)
-#define MLRT_INLINE static inline __attribute__((always_inline, unused))
-#define MLRT_NOINLINE __attribute__((noinline))
-#define MLRT_ALIGNED(bytes) __attribute__((aligned(bytes)))
-#define MLRT_LIKELY(condition) __builtin_expect(!!(condition), 1)
+#define MLRT_INLINE              static inline __attribute__((always_inline, unused))
+#define MLRT_NOINLINE            __attribute__((noinline))
+#define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
+#define MLRT_LIKELY(condition)   __builtin_expect(!!(condition), 1)
 #define MLRT_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
 #else
 #define MLRT_INLINE static inline
 #define MLRT_NOINLINE
 #define MLRT_ALIGNED(bytes)
-#define MLRT_LIKELY(condition) (condition)
+#define MLRT_LIKELY(condition)   (condition)
 #define MLRT_UNLIKELY(condition) (condition)
 #endif
 

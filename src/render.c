@@ -86,7 +86,8 @@ static unsigned char *make_tile_buffers(const struct mlrt_job *job, uint32_t wor
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
     size_t worker_size = 0;
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        if (wants_channel(job, (enum mlrt_channel)c)) worker_size += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
+        if (wants_channel(job, (enum mlrt_channel)c))
+            worker_size += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
     }
     if (worker_size > (SIZE_MAX - 1) / worker_count) return NULL;
     unsigned char *buffers = malloc(worker_size * worker_count + 1);

@@ -26,11 +26,11 @@ struct mlrt_pool {
     pthread_mutex_t mutex;      /* guards all below */
     pthread_cond_t batch_begins;
     pthread_cond_t batch_ends;
-    struct batch *batch;    /* NULL between calls */
-    uint64_t batch_number;  /* so that a worker takes part in each batch once */
-    uint32_t busy_count;    /* started threads inside the batch */
+    struct batch *batch;   /* NULL between calls */
+    uint64_t batch_number; /* so that a worker takes part in each batch once */
+    uint32_t busy_count;   /* started threads inside the batch */
     int ending;
-    uint32_t thread_count;  /* started ones */
+    uint32_t thread_count; /* started ones */
     struct thread *threads;
 };
 

@@ -113,8 +113,7 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
                           : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
 }
 
-int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
-                 uint32_t *skip)
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
     if (skip) *skip = MLRT_NONE;
     if (source->kind == MLRT_SOURCE_CAMERA) return get_camera_ray(&source->view, x, y, ray);

@@ -3,7 +3,8 @@
  * Where rays come from: a camera, the caller's arrays, or a light and points. To the kernels all three are a picture: a
  * rectangle of rays, cut into tiles and blocks, with a beam around each tile.
  *
- * A plain list is a picture four rays wide: so 16 neighbours in the list are a block, and a tile of n x n is 4 n of them.
+ * A plain list is a picture four rays wide: so 16 neighbours in the list are a block, and a tile of n x n is 4 n of
+ * them.
  */
 #ifndef MLRT_SOURCE_H
 #define MLRT_SOURCE_H
@@ -23,8 +24,8 @@ struct mlrt_source {
     enum mlrt_source_kind kind;
     uint32_t width;
     uint32_t height;
-    uint32_t count;         /* of rays; the last row may be short */
-    struct mlrt_view view;  /* camera */
+    uint32_t count;        /* of rays; the last row may be short */
+    struct mlrt_view view; /* camera */
     float light[3];
     mlrt_const_array points; /* rays: the origins; lights: the points */
     mlrt_const_array directions;

@@ -2,20 +2,17 @@
 /*
  * A beam against cells: which children of a cell can its rays reach, and can they reach a box at all.
  *
- * A ray that is in front of its origin by x along axis a is at o_j + m x on axis j, with m = d_j / d_a. All tests compare
- * such products with distances from the origin, m x against (h - o_j): four roundings at most, each relative, and the
- * beam's slopes are already widened by 2^-20 of themselves. So an answer "no" is a proof, at any scale; packet.h's limits
- * rule out underflow that could matter. Comparisons with a NaN (0 times infinity) are false: not excluded.
+ * A ray that is in front of its origin by x along axis a is at o_j + m x on axis j, with m = d_j / d_a. All tests
+ * compare such products with distances from the origin, m x against (h - o_j): four roundings at most, each relative,
+ * and the beam's slopes are already widened by 2^-20 of themselves. So an answer "no" is a proof, at any scale;
+ * packet.h's limits rule out underflow that could matter. Comparisons with a NaN (0 times infinity) are false: not
+ * excluded.
  *
  * Based on: Reshetov et al. 2005, section 3.3: direct culling puts the planes of the beam against the box, inverse
  * culling the planes of the box against the beam.
  */
 
-enum {
-    NEAR_CHILD = 1,
-    FAR_CHILD = 2,
-    BOTH_CHILDREN = 3
-};
+enum { NEAR_CHILD = 1, FAR_CHILD = 2, BOTH_CHILDREN = 3 };
 
 /* Bounds of m x for m in [slope_lo, slope_hi] and x between x_lo <= x_hi, which have one sign. */
 MLRT_INLINE struct distance_interval offset_range(const struct mlrt_beam *beam, int a, int j, float x_lo, float x_hi)
@@ -29,8 +26,8 @@ MLRT_INLINE struct distance_interval offset_range(const struct mlrt_beam *beam, 
 
 /*
  * Inverse culling: the plane x_a = c splits a cell that the beam touches. On it, the rays fill a rectangle. Where that
- * lies wholly past the side through which the rays leave the cell, none gets to the far child; where it lies wholly before
- * the side through which they come in, none was in the near child.
+ * lies wholly past the side through which the rays leave the cell, none gets to the far child; where it lies wholly
+ * before the side through which they come in, none was in the near child.
  */
 MLRT_INLINE int cull_inverse(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
 {

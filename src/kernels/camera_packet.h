@@ -28,8 +28,8 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
         vf size = v_set1(0), difference = v_set1(0);
         vm ok = m_from_bits(0xFFFFFFFFu);
         for (int k = 0; k < 3; ++k) {
-            const vf d = v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))),
-                               v_mul(ys, v_set1(view->dy[k])));
+            const vf d =
+                v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))), v_mul(ys, v_set1(view->dy[k])));
             v_store(packet->direction[k] + v, v_add(d, v_set1(0))); /* -0 becomes 0 */
             ok = m_and(ok, safe_lanes(d));
             size = v_max(size, v_abs(d));

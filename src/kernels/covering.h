@@ -8,8 +8,8 @@
  * has one certain sign at the four corners of the rectangle has it for every ray; and the hit points of a covering
  * triangle lie among those of the corners.
  *
- * In double, with edge functions d . (a x b) of vertices relative to the apex: two differences, product, subtraction, product,
- * two sums are 7 roundings, and N has 8. So 16 u times the sum of magnitudes bounds the error, u = 2^-53.
+ * In double, with edge functions d . (a x b) of vertices relative to the apex: two differences, product, subtraction,
+ * product, two sums are 7 roundings, and N has 8. So 16 u times the sum of magnitudes bounds the error, u = 2^-53.
  *
  * Based on: Reshetov et al. 2005, section 4.1 (a leaf with an object that every possible ray hits ends the search).
  */
@@ -94,14 +94,14 @@ static int misses_beam(const struct corner_terms *terms)
 /* Distances along the main axis at which a corner ray crosses a plane whose D is certain there. */
 MLRT_INLINE double least_depth(const struct corner_terms *terms, int corner)
 {
-    return (fabs(terms->distance) - terms->distance_bound) /
-           (fabs(terms->value[3][corner]) + terms->bound[3][corner]) * (1 - 0x1p-45);
+    return (fabs(terms->distance) - terms->distance_bound) / (fabs(terms->value[3][corner]) + terms->bound[3][corner]) *
+           (1 - 0x1p-45);
 }
 
 MLRT_INLINE double greatest_depth(const struct corner_terms *terms, int corner)
 {
-    return (fabs(terms->distance) + terms->distance_bound) /
-           (fabs(terms->value[3][corner]) - terms->bound[3][corner]) * (1 + 0x1p-45);
+    return (fabs(terms->distance) + terms->distance_bound) / (fabs(terms->value[3][corner]) - terms->bound[3][corner]) *
+           (1 + 0x1p-45);
 }
 
 /* 1 if every ray of the beam that crosses the plane of `other` in front of the apex does so behind `cover`. */

@@ -3,10 +3,10 @@
  * Entry-point search: the deepest node at which every ray of a beam may start.
  *
  * First a depth-first search, near child first, to the first leaf with potential: one that holds triangles and that the
- * beam may touch. Nodes where both children remained are kept on a LIFO stack, from which the search goes on when a leaf
- * has no potential. If the leaf found holds a triangle that all rays of the beam hit, nothing behind it matters, and the
- * beam's region ends there. Then the far children of the bifurcations that are left are searched: the highest one that
- * leads to another leaf with potential is the entry point, and if there is none, the first leaf is.
+ * beam may touch. Nodes where both children remained are kept on a LIFO stack, from which the search goes on when a
+ * leaf has no potential. If the leaf found holds a triangle that all rays of the beam hit, nothing behind it matters,
+ * and the beam's region ends there. Then the far children of the bifurcations that are left are searched: the highest
+ * one that leads to another leaf with potential is the entry point, and if there is none, the first leaf is.
  *
  * The paper takes bifurcations from the top of the stack down and replaces its candidate each time; the result is the
  * same, the highest of them. Starting with the highest finds it at once: docs/reproduction.md has the steps of both.
@@ -19,8 +19,8 @@
 
 /* What an entry-point search found. */
 enum {
-    BEAM_MISSES,  /* no ray hits anything */
-    BEAM_ENTERS,  /* all rays may start at the entry point */
+    BEAM_MISSES,    /* no ray hits anything */
+    BEAM_ENTERS,    /* all rays may start at the entry point */
     BEAM_IS_COVERED /* all rays hit one triangle first */
 };
 
@@ -117,8 +117,8 @@ static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const 
 }
 
 /*
- * Ends the beam's region at the triangles of a leaf that cover it. Returns the one that all rays hit before any other of
- * the leaf, or MLRT_NONE.
+ * Ends the beam's region at the triangles of a leaf that cover it. Returns the one that all rays hit before any other
+ * of the leaf, or MLRT_NONE.
  */
 static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_point *leaf, struct mlrt_beam *beam)
 {
@@ -145,8 +145,8 @@ MLRT_INLINE int enter_far_region(const struct mlrt_tree *tree, const struct mlrt
 }
 
 /*
- * Searches from *entry, where all rays of the beam may start. BEAM_ENTERS: *entry is the deepest such node, with what of
- * its cell is in the beam's region. BEAM_IS_COVERED: *cover is the triangle.
+ * Searches from *entry, where all rays of the beam may start. BEAM_ENTERS: *entry is the deepest such node, with what
+ * of its cell is in the beam's region. BEAM_IS_COVERED: *cover is the triangle.
  */
 static int find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
                             uint32_t *cover, mlrt_counters *counters)
@@ -208,5 +208,5 @@ static int find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, s
         set_box_outline(&list->entries[i].box, list->axis_code, beam->origin_lo, &list->outlines[i]);
     }
     return list->count == 1 && *cover != MLRT_NONE && job->whole_tiles && beam->is_unlimited ? BEAM_IS_COVERED
-                                                                                         : BEAM_ENTERS;
+                                                                                             : BEAM_ENTERS;
 }

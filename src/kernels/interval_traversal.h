@@ -6,9 +6,9 @@
  * With all signs of a direction component equal, the distances of a group's rays to the plane x_k = c are within
  * (c - o_k) [1 / |d|_max, 1 / |d|_min]. c - o_k has one rounding, the reciprocals and the products one each: the
  * reciprocals are moved apart by a factor 1 -+ 2^-21, which pays for all of them; packet.h's limits on the magnitudes
- * rule out overflow, and should the last product underflow, its rounding still keeps the order. d_k = 0 makes a reciprocal
- * infinite; in the plane itself the product is then a NaN, every comparison is false, and both children are visited.
- * Comparisons are strict, so a ray that grazes a plane, and a cell without thickness, see both sides.
+ * rule out overflow, and should the last product underflow, its rounding still keeps the order. d_k = 0 makes a
+ * reciprocal infinite; in the plane itself the product is then a NaN, every comparison is false, and both children are
+ * visited. Comparisons are strict, so a ray that grazes a plane, and a cell without thickness, see both sides.
  *
  * Based on: Reshetov et al. 2005, section 4.3.
  */
@@ -25,7 +25,7 @@ struct entry_point {
  * Several are mostly leaves.
  */
 #define ENTRY_LIST_LEAVES 16
-#define ENTRY_LIST_SIZE (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
+#define ENTRY_LIST_SIZE   (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
 
 struct entry_list {
     uint32_t count;
@@ -78,7 +78,8 @@ struct pending_cell {
     struct distance_interval part;
 };
 
-/* Tests a group against the triangles of a leaf. Lowers *farthest, the greatest distance at which its rays still look. */
+/* Tests a group against the triangles of a leaf. Lowers *farthest, the greatest distance at which its rays still look.
+ */
 static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf, float *farthest,
                        struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {

@@ -3,9 +3,10 @@
  * Outlines: where triangles and cells are seen from an apex, to leave out at once what no ray of a packet can hit.
  *
  * Along a main axis with its sign, a point in front of the apex has a depth and slopes x_j / depth over the other two
- * axes. What lies wholly in front is seen between the slopes of its vertices, and so is every ray that hits it. A slope of
- * a vertex has three roundings, one of a ray two; both kinds of bounds are moved apart by 2^-20 of themselves. So rays
- * whose slopes do not overlap an outline surely miss what it is of. What is not wholly in front is seen everywhere.
+ * axes. What lies wholly in front is seen between the slopes of its vertices, and so is every ray that hits it. A slope
+ * of a vertex has three roundings, one of a ray two; both kinds of bounds are moved apart by 2^-20 of themselves. So
+ * rays whose slopes do not overlap an outline surely miss what it is of. What is not wholly in front is seen
+ * everywhere.
  *
  * Groups are narrow (ray_group.h), so no ray of one has a main component of 0.
  */

@@ -3,8 +3,8 @@
  * Rays of a packet that go through the tree together, and what is to be known of them all: bounds of their origins and
  * directions, and with a common origin the frustum they lie in.
  *
- * A group has common signs: d_k >= 0 for all its rays, or d_k < 0 for all. And it is narrow: traced as one, it visits all
- * that lies between its rays. What is left over forms further groups.
+ * A group has common signs: d_k >= 0 for all its rays, or d_k < 0 for all. And it is narrow: traced as one, it visits
+ * all that lies between its rays. What is left over forms further groups.
  */
 
 /* Directions of a group differ by at most this share of their length. Chosen on the shadow rays of conference, where
@@ -15,9 +15,9 @@
 struct group_axis {
     float origin_lo;
     float origin_hi;
-    float small;    /* bounds of the reciprocal directions, with their sign: smallest and largest magnitude, */
-    float large;    /* moved apart by RECIPROCAL_SLACK. May be infinite */
-    float reach;    /* largest |d_k| */
+    float small; /* bounds of the reciprocal directions, with their sign: smallest and largest magnitude, */
+    float large; /* moved apart by RECIPROCAL_SLACK. May be infinite */
+    float reach; /* largest |d_k| */
     uint32_t negative;
 };
 
@@ -27,10 +27,10 @@ struct group_axis {
 struct ray_group {
     uint32_t lanes;
     struct group_axis axis[3];
-    int has_frustum;    /* a common origin; only then what follows is set */
-    uint32_t axis_code; /* the main axis, where the directions are largest, and its sign (outline.h) */
+    int has_frustum;             /* a common origin; only then what follows is set */
+    uint32_t axis_code;          /* the main axis, where the directions are largest, and its sign (outline.h) */
     struct square_slopes slopes; /* against it */
-    uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
+    uint32_t seen[SEEN_COUNT];   /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
 #define RECIPROCAL_SLACK 0x1p-21f
@@ -110,8 +110,8 @@ static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf difference = v_set1(0);
         for (int k = 0; k < 3; ++k) {
-            difference = v_max(v_abs(v_sub(v_load(packet->direction[k] + v), v_set1(packet->direction[k][seed]))),
-                               difference);
+            difference =
+                v_max(v_abs(v_sub(v_load(packet->direction[k] + v), v_set1(packet->direction[k][seed]))), difference);
         }
         similar |= m_bits(v_le(difference, v_set1(GROUP_SPREAD * 0.5f * length))) << v;
     }
@@ -198,8 +198,8 @@ MLRT_INLINE int was_seen(struct ray_group *group, uint32_t number)
 }
 
 /*
- * Lanes of a group with a frustum that may hit what has this outline nearer than at `farthest`: a ray that hits it at t is
- * there at the depth t |d_main|.
+ * Lanes of a group with a frustum that may hit what has this outline nearer than at `farthest`: a ray that hits it at t
+ * is there at the depth t |d_main|.
  */
 MLRT_INLINE uint32_t touched_lanes(const struct ray_group *group, const struct mlrt_outline *outline, float farthest)
 {

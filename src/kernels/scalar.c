@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The kernels in plain C, for any processor. */
 #include "simd_scalar.h"
-#define KERNELS mlrt_kernels_scalar
+#define KERNELS          mlrt_kernels_scalar
 #define KERNELS_COUNTING mlrt_kernels_scalar_counting
 #include "kernels_body.h"

@@ -19,6 +19,7 @@ typedef float vf;
 typedef uint32_t vi;
 typedef uint32_t vm;
 
+/* clang-format off: a table of words */
 MLRT_INLINE uint32_t bits_of(float a)
 {
     uint32_t bits;

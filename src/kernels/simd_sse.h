@@ -15,6 +15,7 @@ typedef __m128 vf;
 typedef __m128i vi;
 typedef __m128 vm;
 
+/* clang-format off: a table of words */
 MLRT_INLINE vf v_set1(float a) { return _mm_set1_ps(a); }
 MLRT_INLINE vf v_load(const float *p) { return _mm_load_ps(p); }
 MLRT_INLINE void v_store(float *p, vf a) { _mm_store_ps(p, a); }

@@ -3,8 +3,8 @@
  * The levels: a tile has a beam, the beam an entry point; from there the tile is cut into smaller tiles with beams and
  * entry points of their own, until packets of 4x4 rays are traced from the last one.
  *
- * A tile whose rays differ in sign has no beam. It is cut as well, and packets of such a tile start where the tile above
- * them started.
+ * A tile whose rays differ in sign has no beam. It is cut as well, and packets of such a tile start where the tile
+ * above them started.
  *
  * Based on: Reshetov et al. 2005, section 4.2.
  */
@@ -66,7 +66,8 @@ static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     if (job->has_frame) mlrt_write_packet(job->tree, packet, lanes, block->x, block->y, &job->frame);
     if (job->callback) {
-        mlrt_write_packet(job->tree, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
+        mlrt_write_packet(job->tree, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y,
+                          &worker->tile);
     }
 }
 
@@ -178,9 +179,8 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
     list.entries[0] = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = job->entry_lists
-                              ? find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
-                              : find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
+        const int found = job->entry_lists ? find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                                           : find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
         if (found != BEAM_ENTERS) {
             finish_tile(job, worker, found, cover, tile);
             return;

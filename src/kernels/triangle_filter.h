@@ -11,15 +11,16 @@
  *   D = d . n, n = (b - a) x (c - a)     two differences, product, subtraction, product, two sums: 7 u
  *   N = fl(a - o) . n                    difference, n's 4, product, two sums: 8 u
  *
- * times M, the same expression with all signs made positive and |s| replaced by |a| + |b|. What is computed as M lacks at
- * most 8 u of itself, so 16 u M = 2^-20 M is a bound with a factor of two to spare. For M, |d| may be replaced by anything
- * larger: a whole packet shares the largest |d_k| of its rays, and so one bound.
+ * times M, the same expression with all signs made positive and |s| replaced by |a| + |b|. What is computed as M lacks
+ * at most 8 u of itself, so 16 u M = 2^-20 M is a bound with a factor of two to spare. For M, |d| may be replaced by
+ * anything larger: a whole packet shares the largest |d_k| of its rays, and so one bound.
  *
- * s x g = 2 (a x b), but where a x b cancels for a small triangle far away, s x g does not: its M shrinks with the edge.
+ * s x g = 2 (a x b), but where a x b cancels for a small triangle far away, s x g does not: its M shrinks with the
+ * edge.
  *
- * Underflow: a float subtraction never underflows inexactly; each product may lose 2^-150, which later factors scale. The
- * sum of these losses is under 2^-149 (|d_x| + |d_y| + |d_z| + 2) for 2 e and D, and the same with |a - o| for N. `floor`
- * is 2^-146 (sum + 4). Overflow makes M infinite or NaN, and then no comparison below is true: undecided.
+ * Underflow: a float subtraction never underflows inexactly; each product may lose 2^-150, which later factors scale.
+ * The sum of these losses is under 2^-149 (|d_x| + |d_y| + |d_z| + 2) for 2 e and D, and the same with |a - o| for N.
+ * `floor` is 2^-146 (sum + 4). Overflow makes M infinite or NaN, and then no comparison below is true: undecided.
  *
  * Distances: t = N / D lies between (|N| - EN) / (|D| + ED) and (|N| + EN) / (|D| - ED), in signs that make D positive;
  * three roundings, paid for by a factor 1 -+ 2^-21, and 2^-148 for underflow of the quotient.
@@ -30,9 +31,9 @@
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross and bound is the normal. */
 struct triangle_terms {
-    vf cross[4][3];    /* twice a x b, b x c, c x a relative to the origin; n */
-    vf bound[4];       /* error bounds of d . cross[i] */
-    vf distance;       /* N */
+    vf cross[4][3]; /* twice a x b, b x c, c x a relative to the origin; n */
+    vf bound[4];    /* error bounds of d . cross[i] */
+    vf distance;    /* N */
     vf distance_bound;
 };
 
@@ -106,7 +107,8 @@ MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, const f
     float bound[4];
     for (int i = 0; i < 4; ++i) {
         bound[i] = (reach[0] * setup->size[0][i] + reach[1] * setup->size[1][i] + reach[2] * setup->size[2][i]) *
-                       FILTER_BOUND + floor;
+                       FILTER_BOUND +
+                   floor;
     }
     for (int i = 0; i < 4; ++i) {
         for (int k = 0; k < 3; ++k) terms->cross[i][k] = v_set1(setup->cross[k][i]);
@@ -118,9 +120,9 @@ MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, const f
 
 /* What the filter says of a vector of rays; the lanes in neither have nothing to do with the triangle. */
 struct verdict {
-    vm nearer;    /* surely hit, surely before the nearest hit so far */
+    vm nearer; /* surely hit, surely before the nearest hit so far */
     vm undecided;
-    vf lo;        /* where nearer: lo <= t <= hi */
+    vf lo; /* where nearer: lo <= t <= hi */
     vf hi;
 };
 

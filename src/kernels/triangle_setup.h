@@ -4,7 +4,7 @@
  * functions. A worker keeps a small table of both for the packets of the neighbourhood.
  */
 
-#define FILTER_BOUND 0x1p-20f  /* triangle_filter.h derives both */
+#define FILTER_BOUND 0x1p-20f /* triangle_filter.h derives both */
 #define FILTER_FLOOR 0x1p-146f
 
 static void forget_setups(const float apex[3], struct mlrt_worker *worker)
