@@ -22,14 +22,15 @@ SOVERSION := 0
 
 empty :=
 comma := ,
-BUILD := build$(if $(SAN),/san-$(subst $(comma),-,$(SAN)))
+BUILD := build$(if $(SAN),/san-$(subst $(comma),-,$(SAN)))$(if $(GUESS),/guess)
 TARGET := $(shell $(CC) -dumpmachine)
 IS_X86 := $(filter x86_64% i386% i486% i586% i686%,$(TARGET))
 Q := $(if $(V),,@)
 
 CFLAGS   ?= -g
 STANDARD := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla $(if $(WERROR),-Werror)
-EXACT    := -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse)
+GUESS    ?=
+EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse)
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
@@ -49,7 +50,7 @@ EXAMPLES    = $(foreach e,$(basename $(notdir $(wildcard examples/*.c))),$(if $(
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
                 $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
 EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) \
-                $(if $(HAVE_CJSON),$(call pkg,--libs,libcjson)) -lm
+                $(if $(HAVE_CJSON),$(call pkg,--libs,libcjson)) -lm -ldl
 
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
@@ -152,6 +153,7 @@ test: | $(AFTER_DEPS)
 # ---- install -------------------------------------------------------------------------------------------------------
 
 install: library
+	$(if $(GUESS),$(error GUESS=1 is for measuring only))
 	install -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(LIBDIR)/pkgconfig
 	install -m 644 include/mlrt.h $(DESTDIR)$(PREFIX)/include/
 	install -m 644 $(BUILD)/libmlrt.a $(DESTDIR)$(LIBDIR)/

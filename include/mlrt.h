@@ -287,13 +287,19 @@ typedef struct mlrt_counters {
     uint64_t cell_count;                /* nodes, inner or leaf, descended into or popped; those of the entry-point search included */
     uint64_t entry_point_cell_count;    /* of these, in the entry-point search */
     uint64_t triangle_test_count;       /* (packet, triangle) tests with at least one ray taking part */
-    uint64_t judged_lane_count;         /* (ray, triangle) pairs that the float filter left to the exact judge */
+    uint64_t judged_lane_count;         /* (ray, triangle) pairs that the float filter left to double arithmetic */
     uint64_t entry_point_count;         /* entry points from which packets were traced */
     uint64_t entry_point_depth_sum;     /* their depths below the root, added up */
     uint64_t missed_beam_count;         /* beams that provably hit nothing: no ray of theirs was traced */
     uint64_t covered_beam_count;        /* beams whose rays provably all hit one triangle first: none was traced */
     uint64_t undecided_cull_count;      /* inner nodes where the culling test could exclude no child */
     uint64_t undecided_checked_count;   /* of these, still undecided after the extra check */
+    uint64_t lane_test_count;           /* (ray, triangle) pairs that the float filter looked at */
+    uint64_t undecided_test_count;      /* of triangle_test_count, those with a judged ray */
+    uint64_t tie_lane_count;            /* (ray, triangle) pairs settled because the nearest hit lies in the same plane */
+    uint64_t exact_edge_count;          /* decisions that double left to exact arithmetic: beside which edge, */
+    uint64_t exact_range_count;         /*   within t_min and t_max, */
+    uint64_t exact_order_count;         /*   which of two hits is nearer */
 } mlrt_counters;
 
 /*
@@ -405,6 +411,43 @@ typedef struct mlrt_hit {
 /* Traces one ray. For more than a few use mlrt_trace_packet: it is many times faster per ray. */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit);
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * All hits of a ray
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/*
+ * Where lists of hits go: `capacity` elements per ray, so hit j of ray i is element i * capacity + j. An array with
+ * data = NULL is not wanted. Elements behind a ray's last hit are written as misses.
+ */
+typedef struct mlrt_hit_lists {
+    uint32_t struct_size;
+    uint32_t capacity;         /* hits written per ray at most; 0 = only the totals, and no arrays of hits */
+    mlrt_array t;              /* float */
+    mlrt_array u;              /* float */
+    mlrt_array v;              /* float */
+    mlrt_array mesh;           /* uint32_t */
+    mlrt_array triangle;       /* uint32_t */
+    mlrt_array facing;         /* int32_t */
+    mlrt_array crossing;       /* uint8_t: 1 = this hit crosses the surface, 0 = it only touches it, or there is no hit */
+    mlrt_array total;          /* uint32_t, one per ray: how many hits it has, also beyond `capacity` */
+    mlrt_array crossing_total; /* uint32_t, one per ray: how many of these cross */
+} mlrt_hit_lists;
+
+/*
+ * Finds every triangle that each ray hits, in the order of mlrt_trace_packet's rule: by N / D, equal ones as in the input.
+ *
+ * A hit through an edge or a corner is a hit of each triangle there. For questions of inside and outside such a ray must
+ * count once, so each hit says whether it is a `crossing`: whether it would still be a hit with the origin moved by
+ * (e, e^2, e^3) for any positive e that is small enough (symbolic perturbation: H. Edelsbrunner, E. P. Muecke,
+ * "Simulation of Simplicity", 1990). Along any ray from a point that does not lie on a closed mesh, with t_max = inf,
+ * crossing_total is odd if the point is inside, and even if it is outside.
+ *
+ * `options` may be NULL; of its fields only pool and counters matter. MLRT_ERROR_OUT_OF_MEMORY is possible: hits are
+ * gathered in memory that grows with the hits of one ray. The arrays then hold the results of some rays only.
+ */
+MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
+                                     const mlrt_hit_lists *lists);
 
 /* ------------------------------------------------------------------------------------------------------------------
  * Tracing pictures

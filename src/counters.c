@@ -19,4 +19,10 @@ void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
     to->covered_beam_count += from->covered_beam_count;
     to->undecided_cull_count += from->undecided_cull_count;
     to->undecided_checked_count += from->undecided_checked_count;
+    to->lane_test_count += from->lane_test_count;
+    to->undecided_test_count += from->undecided_test_count;
+    to->tie_lane_count += from->tie_lane_count;
+    to->exact_edge_count += from->exact_edge_count;
+    to->exact_range_count += from->exact_range_count;
+    to->exact_order_count += from->exact_order_count;
 }

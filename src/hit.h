@@ -34,16 +34,16 @@ struct mlrt_nearest {
 
 /* Offers a triangle to a ray: 1 if it is hit and comes before *nearest, which it then becomes (rules R2, R3). */
 static inline int mlrt_offer_triangle(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number,
-                                      struct mlrt_nearest *nearest)
+                                      struct mlrt_nearest *nearest, mlrt_counters *counters)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[number];
-    if (!mlrt_hits_triangle(ray, triangle)) return 0;
+    if (!mlrt_hits_triangle(ray, triangle, counters)) return 0;
     float lo, hi;
     mlrt_bound_distance(ray, triangle, &lo, &hi);
     if (nearest->triangle != MLRT_NONE) {
         if (lo > nearest->hi) return 0;
         if (!(hi < nearest->lo)) {
-            int order = mlrt_compare_distance(ray, triangle, &tree->triangles[nearest->triangle]);
+            int order = mlrt_compare_distance(ray, triangle, &tree->triangles[nearest->triangle], counters);
             if (order > 0 || (order == 0 && number > nearest->triangle)) return 0;
         }
     }

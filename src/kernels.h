@@ -55,9 +55,19 @@ struct mlrt_triangle_setup {
 
 #define MLRT_SETUP_COUNT 128 /* 17 KiB: fits the first-level cache beside a tile's packets and nodes */
 
+/* Two triangles, and whether they lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
+struct mlrt_plane_pair {
+    uint32_t first;
+    uint32_t second;
+    int share;
+};
+
+#define MLRT_PLANE_PAIR_COUNT 64
+
 /* What one worker has to itself. */
 struct mlrt_worker {
     mlrt_counters counters;
+    struct mlrt_plane_pair pairs[MLRT_PLANE_PAIR_COUNT]; /* entry (first ^ second) % MLRT_PLANE_PAIR_COUNT */
     struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];

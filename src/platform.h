@@ -20,6 +20,14 @@
 #pragma STDC FP_CONTRACT OFF
 #endif
 
+/*
+ * 1 in a build that is made to measure what exactness costs, and never installed (make GUESS=1): decisions are the best
+ * guess of the first arithmetic that looks at them, float in packets and double for single rays. No bounds, no judge.
+ */
+#ifndef MLRT_GUESS
+#define MLRT_GUESS 0
+#endif
+
 #if defined(__GNUC__)
 #define MLRT_INLINE              static inline __attribute__((always_inline, unused))
 #define MLRT_NOINLINE            __attribute__((noinline))

@@ -104,6 +104,7 @@ MLRT_INLINE double size_of(struct vector v)
 MLRT_INLINE int certain_sign(struct measured measured, double error)
 {
     double bound = error * measured.size;
+    if (MLRT_GUESS) return measured.value >= 0 ? 1 : -1;
     return (measured.value > bound) - (measured.value < -bound);
 }
 
@@ -312,9 +313,10 @@ int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3
  * e_bc, e_ca as far as they are known, else 0. D is their sum: it needs no arithmetic of its own.
  */
 static MLRT_NOINLINE int facing_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                                        const int sign[3])
+                                        const int sign[3], mlrt_counters *counters)
 {
     int facing = 0;
+    if (counters) ++counters->exact_edge_count;
     for (int i = 0; i < 3; ++i) {
         if (facing == 0) facing = sign[i];
     }
@@ -330,8 +332,9 @@ static MLRT_NOINLINE int facing_exactly(const struct mlrt_ray_segment *ray, cons
 
 /* The sign of N - t D. */
 static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                                             float t)
+                                             float t, mlrt_counters *counters)
 {
+    if (counters) ++counters->exact_range_count;
     struct exact_vector normal;
     struct mlrt_exact n, d, exact_t, product, difference;
     exact_normal(triangle, &normal);
@@ -345,13 +348,14 @@ static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray,
 }
 
 MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                            const struct crossing *crossing, float t)
+                            const struct crossing *crossing, float t, mlrt_counters *counters)
 {
     int sign = certain_sign(measure_beyond(crossing, t), SIGN_ERROR);
-    return MLRT_LIKELY(sign != 0) ? sign : sign_beyond_exactly(ray, triangle, t);
+    return MLRT_LIKELY(sign != 0) ? sign : sign_beyond_exactly(ray, triangle, t, counters);
 }
 
-int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
+int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                       mlrt_counters *counters)
 {
     struct operands operands = load_operands(ray, triangle);
     struct two_edges edges = measure_edges(&operands);
@@ -365,11 +369,11 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
 
     int facing = sign_ab;
     if (MLRT_UNLIKELY(sign_ab == 0 || sign_bc == 0 || sign_ca == 0)) {
-        facing = facing_exactly(ray, triangle, (const int[3]){sign_ab, sign_bc, sign_ca});
+        facing = facing_exactly(ray, triangle, (const int[3]){sign_ab, sign_bc, sign_ca}, counters);
         if (facing == 0) return 0;
     }
-    if (facing * sign_beyond(ray, triangle, &crossing, ray->t_min) <= 0) return 0;
-    return ray->t_max > FLT_MAX || facing * sign_beyond(ray, triangle, &crossing, ray->t_max) <= 0;
+    if (facing * sign_beyond(ray, triangle, &crossing, ray->t_min, counters) <= 0) return 0;
+    return ray->t_max > FLT_MAX || facing * sign_beyond(ray, triangle, &crossing, ray->t_max, counters) <= 0;
 }
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -418,7 +422,7 @@ static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment 
  * so planes w1, w2 across the same axis compare as sgn(d_k) (w1 - w2).
  */
 static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
-                                                const struct mlrt_triangle *second)
+                                                const struct mlrt_triangle *second, mlrt_counters *counters)
 {
     for (int axis = 0; axis < 3; ++axis) {
         if (!is_across(first, axis) || !is_across(second, axis)) continue;
@@ -427,11 +431,12 @@ static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *r
         return ray->direction[axis] < 0 ? -sign : sign;
     }
     if (same_vertices(first, second)) return 0;
+    if (counters) ++counters->exact_order_count;
     return compare_distance_exactly(ray, first, second);
 }
 
 int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
-                          const struct mlrt_triangle *second)
+                          const struct mlrt_triangle *second, mlrt_counters *counters)
 {
     struct operands operands_1 = load_operands(ray, first);
     struct operands operands_2 = load_operands(ray, second);
@@ -439,7 +444,19 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
     struct crossing crossing_2 = measure_crossing(&operands_2);
     int sign = certain_sign(crossing_1.d, SIGN_ERROR) * certain_sign(crossing_2.d, SIGN_ERROR) *
                certain_sign(measure_order(&crossing_1, &crossing_2), ORDER_ERROR);
-    return MLRT_LIKELY(sign != 0) ? sign : compare_close_distance(ray, first, second);
+    return MLRT_LIKELY(sign != 0) ? sign : compare_close_distance(ray, first, second, counters);
+}
+
+int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (is_across(first, axis) && is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
+    }
+    if (same_vertices(first, second)) return 1;
+    for (int i = 0; i < 3; ++i) {
+        if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
+    }
+    return 1;
 }
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -549,7 +566,7 @@ static MLRT_NOINLINE void report_hit_exactly(const struct mlrt_ray_segment *ray,
 MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
 {
     *result = (float)enclosure.high;
-    return (float)enclosure.low == *result;
+    return MLRT_GUESS || (float)enclosure.low == *result;
 }
 
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,

@@ -7,7 +7,8 @@
  * a few dozen double operations.
  *
  * Everywhere here: coordinates are finite, the direction is not zero, 0 <= t_min < t_max, and triangles have an area
- * (mlrt_triangle_has_area), unless a function says that it copes with less.
+ * (mlrt_triangle_has_area), unless a function says that it copes with less. `counters`, if not NULL, learn of decisions
+ * that went to exact arithmetic.
  */
 #ifndef MLRT_PREDICATE_H
 #define MLRT_PREDICATE_H
@@ -28,14 +29,18 @@ struct mlrt_ray_segment {
 int mlrt_triangle_has_area(const struct mlrt_triangle *triangle);
 
 /* Rule R2: 1 if the ray hits the triangle at some t in (t_min, t_max]. Copes with triangles without area: 0. */
-int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle);
+int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                       mlrt_counters *counters);
 
 /*
  * Rule R3: the sign of t(first) - t(second), where the ray's line crosses the planes of the two triangles; neither may
  * be parallel to the ray. t_min and t_max do not matter.
  */
 int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
-                          const struct mlrt_triangle *second);
+                          const struct mlrt_triangle *second, mlrt_counters *counters);
+
+/* 1 if the triangles lie in one and the same plane: then no ray comes to one before the other. */
+int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second);
 
 /*
  * Floats around the t of a triangle that the ray hits: 0 <= *lo <= t <= *hi <= inf, as close as double arithmetic shows

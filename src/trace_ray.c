@@ -96,7 +96,7 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
         for (uint32_t i = 0; i < count; ++i) {
             if (entries[i] == skip) continue;
             if (counters) ++counters->triangle_test_count;
-            if (mlrt_offer_triangle(tree, ray, entries[i], &nearest) && any) return nearest.triangle;
+            if (mlrt_offer_triangle(tree, ray, entries[i], &nearest, counters) && any) return nearest.triangle;
         }
         do {
             if (pending_count == 0) return nearest.triangle;

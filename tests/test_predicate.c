@@ -396,7 +396,7 @@ static void check_triangle(const struct test_case *test)
 static void check_hit(const struct test_case *test)
 {
     int hit = expected_hit(&first_integers, &test->ray);
-    check(mlrt_hits_triangle(&test->ray, &test->triangle) == hit, "hits_triangle", test);
+    check(mlrt_hits_triangle(&test->ray, &test->triangle, NULL) == hit, "hits_triangle", test);
 }
 
 /* The interval's ends at, just below and just above t. */
@@ -411,7 +411,7 @@ static void check_intervals(struct test_case *test, float t)
             test->ray.t_max = around[j];
             if (test->ray.t_min < test->ray.t_max) check_hit(test);
         }
-        check(sign_beyond_exactly(&test->ray, &test->triangle, around[i]) ==
+        check(sign_beyond_exactly(&test->ray, &test->triangle, around[i], NULL) ==
                   expected_beyond(&first_integers, around[i]),
               "sign_beyond_exactly", test);
     }
@@ -446,7 +446,7 @@ static int check_case(struct test_case *test)
     set_integers(z, test);
     check_triangle(test);
     int facing = expected_facing(z);
-    check(facing_exactly(&test->ray, &test->triangle, (const int[3]){0, 0, 0}) == facing, "facing_exactly", test);
+    check(facing_exactly(&test->ray, &test->triangle, (const int[3]){0, 0, 0}, NULL) == facing, "facing_exactly", test);
     if (!expected_hit(z, &test->ray)) {
         check_hit(test);
         return 0;
@@ -549,9 +549,9 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
     int order = sign_of_int(expected_order(&first_integers, &second_integers));
     const struct mlrt_ray_segment *ray = &test->ray;
     const struct mlrt_triangle *first = &test->triangle;
-    check(mlrt_compare_distance(ray, first, second) == order, "compare_distance", test);
-    check(mlrt_compare_distance(ray, second, first) == -order, "compare_distance, swapped", test);
-    check(compare_close_distance(ray, first, second) == order, "compare_close_distance", test);
+    check(mlrt_compare_distance(ray, first, second, NULL) == order, "compare_distance", test);
+    check(mlrt_compare_distance(ray, second, first, NULL) == -order, "compare_distance, swapped", test);
+    check(compare_close_distance(ray, first, second, NULL) == order, "compare_close_distance", test);
     check(compare_distance_exactly(ray, first, second) == order, "compare_distance_exactly", test);
     return order == 0;
 }
@@ -760,12 +760,12 @@ static void a_hit_beyond_all_floats_needs_an_infinite_t_max(void **state)
 {
     (void)state;
     struct test_case test = make_facing_case(-1, 2, 0, 0, -FLT_MAX, FLT_MAX, 1);
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 1);
     test.ray.t_max = FLT_MAX;
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 0);
     test.ray.t_min = FLT_MAX;
     test.ray.t_max = INFINITY;
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 1);
 }
 
 static void the_interval_is_half_open(void **state)
@@ -773,25 +773,25 @@ static void the_interval_is_half_open(void **state)
     (void)state;
     struct test_case test = make_facing_case(-1, 2, 0, 0, 0, 3, 1);
     test.ray.t_max = 3;
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 1);
     test.ray.t_max = nudge(3, -1);
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 0);
     test.ray.t_max = INFINITY;
     test.ray.t_min = 3;
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 0);
     test.ray.t_min = nudge(3, -1);
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 1);
 }
 
 static void an_origin_in_the_triangle_misses(void **state)
 {
     (void)state;
     struct test_case test = make_facing_case(-1, 2, 0, 0, 5, 5, 1);
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 0);
     test.ray.origin[2] = nudge(5, -1);
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 1);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 1);
     test.ray.origin[2] = nudge(5, 1);
-    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle), 0);
+    assert_int_equal(mlrt_hits_triangle(&test.ray, &test.triangle, NULL), 0);
 }
 
 static void corners_report_zero_and_one(void **state)

@@ -104,8 +104,8 @@ MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, const f
                                 struct triangle_terms *terms)
 {
     const float floor = (reach[0] + reach[1] + reach[2] + 4) * FILTER_FLOOR;
-    float bound[4];
-    for (int i = 0; i < 4; ++i) {
+    float bound[4] = {0, 0, 0, 0};
+    for (int i = 0; !MLRT_GUESS && i < 4; ++i) {
         bound[i] = (reach[0] * setup->size[0][i] + reach[1] * setup->size[1][i] + reach[2] * setup->size[2][i]) *
                        FILTER_BOUND +
                    floor;
@@ -122,15 +122,39 @@ MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, const f
 struct verdict {
     vm nearer; /* surely hit, surely before the nearest hit so far */
     vm undecided;
-    vf lo; /* where nearer: lo <= t <= hi */
+    vm inside; /* surely inside all edges; of the undecided lanes only */
+    vf lo;     /* where nearer: lo <= t <= hi */
     vf hi;
 };
+
+/* The best guess of a decision, for builds that measure what better ones cost (platform.h). */
+MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, const struct mlrt_packet *packet, int v,
+                                        vm active)
+{
+    const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
+                     v_load(packet->direction[2] + v)};
+    const vf zero = v_set1(0);
+    const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
+             ca = dot_product(d, terms->cross[2]);
+    const vm above = m_and(m_and(v_ge(ab, zero), v_ge(bc, zero)), v_ge(ca, zero));
+    const vm below = m_and(m_and(v_le(ab, zero), v_le(bc, zero)), v_le(ca, zero));
+    struct verdict verdict;
+    verdict.nearer = m_and(active, m_or(above, below));
+    verdict.undecided = verdict.inside = m_andnot(active, active);
+    verdict.lo = verdict.hi = zero;
+    if (!m_bits(verdict.nearer)) return verdict;
+    const vf t = v_div(terms->distance, dot_product(d, terms->cross[3]));
+    verdict.lo = verdict.hi = t;
+    verdict.nearer = m_and(verdict.nearer, m_and(v_gt(t, v_load(packet->t_min + v)), v_lt(t, v_load(packet->hi + v))));
+    return verdict;
+}
 
 MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, const struct mlrt_packet *packet, int v,
                                          vm active)
 {
     const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
                      v_load(packet->direction[2] + v)};
+    if (MLRT_GUESS) return guess_vector(terms, packet, v, active);
     struct verdict verdict;
     vf e = dot_product(d, terms->cross[0]);
     vm above = v_gt(e, terms->bound[0]), below = v_gt(v_sub(v_set1(0), e), terms->bound[0]);
@@ -145,7 +169,7 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, con
         any_below = m_or(any_below, below);
     }
     const vm candidates = m_andnot(active, m_and(any_above, any_below));
-    verdict.nearer = verdict.undecided = candidates;
+    verdict.nearer = verdict.undecided = verdict.inside = candidates;
     verdict.lo = verdict.hi = v_set1(0);
     if (!m_bits(candidates)) return verdict;
 
@@ -161,15 +185,49 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, con
     const vf t_min = v_load(packet->t_min + v);
     const vm farther = m_or(v_gt(verdict.lo, v_load(packet->hi + v)), v_le(verdict.hi, t_min));
     const vm nearer = m_and(v_gt(verdict.lo, t_min), v_lt(verdict.hi, v_load(packet->lo + v)));
-    const vm inside = m_or(all_above, all_below);
-    verdict.nearer = m_and(m_and(candidates, certain), m_and(inside, nearer));
+    verdict.inside = m_and(m_and(candidates, certain), m_or(all_above, all_below));
+    verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
     return verdict;
 }
 
+/* Do two triangles lie in one plane? A worker remembers the last answers, since neighbours ask the same. */
+static int share_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker)
+{
+    struct mlrt_plane_pair *pair = &worker->pairs[(first ^ second) % MLRT_PLANE_PAIR_COUNT];
+    if (pair->first != first || pair->second != second) {
+        pair->first = first;
+        pair->second = second;
+        pair->share = mlrt_share_plane(&tree->triangles[first], &tree->triangles[second]);
+    }
+    return pair->share;
+}
+
+/*
+ * Exact ties are common: things drawn twice, walls of one plane. Where the nearest hit so far lies in the plane of the
+ * triangle, so does the ray's hit of it: at the same t, which is known to be in range. So the later of the two in the
+ * input changes nothing, whether it is hit or not, and the earlier one replaces the other where it is surely inside.
+ * Returns the lanes of `lanes` that are settled so.
+ */
+static MLRT_NOINLINE uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                          uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    uint32_t settled = 0;
+    for (uint32_t lane = 0; lanes >> lane; ++lane) {
+        const uint32_t nearest = packet->triangle[lane];
+        if (!(lanes >> lane & 1) || nearest == MLRT_NONE) continue;
+        const int earlier = number < nearest;
+        if (earlier && !(inside >> lane & 1)) continue;
+        if (!share_plane(tree, number, nearest, worker)) continue;
+        if (earlier) packet->triangle[lane] = number;
+        settled |= 1u << lane;
+    }
+    return settled;
+}
+
 /* Hands single lanes to the judge. Returns those that are hit nearer than before. */
 static MLRT_NOINLINE uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
-                                          struct mlrt_packet *packet)
+                                          struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t hit = 0;
     for (uint32_t lane = 0; lanes >> lane; ++lane) {
@@ -177,7 +235,7 @@ static MLRT_NOINLINE uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t
         struct mlrt_ray_segment ray;
         mlrt_get_segment(packet, lane, &ray);
         struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
-        if (!mlrt_offer_triangle(tree, &ray, number, &nearest)) continue;
+        if (!mlrt_offer_triangle(tree, &ray, number, &nearest, MLRT_COUNTING ? &worker->counters : NULL)) continue;
         packet->triangle[lane] = nearest.triangle;
         packet->lo[lane] = nearest.lo;
         packet->hi[lane] = nearest.hi;
@@ -192,36 +250,42 @@ static MLRT_NOINLINE uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t
  */
 static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, const struct mlrt_triangle_setup *setup,
                               const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
-                              mlrt_counters *counters)
+                              struct mlrt_worker *worker)
 {
     const float reach[3] = {group->axis[0].reach, group->axis[1].reach, group->axis[2].reach};
     struct triangle_terms terms;
     terms.distance = terms.distance_bound = v_set1(0);
     if (setup) set_apex_terms(setup, reach, &terms);
-    uint32_t changed = 0;
+    uint32_t changed = 0, undecided = 0, inside = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
         /* A triangle met again in another leaf is no news to the rays that it is the nearest of. */
         vm active = m_andnot(m_from_bits(lanes >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
         if (packet->has_skip) active = m_andnot(active, i_eq(i_load(packet->skip + v), i_set1(number)));
         if (!m_bits(active)) continue;
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
         if (!setup) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
                                   v_load(packet->origin[2] + v)};
             set_terms(&tree->triangles[number], origin, reach, &terms);
         }
         const struct verdict verdict = filter_vector(&terms, packet, v, active);
-        const uint32_t nearer = m_bits(verdict.nearer), undecided = m_bits(verdict.undecided);
+        const uint32_t nearer = m_bits(verdict.nearer);
         if (nearer) {
             v_store(packet->lo + v, v_select(verdict.nearer, verdict.lo, v_load(packet->lo + v)));
             v_store(packet->hi + v, v_select(verdict.nearer, verdict.hi, v_load(packet->hi + v)));
             i_store(packet->triangle + v, i_select(verdict.nearer, i_set1(number), i_load(packet->triangle + v)));
             changed |= nearer << v;
         }
-        if (undecided) {
-            COUNT(counters, judged_lane_count, mlrt_count_bits(undecided));
-            changed |= judge_lanes(tree, number, undecided << v, packet);
-        }
+        undecided |= m_bits(verdict.undecided) << v;
+        inside |= m_bits(verdict.inside) << v;
     }
-    return changed;
+    if (MLRT_LIKELY(!undecided)) return changed;
+    const uint32_t tied = settle_ties(tree, number, undecided, inside, packet, worker);
+    undecided &= ~tied;
+    COUNT(&worker->counters, tie_lane_count, mlrt_count_bits(tied));
+    if (!undecided) return changed;
+    COUNT(&worker->counters, undecided_test_count, 1);
+    COUNT(&worker->counters, judged_lane_count, mlrt_count_bits(undecided));
+    return changed | judge_lanes(tree, number, undecided, packet, worker);
 }

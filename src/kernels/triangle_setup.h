@@ -47,14 +47,15 @@ static void set_up_terms(const struct mlrt_triangle *triangle, const float apex[
     }
     for (int k = 0; k < 3; ++k) {
         const int p = (k + 1) % 3, q = (k + 2) % 3;
-        for (int i = 0; i < 4; ++i) {
-            setup->cross[k][i] = sum[p][i] * edge[q][i] - sum[q][i] * edge[p][i];
+        for (int i = 0; i < 4; ++i) setup->cross[k][i] = sum[p][i] * edge[q][i] - sum[q][i] * edge[p][i];
+        for (int i = 0; !MLRT_GUESS && i < 4; ++i) {
             setup->size[k][i] = sum_size[p][i] * length[q][i] + sum_size[q][i] * length[p][i];
         }
     }
     float distance = 0, distance_size = 0, distance_floor = 4;
     for (int k = 0; k < 3; ++k) {
         distance += vertex[k] * setup->cross[k][3];
+        if (MLRT_GUESS) continue;
         distance_size += fabsf(vertex[k]) * setup->size[k][3];
         distance_floor += fabsf(vertex[k]);
     }

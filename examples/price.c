@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * price.c - what exactness costs: the library against one that guesses, and against its own worst cases
+ *
+ *     price                          compares with the library of `make GUESS=1`, found in build/guess
+ *
+ * Both libraries are loaded into this process and take turns on the same pictures, so that a machine that slows down
+ * does so for both. Without exactness the decisions are the float filter's best guess (src/platform.h); culling is the
+ * same. Shown are medians, and how many pixels the guess gets wrong.
+ *
+ * The worst cases are pictures made of nothing but doubt: every ray through a vertex, every ray along an axis in a scene
+ * of axis-parallel walls, everything drawn twice. Each is measured beside the same scene with the camera moved by a
+ * thousandth of the diagonal, or drawn once.
+ *
+ * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
+ */
+#define _GNU_SOURCE
+#include "common/options.h"
+#include "common/scene.h"
+#include "common/timer.h"
+#include "common/tree.h"
+#include "common/view.h"
+
+#include <dlfcn.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAXIMUM_RUNS = 101, PATH_SIZE = 4096 };
+
+struct settings {
+    struct word_list scenes;
+    const char *views, *guess;
+    uint32_t size, runs, worst;
+};
+
+/* A library: this program's own, or one that is loaded beside it. */
+struct library {
+    void *handle;
+    int32_t (*build_kdtree)(const mlrt_mesh *, size_t, const mlrt_build_options *, mlrt_tree **);
+    void (*destroy_tree)(mlrt_tree *);
+    int32_t (*render_tiles)(const mlrt_tree *, const mlrt_camera *, const mlrt_trace_options *, const mlrt_hits *,
+                            mlrt_tile_callback, void *);
+};
+
+static const struct library exact = {NULL, mlrt_build_kdtree, mlrt_destroy_tree, mlrt_render_tiles};
+
+static int load_library(const char *path, struct library *library)
+{
+    library->handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!library->handle) {
+        fprintf(stderr, "%s\nIt is built by: make GUESS=1 library\n", dlerror());
+        return 1;
+    }
+    // A cast from void * to a function pointer is POSIX's, not C's: copying the bits says the same.
+    void *symbol[3] = {dlsym(library->handle, "mlrt_build_kdtree"), dlsym(library->handle, "mlrt_destroy_tree"),
+                       dlsym(library->handle, "mlrt_render_tiles")};
+    memcpy(&library->build_kdtree, &symbol[0], sizeof symbol[0]);
+    memcpy(&library->destroy_tree, &symbol[1], sizeof symbol[1]);
+    memcpy(&library->render_tiles, &symbol[2], sizeof symbol[2]);
+    return 0;
+}
+
+static void *allocate(size_t count, size_t size)
+{
+    void *block = calloc(count ? count : 1, size);
+    if (block) return block;
+    fprintf(stderr, "out of memory\n");
+    exit(1);
+}
+
+static mlrt_mesh mesh_of(const struct scene *scene)
+{
+    return (mlrt_mesh){.struct_size = sizeof(mlrt_mesh),
+                       .vertices = scene->vertices,
+                       .vertex_count = scene->vertex_count,
+                       .indices = scene->indices,
+                       .triangle_count = scene->triangle_count};
+}
+
+/* ---- exact beside guessed ------------------------------------------------------------------------------------------
+ */
+
+static double render(const struct library *library, const mlrt_tree *tree, const mlrt_camera *camera,
+                     uint32_t *triangles)
+{
+    const mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {.data = triangles}};
+    const double start = seconds_now();
+    if (library->render_tiles(tree, camera, NULL, &frame, NULL, NULL) != MLRT_OK) exit(1);
+    return seconds_now() - start;
+}
+
+/* Rays by what became of them, per million. */
+static void print_stages(const mlrt_counters *counters)
+{
+    const double lanes = (double)counters->lane_test_count, tests = (double)counters->triangle_test_count;
+    printf(" %10.3f %10.3f %10.3f %10.4f\n", 100 * (double)counters->undecided_test_count / tests,
+           100 * (double)counters->judged_lane_count / lanes, 100 * (double)counters->tie_lane_count / lanes,
+           100 *
+               (double)(counters->exact_edge_count + counters->exact_range_count + counters->exact_order_count) /
+               lanes);
+}
+
+static void compare(const char *name, const struct scene *scene, const mlrt_camera *camera, uint32_t runs,
+                    const struct library *guess)
+{
+    const mlrt_mesh mesh = mesh_of(scene);
+    mlrt_tree *tree, *other_tree;
+    if (exact.build_kdtree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
+    if (guess->build_kdtree(&mesh, 1, NULL, &other_tree) != MLRT_OK) exit(1);
+    const size_t pixels = (size_t)camera->width * camera->height;
+    uint32_t *triangles = allocate(pixels, sizeof *triangles), *guessed = allocate(pixels, sizeof *guessed);
+    double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS], ratios[MAXIMUM_RUNS];
+    for (uint32_t run = 0; run < runs; run++) {
+        times[run] = render(&exact, tree, camera, triangles);
+        other_times[run] = render(guess, other_tree, camera, guessed);
+        ratios[run] = times[run] / other_times[run];
+    }
+    size_t wrong = 0;
+    for (size_t i = 0; i < pixels; i++) wrong += triangles[i] != guessed[i];
+    mlrt_counters counters = {.struct_size = sizeof counters};
+    const mlrt_trace_options counting = {.struct_size = sizeof counting, .counters = &counters};
+    const mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {.data = triangles}};
+    if (mlrt_render_tiles(tree, camera, &counting, &frame, NULL, NULL) != MLRT_OK) exit(1);
+
+    const double million = (double)pixels / 1e6;
+    printf("%-18s %9.1f %9.1f %8.1f %10.1f", name, million / median(times, runs), million / median(other_times, runs),
+           100 * (median(ratios, runs) - 1), (double)wrong / million);
+    print_stages(&counters);
+    fflush(stdout);
+    free(triangles);
+    free(guessed);
+    exact.destroy_tree(tree);
+    guess->destroy_tree(other_tree);
+}
+
+/* ---- worst cases ---------------------------------------------------------------------------------------------------
+ */
+
+/* Rays from one point. */
+struct rays {
+    float origin[3];
+    float (*directions)[3];
+    uint32_t side; // rows and columns
+};
+
+static double trace(const mlrt_tree *tree, const struct rays *rays, uint32_t *triangles)
+{
+    const size_t count = (size_t)rays->side * rays->side;
+    float(*origins)[3] = allocate(count, sizeof *origins);
+    for (size_t i = 0; i < count; i++) memcpy(origins[i], rays->origin, sizeof *origins);
+    const mlrt_rays list = {.struct_size = sizeof list,
+                            .row_length = rays->side,
+                            .count = count,
+                            .origins = {origins, 0},
+                            .directions = {rays->directions, 0}};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {.data = triangles}};
+    const double start = seconds_now();
+    if (mlrt_trace_packet(tree, &list, NULL, &hits) != MLRT_OK) exit(1);
+    const double seconds = seconds_now() - start;
+    free(origins);
+    return seconds;
+}
+
+static float diagonal_of(const struct scene *scene)
+{
+    float lo[3], hi[3], sum = 0;
+    scene_bounds(scene, lo, hi);
+    for (int k = 0; k < 3; k++) sum += (hi[k] - lo[k]) * (hi[k] - lo[k]);
+    return sqrtf(sum);
+}
+
+/*
+ * Rays towards the vertices in a picture: each pixel's ray goes to the vertex nearest to what the pixel sees, so they
+ * are as coherent as a picture. With the origin at 0 the direction is the vertex itself: the ray meets it exactly.
+ */
+static void aim_at_vertices(const struct scene *scene, const mlrt_tree *tree, const mlrt_camera *camera,
+                            struct rays *rays)
+{
+    const uint32_t side = rays->side;
+    uint32_t *triangles = allocate((size_t)side * side, sizeof *triangles);
+    float *u = allocate((size_t)side * side, sizeof *u), *v = allocate((size_t)side * side, sizeof *v);
+    const mlrt_hits frame = {
+        .struct_size = sizeof frame, .triangle = {.data = triangles}, .u = {.data = u}, .v = {.data = v}};
+    if (mlrt_render_tiles(tree, camera, NULL, &frame, NULL, NULL) != MLRT_OK) exit(1);
+    if (mlrt_camera_rays(camera, NULL, &(mlrt_array){.data = rays->directions}) != MLRT_OK) exit(1);
+    for (size_t i = 0; i < (size_t)side * side; i++) {
+        if (triangles[i] == MLRT_NONE) continue;
+        const float w = 1 - u[i] - v[i];
+        const uint32_t corner = u[i] > w && u[i] > v[i] ? 1 : v[i] > w ? 2 : 0;
+        const float *vertex = scene->vertices + 3 * (size_t)scene->indices[3 * (size_t)triangles[i] + corner];
+        for (int k = 0; k < 3; k++) rays->directions[i][k] = vertex[k] - rays->origin[k];
+    }
+    free(triangles);
+    free(u);
+    free(v);
+}
+
+/* Puts the camera into a plane of the nearest vertex across each axis, looking along an axis with dyadic steps. */
+static void align(const struct scene *scene, mlrt_camera *camera)
+{
+    for (int k = 0; k < 3; k++) {
+        float nearest = scene->vertices[k];
+        for (size_t i = 0; i < scene->vertex_count; i++) {
+            const float c = scene->vertices[3 * i + (size_t)k];
+            if (fabsf(c - camera->eye[k]) < fabsf(nearest - camera->eye[k])) nearest = c;
+        }
+        camera->eye[k] = nearest;
+    }
+    int main_axis = 0;
+    float forward[3];
+    for (int k = 0; k < 3; k++) {
+        forward[k] = camera->d00[k] + 0.5f * (float)camera->width * (camera->dx[k] + camera->dy[k]);
+        if (fabsf(forward[k]) > fabsf(forward[main_axis])) main_axis = k;
+    }
+    const int across = (main_axis + 1) % 3, up = (main_axis + 2) % 3;
+    for (int k = 0; k < 3; k++) camera->d00[k] = camera->dx[k] = camera->dy[k] = 0;
+    camera->d00[main_axis] = forward[main_axis] < 0 ? -1.0f : 1.0f;
+    camera->d00[across] = camera->d00[up] = -0.5f;
+    camera->dx[across] = camera->dy[up] = 1.0f / (float)camera->width;
+    camera->sample_x = camera->sample_y = 0;
+}
+
+static void print_worst(const char *scene, const char *what, double *times, double *other_times, uint32_t runs,
+                        double rays)
+{
+    const double worst = median(times, runs) * 1e9 / rays, plain = median(other_times, runs) * 1e9 / rays;
+    printf("%-18s %-34s %9.1f %9.1f %8.2f\n", scene, what, worst, plain, worst / plain);
+    fflush(stdout);
+}
+
+static void measure_vertices(const char *name, const struct scene *scene, const mlrt_tree *tree,
+                             const mlrt_camera *camera, int from_zero, uint32_t runs)
+{
+    mlrt_camera moved = *camera;
+    if (from_zero) moved.eye[0] = moved.eye[1] = moved.eye[2] = 0;
+    struct rays rays = {.side = camera->width};
+    memcpy(rays.origin, moved.eye, sizeof rays.origin);
+    rays.directions = allocate((size_t)rays.side * rays.side, sizeof *rays.directions);
+    uint32_t *triangles = allocate((size_t)rays.side * rays.side, sizeof *triangles);
+    aim_at_vertices(scene, tree, &moved, &rays);
+    struct rays other = rays;
+    other.origin[0] += 0.001f * diagonal_of(scene);
+    double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS];
+    for (uint32_t run = 0; run < runs; run++) {
+        times[run] = trace(tree, &rays, triangles);
+        other_times[run] = trace(tree, &other, triangles);
+    }
+    print_worst(name, from_zero ? "vertices, exactly (from 0,0,0)" : "vertices, from the eye", times, other_times,
+                runs, (double)rays.side * rays.side);
+    free(rays.directions);
+    free(triangles);
+}
+
+static void measure_alignment(const char *name, const struct scene *scene, const mlrt_tree *tree,
+                              const mlrt_camera *camera, uint32_t runs)
+{
+    mlrt_camera aligned = *camera;
+    align(scene, &aligned);
+    mlrt_camera moved = aligned;
+    for (int k = 0; k < 3; k++) moved.eye[k] += 0.000577f * diagonal_of(scene);
+    uint32_t *triangles = allocate((size_t)camera->width * camera->height, sizeof *triangles);
+    double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS];
+    for (uint32_t run = 0; run < runs; run++) {
+        times[run] = render(&exact, tree, &aligned, triangles);
+        other_times[run] = render(&exact, tree, &moved, triangles);
+    }
+    print_worst(name, "axis-parallel, eye in planes", times, other_times, runs,
+                (double)camera->width * camera->height);
+    free(triangles);
+}
+
+static void measure_doubling(const char *name, const struct scene *scene, const mlrt_tree *tree,
+                             const mlrt_camera *camera, uint32_t runs)
+{
+    const mlrt_mesh meshes[2] = {mesh_of(scene), mesh_of(scene)};
+    mlrt_tree *doubled;
+    if (mlrt_build_kdtree(meshes, 2, NULL, &doubled) != MLRT_OK) exit(1);
+    uint32_t *triangles = allocate((size_t)camera->width * camera->height, sizeof *triangles);
+    double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS];
+    for (uint32_t run = 0; run < runs; run++) {
+        times[run] = render(&exact, doubled, camera, triangles);
+        other_times[run] = render(&exact, tree, camera, triangles);
+    }
+    print_worst(name, "everything drawn twice", times, other_times, runs, (double)camera->width * camera->height);
+    free(triangles);
+    mlrt_destroy_tree(doubled);
+}
+
+static void measure_worst_cases(const char *name, const struct scene *scene, const mlrt_camera *camera, uint32_t runs)
+{
+    const mlrt_mesh mesh = mesh_of(scene);
+    mlrt_tree *tree;
+    if (mlrt_build_kdtree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
+    measure_vertices(name, scene, tree, camera, 0, runs);
+    measure_vertices(name, scene, tree, camera, 1, runs);
+    measure_alignment(name, scene, tree, camera, runs);
+    measure_doubling(name, scene, tree, camera, runs);
+    mlrt_destroy_tree(tree);
+}
+
+/* ---- command line --------------------------------------------------------------------------------------------------
+ */
+
+/* A word of a list as a scene: its mesh, and the camera of its view. Returns 0, or 1 after saying what is wrong. */
+static int open_scene(const char *word, const struct settings *settings, char name[PATH_SIZE], struct scene *scene,
+                      mlrt_camera *camera)
+{
+    char path[PATH_SIZE], view[PATH_SIZE];
+    snprintf(path, sizeof path, "%.*s", (int)strcspn(word, ","), word);
+    if (load_scene(path, scene)) return 1;
+    const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    snprintf(name, PATH_SIZE, "%.*s", (int)strcspn(file, "."), file);
+    if (settings->views && strchr(path, '.')) {
+        snprintf(view, sizeof view, "%s:%.200s", settings->views, name);
+        if (read_view(view, &scene->view)) return 1;
+    }
+    return camera_of_view(&scene->view, settings->size, settings->size, camera);
+}
+
+static int run(const struct settings *settings)
+{
+    struct library guess = {NULL, NULL, NULL, NULL};
+    if (!settings->worst && load_library(settings->guess, &guess)) return 1;
+    if (settings->worst) {
+        printf("%-18s %-34s %9s %9s %8s\n", "scene", "worst case", "ns/ray", "plain", "ratio");
+    } else {
+        printf("%-18s %9s %9s %8s %10s %10s %10s %10s %10s\n", "scene", "exact", "guess", "price %", "wrong/M",
+               "undecided%", "double %", "ties %", "exact %");
+    }
+    for (size_t i = 0; i < settings->scenes.count; i++) {
+        struct scene scene = {NULL};
+        mlrt_camera camera;
+        char name[PATH_SIZE];
+        if (open_scene(settings->scenes.words[i], settings, name, &scene, &camera)) {
+            free_scene(&scene);
+            return 1;
+        }
+        if (settings->worst) {
+            measure_worst_cases(name, &scene, &camera, settings->runs);
+        } else {
+            compare(name, &scene, &camera, settings->runs, &guess);
+        }
+        free_scene(&scene);
+    }
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    struct settings settings = {.guess = "build/guess/libmlrt.so", .size = 1024, .runs = 15};
+    int worst = 0;
+    const struct option options[] = {
+        {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...", "scenes (default: room,office,building,scan)", 0, 0},
+        {OPTION_TEXT, "--views", &settings.views, "FILE.json", "views of scenes that are files", 0, 0},
+        {OPTION_TEXT, "--guess", &settings.guess, "FILE.so",
+         "the library made with GUESS=1 (default: build/guess/libmlrt.so)", 0, 0},
+        {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024)", 4, 8192},
+        {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 15)", 1, MAXIMUM_RUNS},
+        {OPTION_FLAG, "--worst", &worst, "", "the worst cases, and not the price", 0, 0},
+    };
+    int exit_code;
+    if (!parse_options("price - what exactness costs", options, sizeof options / sizeof *options, argc, argv,
+                       &exit_code))
+        return exit_code;
+    settings.worst = worst != 0;
+    if (settings.scenes.count == 0) settings.scenes = (struct word_list){4, {"room", "office", "building", "scan"}};
+    return run(&settings);
+}
