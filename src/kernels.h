@@ -49,8 +49,7 @@ struct mlrt_triangle_setup {
     struct mlrt_outline outline;
     float distance;
     float distance_bound;
-    float cross[3][4]; /* [component][edge ab, bc, ca; normal] */
-    float size[3][4];
+    MLRT_ALIGNED(16) float cross[3][4]; /* [component][edge ab, bc, ca; normal] */
 };
 
 #define MLRT_SETUP_COUNT 128 /* 17 KiB: fits the first-level cache beside a tile's packets and nodes */

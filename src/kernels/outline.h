@@ -33,21 +33,14 @@ MLRT_INLINE void set_triangle_outline(const struct mlrt_triangle *triangle, uint
                                       struct mlrt_outline *outline)
 {
     const uint32_t a = code & 3;
-    float depth[3], least = INFINITY;
-    for (int i = 0; i < 3; ++i) {
-        depth[i] = code & 4 ? apex[a] - triangle->v[i][a] : triangle->v[i][a] - apex[a];
-        least = depth[i] < least ? depth[i] : least;
-    }
-    outline->least_depth = least;
+    f4 corner[3];
+    f4_corners(triangle->v, corner);
+    const f4 depth = f4_flip(f4_sub(corner[a], f4_set1(apex[a])), code & 4 ? -1.0f : 1.0f);
+    const float least = outline->least_depth = f4_hmin(depth);
     for (int side = 0; side < 2; ++side) {
         const uint32_t j = (a + 1 + (uint32_t)side) % 3;
-        float lo = INFINITY, hi = -INFINITY;
-        for (int i = 0; i < 3; ++i) {
-            const float slope = (triangle->v[i][j] - apex[j]) / depth[i];
-            lo = slope < lo ? slope : lo;
-            hi = slope > hi ? slope : hi;
-        }
-        set_outline_side(lo, hi, least, side, outline);
+        const f4 slope = f4_div(f4_sub(corner[j], f4_set1(apex[j])), depth);
+        set_outline_side(f4_hmin(slope), f4_hmax(slope), least, side, outline);
     }
 }
 

@@ -3,37 +3,45 @@
  * A packet against a triangle: for nearly all rays, float arithmetic with a bound on its error says surely not, or
  * surely yes and surely nearer. The rest are judged one by one (hit.h).
  *
- * With u = 2^-24 and everything computed in float, for one ray:
+ * WHAT IS COMPUTED. Relative to the origin o let a = fl(v_i - o), b = fl(v_j - o), and g = fl(v_j - v_i) from the
+ * corners themselves. Then
  *
- *   a = fl(v_i - o), b = fl(v_j - o), g = fl(v_j - v_i)    each off by u of itself
- *   s = fl(a + b)                                          off by 2 u (|a| + |b|)
- *   2 e = d . (s x g)         per product g u, s 2 u, itself u; subtraction u; product with d u; two sums 2 u: 8 u
- *   D = d . n, n = (b - a) x (c - a)     two differences, product, subtraction, product, two sums: 7 u
- *   N = fl(a - o) . n                    difference, n's 4, product, two sums: 8 u
+ *     e' = d . ((a + b) x g / size),   size = (|a|_1 + |b|_1) |g|_1          has the sign of the edge function e_ij
+ *     D' = d . (n / size),             size = |a - c|_1 |b - a|_1            n = (a - c) x (b - a)
+ *     N' = fl(a - o) . (n / size)                                            so t = N' / D'
  *
- * times M, the same expression with all signs made positive and |s| replaced by |a| + |b|. What is computed as M lacks
- * at most 8 u of itself, so 16 u M = 2^-20 M is a bound with a factor of two to spare. For M, |d| may be replaced by
- * anything larger: a whole packet shares the largest |d_k| of its rays, and so one bound.
+ * where |.|_1 sums the magnitudes of the components. (a + b) x g = 2 (a x b), but where a x b cancels for a small
+ * triangle far away, this does not: its error shrinks with the edge. Only signs of e' and ratios of N' and D' matter,
+ * so they can be scaled, and scaled like this they have one bound for all triangles.
  *
- * s x g = 2 (a x b), but where a x b cancels for a small triangle far away, s x g does not: its M shrinks with the
- * edge.
+ * THE BOUND, with u = 2^-24 and R the largest |d_k| of the rays at hand. Roundings of a component of a + b: 1 for each
+ * of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be much smaller). The edge
+ * has 1, the products of the cross product 1, their subtraction 1, the division 1; in the dot product the products
+ * have 1 and the sums 2. That makes 9, relative to the same expression with all its signs positive, which is at most R
+ * times the sum over all i, j of (|a_i| + |b_i|) |g_j|: R times the true size. The size as computed is less by at most
+ * 6 roundings. So |e' - exact| <= 9.001 u R. D' has one rounding less. N' has 9, with the largest |a_k| in place of R.
  *
- * Underflow: a float subtraction never underflows inexactly; each product may lose 2^-150, which later factors scale.
- * The sum of these losses is under 2^-149 (|d_x| + |d_y| + |d_z| + 2) for 2 e and D, and the same with |a - o| for N.
- * `floor` is 2^-146 (sum + 4). Overflow makes M infinite or NaN, and then no comparison below is true: undecided.
+ * Underflow: float sums have none. A product in the cross product may lose 2^-150; with size >= 2^-100 the three
+ * components lose no more than 2^-47 R in all. Triangles with smaller sizes get terms of 0, for which nothing is
+ * certain. The division may lose 2^-150 and so may the products with d: nothing beside u R, since R >= 2^-60
+ * (packet.h). So 10 u R is a bound for e' and D'. In N' the products with a can lose 2^-150 where 10 u |a_k| is even
+ * less: 2^-82 is added, for this and for what follows. Overflow: magnitudes up to 2^60 make sizes below 2^127, and
+ * scaled terms below 2.
  *
- * Distances: t = N / D lies between (|N| - EN) / (|D| + ED) and (|N| + EN) / (|D| - ED), in signs that make D positive;
- * three roundings, paid for by a factor 1 -+ 2^-21, and 2^-148 for underflow of the quotient.
+ * DISTANCES. With signs that make D' positive, B the bound of D' and E that of N', t lies between (N' - E) / (D' + B)
+ * and (N' + E) / (D' - B). If D' > 16 B, these are at least (N' - E) (1 - x) / D' and at most (N' + E) (1 + 16/15 x) / D'
+ * with x = B / D'. Four roundings besides are paid for by QUOTIENT_BOUND, those of x by QUOTIENT_GROWTH. The last
+ * product may lose 2^-150, and E / D' is at least 2^-82 / 2^61. Where N' -+ E is negative, so is the result, and that
+ * is all that a comparison with t_min >= 0 needs.
  */
 
-#define QUOTIENT_BOUND 0x1p-21f
-#define QUOTIENT_FLOOR 0x1p-148f
+#define QUOTIENT_BOUND  (5 * 0x1p-24f)
+#define QUOTIENT_GROWTH 1.08f
 
-/* What the rays of a packet need to know of a triangle. Index 3 of cross and bound is the normal. */
+/* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
 struct triangle_terms {
-    vf cross[4][3]; /* twice a x b, b x c, c x a relative to the origin; n */
-    vf bound[4];    /* error bounds of d . cross[i] */
-    vf distance;    /* N */
+    vf cross[4][3]; /* (a + b) x (b - a) and so on relative to the origin, and n; each scaled by its size */
+    vf distance;    /* N' */
     vf distance_bound;
 };
 
@@ -45,74 +53,53 @@ MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3
     }
 }
 
-/* The cross product of magnitudes, all signs positive. */
-MLRT_INLINE void cross_size(const vf first[3], const vf second[3], vf size[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        size[k] = v_add(v_mul(first[i], second[j]), v_mul(first[j], second[i]));
-    }
-}
-
 MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
 {
     return v_add(v_add(v_mul(a[0], b[0]), v_mul(a[1], b[1])), v_mul(a[2], b[2]));
 }
 
-/* A bound on the error of (vectors no larger than reach) . cross. */
-MLRT_INLINE vf dot_bound(const vf reach[3], const vf size[3])
+/* The sum of the magnitudes of the components. */
+MLRT_INLINE vf length_of(const vf a[3])
 {
-    const vf floor = v_mul(v_add(v_add(v_add(reach[0], reach[1]), reach[2]), v_set1(4)), v_set1(FILTER_FLOOR));
-    return v_add(v_mul(dot_product(reach, size), v_set1(FILTER_BOUND)), floor);
+    return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
 }
 
-/* Terms for rays of different origins, lane by lane; reach >= |d|. */
-MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], const float reach[3],
-                           struct triangle_terms *terms)
+MLRT_INLINE void scale_terms(vf size, vf cross[3])
 {
-    const vf far[3] = {v_set1(reach[0]), v_set1(reach[1]), v_set1(reach[2])};
-    vf vertex[3][3], away[3][3], edge[3][3], length[3][3], sum[3], sum_size[3], size[3];
+    const vm large = v_ge(size, v_set1(SMALLEST_SIZE));
+    for (int k = 0; !MLRT_GUESS && k < 3; ++k) cross[k] = v_select(large, v_div(cross[k], size), v_set1(0));
+}
+
+/* Terms for rays of different origins, lane by lane. */
+MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], struct triangle_terms *terms)
+{
+    vf vertex[3][3], edge[3][3], sum[3];
     for (int k = 0; k < 3; ++k) {
         for (int i = 0; i < 3; ++i) {
             const float from = triangle->v[i][k], to = triangle->v[(i + 1) % 3][k];
             vertex[i][k] = v_sub(v_set1(from), origin[k]);
-            away[i][k] = v_abs(vertex[i][k]);
             edge[i][k] = v_set1(to - from);
-            length[i][k] = v_abs(edge[i][k]);
         }
     }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
-        for (int k = 0; k < 3; ++k) {
-            sum[k] = v_add(vertex[i][k], vertex[j][k]);
-            sum_size[k] = v_add(away[i][k], away[j][k]);
-        }
+        for (int k = 0; k < 3; ++k) sum[k] = v_add(vertex[i][k], vertex[j][k]);
         cross_product(sum, edge[i], terms->cross[i]);
-        cross_size(sum_size, length[i], size);
-        terms->bound[i] = dot_bound(far, size);
+        scale_terms(v_mul(v_add(length_of(vertex[i]), length_of(vertex[j])), length_of(edge[i])), terms->cross[i]);
     }
-    /* n = (b - a) x (c - a) = (a - c) x (b - a): the same products with the same signs. */
+    /* n = (b - a) x (c - a) = (a - c) x (b - a) */
     cross_product(edge[2], edge[0], terms->cross[3]);
-    cross_size(length[2], length[0], size);
-    terms->bound[3] = dot_bound(far, size);
+    scale_terms(v_mul(length_of(edge[2]), length_of(edge[0])), terms->cross[3]);
     terms->distance = dot_product(vertex[0], terms->cross[3]);
-    terms->distance_bound = dot_bound(away[0], size);
+    const vf farthest = v_max(v_max(v_abs(vertex[0][0]), v_abs(vertex[0][1])), v_abs(vertex[0][2]));
+    terms->distance_bound = v_add(v_mul(farthest, v_set1(FILTER_BOUND)), v_set1(FILTER_FLOOR));
 }
 
-/* Terms for rays of one origin, from what was set up; reach >= |d|. */
-MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, const float reach[3],
-                                struct triangle_terms *terms)
+/* Terms for rays of one origin, from what was set up. */
+MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, struct triangle_terms *terms)
 {
-    const float floor = (reach[0] + reach[1] + reach[2] + 4) * FILTER_FLOOR;
-    float bound[4] = {0, 0, 0, 0};
-    for (int i = 0; !MLRT_GUESS && i < 4; ++i) {
-        bound[i] = (reach[0] * setup->size[0][i] + reach[1] * setup->size[1][i] + reach[2] * setup->size[2][i]) *
-                       FILTER_BOUND +
-                   floor;
-    }
     for (int i = 0; i < 4; ++i) {
         for (int k = 0; k < 3; ++k) terms->cross[i][k] = v_set1(setup->cross[k][i]);
-        terms->bound[i] = v_set1(bound[i]);
     }
     terms->distance = v_set1(setup->distance);
     terms->distance_bound = v_set1(setup->distance_bound);
@@ -149,43 +136,36 @@ MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, cons
     return verdict;
 }
 
-MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, const struct mlrt_packet *packet, int v,
-                                         vm active)
+/* `bound` is that of e' and D'. */
+MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, vf bound, const struct mlrt_packet *packet,
+                                         int v, vm active)
 {
+    if (MLRT_GUESS) return guess_vector(terms, packet, v, active);
     const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
                      v_load(packet->direction[2] + v)};
-    if (MLRT_GUESS) return guess_vector(terms, packet, v, active);
+    const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
+             ca = dot_product(d, terms->cross[2]);
+    const vf least = v_min(v_min(ab, bc), ca), greatest = v_max(v_max(ab, bc), ca);
+    const vf minus_bound = v_sub(v_set1(0), bound);
     struct verdict verdict;
-    vf e = dot_product(d, terms->cross[0]);
-    vm above = v_gt(e, terms->bound[0]), below = v_gt(v_sub(v_set1(0), e), terms->bound[0]);
-    vm all_above = above, all_below = below, any_above = above, any_below = below;
-    for (int i = 1; i < 3; ++i) {
-        e = dot_product(d, terms->cross[i]);
-        above = v_gt(e, terms->bound[i]);
-        below = v_gt(v_sub(v_set1(0), e), terms->bound[i]);
-        all_above = m_and(all_above, above);
-        all_below = m_and(all_below, below);
-        any_above = m_or(any_above, above);
-        any_below = m_or(any_below, below);
-    }
-    const vm candidates = m_andnot(active, m_and(any_above, any_below));
+    const vm candidates = m_andnot(active, m_and(v_gt(greatest, bound), v_lt(least, minus_bound)));
     verdict.nearer = verdict.undecided = verdict.inside = candidates;
     verdict.lo = verdict.hi = v_set1(0);
     if (!m_bits(candidates)) return verdict;
 
     const vf determinant = dot_product(d, terms->cross[3]);
-    const vf size = v_abs(determinant), bound = terms->bound[3];
+    const vf size = v_abs(determinant);
     const vf distance = v_flip(terms->distance, determinant);
-    const vm certain = v_gt(size, bound);
-    const vf lo = v_div(v_sub(distance, terms->distance_bound), v_add(size, bound));
-    const vf hi = v_div(v_add(distance, terms->distance_bound), v_sub(size, bound));
-    verdict.lo = v_sub(v_mul(lo, v_set1(1 - QUOTIENT_BOUND)), v_set1(QUOTIENT_FLOOR));
-    verdict.hi = v_add(v_mul(hi, v_set1(1 + QUOTIENT_BOUND)), v_set1(QUOTIENT_FLOOR));
+    const vm certain = v_gt(size, v_mul(bound, v_set1(16)));
+    const vf inverse = v_div(v_set1(1), size);
+    const vf slack = v_mul(inverse, v_add(v_mul(v_mul(bound, inverse), v_set1(QUOTIENT_GROWTH)), v_set1(QUOTIENT_BOUND)));
+    verdict.lo = v_mul(v_sub(distance, terms->distance_bound), v_sub(inverse, slack));
+    verdict.hi = v_mul(v_add(distance, terms->distance_bound), v_add(inverse, slack));
 
     const vf t_min = v_load(packet->t_min + v);
     const vm farther = m_or(v_gt(verdict.lo, v_load(packet->hi + v)), v_le(verdict.hi, t_min));
     const vm nearer = m_and(v_gt(verdict.lo, t_min), v_lt(verdict.hi, v_load(packet->lo + v)));
-    verdict.inside = m_and(m_and(candidates, certain), m_or(all_above, all_below));
+    verdict.inside = m_and(m_and(candidates, certain), m_or(v_gt(least, bound), v_lt(greatest, minus_bound)));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
     return verdict;
@@ -252,10 +232,11 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
                               const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    const float reach[3] = {group->axis[0].reach, group->axis[1].reach, group->axis[2].reach};
+    const float reach = fmaxf(fmaxf(group->axis[0].reach, group->axis[1].reach), group->axis[2].reach);
+    const vf bound = v_set1(reach * FILTER_BOUND);
     struct triangle_terms terms;
     terms.distance = terms.distance_bound = v_set1(0);
-    if (setup) set_apex_terms(setup, reach, &terms);
+    if (setup) set_apex_terms(setup, &terms);
     uint32_t changed = 0, undecided = 0, inside = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
@@ -267,9 +248,9 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
         if (!setup) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
                                   v_load(packet->origin[2] + v)};
-            set_terms(&tree->triangles[number], origin, reach, &terms);
+            set_terms(&tree->triangles[number], origin, &terms);
         }
-        const struct verdict verdict = filter_vector(&terms, packet, v, active);
+        const struct verdict verdict = filter_vector(&terms, bound, packet, v, active);
         const uint32_t nearer = m_bits(verdict.nearer);
         if (nearer) {
             v_store(packet->lo + v, v_select(verdict.nearer, verdict.lo, v_load(packet->lo + v)));

@@ -4,8 +4,10 @@
  * functions. A worker keeps a small table of both for the packets of the neighbourhood.
  */
 
-#define FILTER_BOUND 0x1p-20f /* triangle_filter.h derives both */
-#define FILTER_FLOOR 0x1p-146f
+/* triangle_filter.h derives these. */
+#define FILTER_BOUND  (10 * 0x1p-24f)
+#define FILTER_FLOOR  0x1p-82f
+#define SMALLEST_SIZE 0x1p-100f
 
 static void forget_setups(const float apex[3], struct mlrt_worker *worker)
 {
@@ -26,40 +28,32 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
     return setup;
 }
 
-/* Works out the terms of an entry. The layout lets a compiler do four edges at a time. */
-static void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3], struct mlrt_triangle_setup *setup)
+/* Works out the terms of an entry, four edges at a time; triangle_filter.h says what they are. */
+MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
+                              struct mlrt_triangle_setup *setup)
 {
-    float sum[3][4], sum_size[3][4], edge[3][4], length[3][4], vertex[3];
+    f4 corner[3], sum[3], edge[3], size = f4_set1(0), length = size;
+    f4_corners(triangle->v, corner);
+    float vertex[3];
     for (int k = 0; k < 3; ++k) {
-        const float a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
-        const float x = a - apex[k], y = b - apex[k], z = c - apex[k];
-        /* The normal is (a - c) x (b - a). */
-        const float sums[4] = {x + y, y + z, z + x, a - c};
-        const float sizes[4] = {fabsf(x) + fabsf(y), fabsf(y) + fabsf(z), fabsf(z) + fabsf(x), fabsf(a - c)};
-        const float edges[4] = {b - a, c - b, a - c, b - a};
-        vertex[k] = x;
-        for (int i = 0; i < 4; ++i) {
-            sum[k][i] = sums[i];
-            sum_size[k][i] = sizes[i];
-            edge[k][i] = edges[i];
-            length[k][i] = fabsf(edges[i]);
-        }
+        const f4 to = f4_sub(corner[k], f4_set1(apex[k])), next = f4_next(to);
+        edge[k] = f4_sub(f4_next(corner[k]), corner[k]); /* b - a, c - b, a - c, b - a */
+        sum[k] = f4_join(f4_add(to, next), edge[k]);     /* the normal is (a - c) x (b - a) */
+        vertex[k] = f4_last(to);
+        const f4 sizes = f4_join(f4_add(f4_abs(to), f4_abs(next)), f4_abs(edge[k])), lengths = f4_abs(edge[k]);
+        size = f4_add(size, sizes);
+        length = f4_add(length, lengths);
     }
+    size = f4_mul(size, length);
+    f4 cross[3];
     for (int k = 0; k < 3; ++k) {
         const int p = (k + 1) % 3, q = (k + 2) % 3;
-        for (int i = 0; i < 4; ++i) setup->cross[k][i] = sum[p][i] * edge[q][i] - sum[q][i] * edge[p][i];
-        for (int i = 0; !MLRT_GUESS && i < 4; ++i) {
-            setup->size[k][i] = sum_size[p][i] * length[q][i] + sum_size[q][i] * length[p][i];
-        }
+        cross[k] = f4_sub(f4_mul(sum[p], edge[q]), f4_mul(sum[q], edge[p]));
+        if (!MLRT_GUESS) cross[k] = f4_where_ge(f4_div(cross[k], size), size, f4_set1(SMALLEST_SIZE));
+        f4_store(setup->cross[k], cross[k]);
     }
-    float distance = 0, distance_size = 0, distance_floor = 4;
-    for (int k = 0; k < 3; ++k) {
-        distance += vertex[k] * setup->cross[k][3];
-        if (MLRT_GUESS) continue;
-        distance_size += fabsf(vertex[k]) * setup->size[k][3];
-        distance_floor += fabsf(vertex[k]);
-    }
-    setup->distance = distance;
-    setup->distance_bound = distance_size * FILTER_BOUND + distance_floor * FILTER_FLOOR;
+    setup->distance = vertex[0] * f4_last(cross[0]) + vertex[1] * f4_last(cross[1]) + vertex[2] * f4_last(cross[2]);
+    setup->distance_bound =
+        fmaxf(fmaxf(fabsf(vertex[0]), fabsf(vertex[1])), fabsf(vertex[2])) * FILTER_BOUND + FILTER_FLOOR;
     setup->has_terms = 1;
 }
