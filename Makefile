@@ -36,7 +36,9 @@ COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(CPPFLA
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object pair per instruction set: with and without counters.
-ISAS        := scalar $(if $(IS_X86),sse)
+ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
+ISA_FLAGS_avx2   := -mavx2
+ISA_FLAGS_avx512 := -mavx512f -mavx512dq
 LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
                    $(foreach isa,$(ISAS),$(BUILD)/obj/kernels/$(isa).o $(BUILD)/obj/kernels/$(isa)_counting.o)
 
@@ -69,11 +71,11 @@ FAST := $(if $(filter -O2,$(OPTIMIZE)),-O3)
 
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -DMLRT_COUNTING=1 -c $< -o $@
+	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -DMLRT_COUNTING=1 $(ISA_FLAGS_$*) -c $< -o $@
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(and $(IS_X86),$(filter scalar,$*)),,$(FAST)) -fPIC -fvisibility=hidden -c $< -o $@
+	$(Q)$(COMPILE) $(if $(and $(IS_X86),$(filter scalar,$*)),,$(FAST)) -fPIC -fvisibility=hidden $(ISA_FLAGS_$*) -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)

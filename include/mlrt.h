@@ -240,7 +240,9 @@ enum {
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
     MLRT_ISA_SCALAR = 1, /* plain C, always there */
-    MLRT_ISA_SSE = 2     /* SSE2, on every x86-64 */
+    MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 rays at a time */
+    MLRT_ISA_AVX2 = 3,   /* 8 rays at a time */
+    MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 rays at a time */
 };
 
 /* What to ask: mlrt_trace_options.query */

@@ -1,24 +1,46 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which processor gets which kernels. Everything so far is in the base instruction set of its architecture, so nothing
- * has to be asked of the processor.
+ * Which processor gets which kernels. What it can do is asked of the compiler's runtime, which looks once per process,
+ * also at whether the operating system saves the wide registers.
  */
 #include "dispatch.h"
 
-const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int counting)
+static int is_supported(int32_t isa)
 {
     switch (isa) {
     case MLRT_ISA_SCALAR:
-        return counting ? &mlrt_kernels_scalar_counting : &mlrt_kernels_scalar;
+        return 1;
 #if MLRT_HAVE_SSE
-    case MLRT_ISA_AUTO:
     case MLRT_ISA_SSE:
-        return counting ? &mlrt_kernels_sse_counting : &mlrt_kernels_sse;
-#else
-    case MLRT_ISA_AUTO:
-        return counting ? &mlrt_kernels_scalar_counting : &mlrt_kernels_scalar;
+        return 1;
+    case MLRT_ISA_AVX2:
+        return __builtin_cpu_supports("avx2");
+    case MLRT_ISA_AVX512:
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
 #endif
     default:
+        return 0;
+    }
+}
+
+const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int counting)
+{
+    if (isa == MLRT_ISA_AUTO) {
+        isa = MLRT_ISA_AVX512;
+        while (!is_supported(isa)) --isa;
+    } else if (!is_supported(isa)) {
         return NULL;
+    }
+    switch (isa) {
+#if MLRT_HAVE_SSE
+    case MLRT_ISA_SSE:
+        return counting ? &mlrt_kernels_sse_counting : &mlrt_kernels_sse;
+    case MLRT_ISA_AVX2:
+        return counting ? &mlrt_kernels_avx2_counting : &mlrt_kernels_avx2;
+    case MLRT_ISA_AVX512:
+        return counting ? &mlrt_kernels_avx512_counting : &mlrt_kernels_avx512;
+#endif
+    default:
+        return counting ? &mlrt_kernels_scalar_counting : &mlrt_kernels_scalar;
     }
 }

@@ -691,7 +691,9 @@ static void list_variants(void)
     struct tiling whole = {0, 0, 0};
     add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1);
     list_variants_of(MLRT_ISA_SCALAR);
-    if (isa_is_supported(MLRT_ISA_SSE)) list_variants_of(MLRT_ISA_SSE);
+    for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; isa++) {
+        if (isa_is_supported(isa)) list_variants_of(isa);
+    }
 }
 
 size_t variant_count(void)

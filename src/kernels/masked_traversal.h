@@ -64,6 +64,8 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
         }
     }
 
+    set_main_axis(&group);
+
     struct masked_interval part;
     uint32_t inside = 0;
     for (int i = 0; i < PACKET2_VECTORS; ++i) {
@@ -126,8 +128,9 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
             if (packet->has_apex) {
                 /* One entry is kept, for its terms only: this method looks at no outlines. */
                 setup = &worker->setups[0];
-                if (setup->number != entries[i] || !setup->has_terms) {
+                if (setup->number != entries[i] || setup->main_axis != group.axis_code || !setup->has_terms) {
                     setup->number = entries[i];
+                    setup->main_axis = group.axis_code;
                     set_up_terms(&tree->triangles[entries[i]], packet->apex, setup);
                 }
             }

@@ -27,9 +27,10 @@ struct group_axis {
 struct ray_group {
     uint32_t lanes;
     struct group_axis axis[3];
-    int has_frustum;             /* a common origin; only then what follows is set */
     uint32_t axis_code;          /* the main axis, where the directions are largest, and its sign (outline.h) */
-    struct square_slopes slopes; /* against it */
+    float reach;                 /* the larger of |d_main| and twice any other |d_k| (triangle_filter.h) */
+    int has_frustum;             /* a common origin; only then what follows is set */
+    struct square_slopes slopes; /* against the main axis */
     uint32_t seen[SEEN_COUNT];   /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
@@ -148,22 +149,25 @@ MLRT_INLINE void set_square_slopes(const struct mlrt_packet *packet, uint32_t la
         v_store(greatest + v, v_select(inside, v_add(slope, slack), v_set1(-INFINITY)));
     }
     for (int square = 0; square < SQUARE_LANES; ++square) {
-        lo[square] = INFINITY;
-        hi[square] = -INFINITY;
-        for (int lane = 4 * square; lane < 4 * square + 4 && square < SQUARE_COUNT; ++lane) {
-            lo[square] = least[lane] < lo[square] ? least[lane] : lo[square];
-            hi[square] = greatest[lane] > hi[square] ? greatest[lane] : hi[square];
-        }
+        lo[square] = square < SQUARE_COUNT ? f4_hmin(f4_load(least + 4 * square)) : INFINITY;
+        hi[square] = square < SQUARE_COUNT ? f4_hmax(f4_load(greatest + 4 * square)) : -INFINITY;
     }
+}
+
+MLRT_INLINE void set_main_axis(struct ray_group *group)
+{
+    const float x = group->axis[0].reach, y = group->axis[1].reach, z = group->axis[2].reach;
+    const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    const float other = 2 * fmaxf(group->axis[(a + 1) % 3].reach, group->axis[(a + 2) % 3].reach);
+    group->axis_code = axis_code(a, (int)group->axis[a].negative);
+    group->reach = fmaxf(group->axis[a].reach, other);
 }
 
 MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group *group)
 {
     group->has_frustum = packet->has_apex;
     if (!group->has_frustum) return;
-    const float x = group->axis[0].reach, y = group->axis[1].reach, z = group->axis[2].reach;
-    const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    group->axis_code = axis_code(a, (int)group->axis[a].negative);
+    const int a = (int)(group->axis_code & 3);
     for (int side = 0; side < 2; ++side) {
         set_square_slopes(packet, group->lanes, a, (a + 1 + side) % 3, group->slopes.lo[side], group->slopes.hi[side]);
     }
@@ -184,6 +188,7 @@ static void make_group(const struct mlrt_packet *packet, uint32_t lanes, struct 
     }
     group->lanes = lanes;
     for (int k = 0; k < 3; ++k) set_group_axis(packet, lanes, k, range.lo[k], range.hi[k], &group->axis[k]);
+    set_main_axis(group);
     set_frustum(packet, group);
     for (int i = 0; i < SEEN_COUNT; ++i) group->seen[i] = MLRT_NONE;
 }

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "platform.h"
+#include "quad_scalar.h"
 
 #define VW 1
 #define ALL_LANES 1u
@@ -61,31 +62,6 @@ MLRT_INLINE vm m_or(vm a, vm b) { return a | b; }
 MLRT_INLINE vm m_andnot(vm a, vm b) { return a & ~b; }
 MLRT_INLINE unsigned m_bits(vm a) { return a & 1; }
 MLRT_INLINE vm m_from_bits(unsigned bits) { return (bits & 1) ? 0xFFFFFFFFu : 0; }
-
-/* Four floats, whatever VW is: the three corners or edges of a triangle, and a fourth. */
-typedef struct { float x[4]; } f4;
-MLRT_INLINE f4 f4_set1(float a) { return (f4){{a, a, a, a}}; }
-MLRT_INLINE void f4_store(float *p, f4 a) { memcpy(p, a.x, sizeof a.x); } /* aligned to 16 bytes */
-MLRT_INLINE f4 f4_add(f4 a, f4 b) { return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}}; }
-MLRT_INLINE f4 f4_sub(f4 a, f4 b) { return (f4){{a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2], a.x[3] - b.x[3]}}; }
-MLRT_INLINE f4 f4_mul(f4 a, f4 b) { return (f4){{a.x[0] * b.x[0], a.x[1] * b.x[1], a.x[2] * b.x[2], a.x[3] * b.x[3]}}; }
-MLRT_INLINE f4 f4_div(f4 a, f4 b) { return (f4){{a.x[0] / b.x[0], a.x[1] / b.x[1], a.x[2] / b.x[2], a.x[3] / b.x[3]}}; }
-MLRT_INLINE f4 f4_abs(f4 a) { return (f4){{v_abs(a.x[0]), v_abs(a.x[1]), v_abs(a.x[2]), v_abs(a.x[3])}}; }
-MLRT_INLINE f4 f4_flip(f4 a, float b) { return (f4){{v_flip(a.x[0], b), v_flip(a.x[1], b), v_flip(a.x[2], b), v_flip(a.x[3], b)}}; }
-/* a where b >= c, else 0 */
-MLRT_INLINE f4 f4_where_ge(f4 a, f4 b, f4 c) { return (f4){{b.x[0] >= c.x[0] ? a.x[0] : 0, b.x[1] >= c.x[1] ? a.x[1] : 0, b.x[2] >= c.x[2] ? a.x[2] : 0, b.x[3] >= c.x[3] ? a.x[3] : 0}}; }
-/* 1, 2, 0, 1 of a */
-MLRT_INLINE f4 f4_next(f4 a) { return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}}; }
-/* 0, 1, 2 of a, and 2 of b */
-MLRT_INLINE f4 f4_join(f4 a, f4 b) { return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}}; }
-MLRT_INLINE float f4_last(f4 a) { return a.x[3]; }
-MLRT_INLINE float f4_hmin(f4 a) { return v_min(v_min(a.x[0], a.x[1]), v_min(a.x[2], a.x[3])); }
-MLRT_INLINE float f4_hmax(f4 a) { return v_max(v_max(a.x[0], a.x[1]), v_max(a.x[2], a.x[3])); }
-/* From three corners of three coordinates each: corner[k] has those along axis k, of a, b, c and a. */
-MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
-{
-    for (int k = 0; k < 3; ++k) corner[k] = (f4){{v[0][k], v[1][k], v[2][k], v[0][k]}};
-}
 
 MLRT_INLINE vi i_set1(uint32_t a) { return a; }
 MLRT_INLINE vi i_load(const uint32_t *p) { return *p; }

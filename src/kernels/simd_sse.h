@@ -7,7 +7,7 @@
 
 #include <emmintrin.h>
 
-#include "platform.h"
+#include "quad_sse.h"
 
 #define VW 4
 #define ALL_LANES 15u
@@ -53,44 +53,6 @@ MLRT_INLINE vm m_from_bits(unsigned bits)
 {
     const __m128i lanes = _mm_set_epi32(8, 4, 2, 1);
     return _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int)bits), lanes), lanes));
-}
-
-/* Four floats, whatever VW is. */
-typedef __m128 f4;
-MLRT_INLINE f4 f4_set1(float a) { return _mm_set1_ps(a); }
-MLRT_INLINE void f4_store(float *p, f4 a) { _mm_store_ps(p, a); }
-MLRT_INLINE f4 f4_add(f4 a, f4 b) { return _mm_add_ps(a, b); }
-MLRT_INLINE f4 f4_sub(f4 a, f4 b) { return _mm_sub_ps(a, b); }
-MLRT_INLINE f4 f4_mul(f4 a, f4 b) { return _mm_mul_ps(a, b); }
-MLRT_INLINE f4 f4_div(f4 a, f4 b) { return _mm_div_ps(a, b); }
-MLRT_INLINE f4 f4_abs(f4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
-MLRT_INLINE f4 f4_flip(f4 a, float b) { return _mm_xor_ps(a, _mm_and_ps(_mm_set1_ps(b), _mm_set1_ps(-0.0f))); }
-MLRT_INLINE f4 f4_where_ge(f4 a, f4 b, f4 c) { return _mm_and_ps(a, _mm_cmpge_ps(b, c)); }
-MLRT_INLINE f4 f4_next(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); }
-MLRT_INLINE f4 f4_join(f4 a, f4 b)
-{
-    return _mm_shuffle_ps(a, _mm_unpackhi_ps(a, b), _MM_SHUFFLE(1, 0, 1, 0));
-}
-MLRT_INLINE float f4_last(f4 a) { return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3))); }
-MLRT_INLINE float f4_hmin(f4 a)
-{
-    a = _mm_min_ps(a, _mm_movehl_ps(a, a));
-    return _mm_cvtss_f32(_mm_min_ss(a, _mm_shuffle_ps(a, a, 1)));
-}
-MLRT_INLINE float f4_hmax(f4 a)
-{
-    a = _mm_max_ps(a, _mm_movehl_ps(a, a));
-    return _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps(a, a, 1)));
-}
-MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
-{
-    /* Reads the last corner from one float earlier, so as not to read past it. */
-    const f4 a = _mm_loadu_ps(v[0]), b = _mm_loadu_ps(v[1]), bc = _mm_loadu_ps(v[1] + 2);
-    const f4 c = _mm_shuffle_ps(bc, bc, _MM_SHUFFLE(3, 3, 2, 1));
-    const f4 ab = _mm_unpacklo_ps(a, b), ca = _mm_unpacklo_ps(c, a);
-    corner[0] = _mm_movelh_ps(ab, ca);
-    corner[1] = _mm_movehl_ps(ca, ab);
-    corner[2] = _mm_movelh_ps(_mm_unpackhi_ps(a, b), _mm_unpackhi_ps(c, a));
 }
 
 MLRT_INLINE vi i_set1(uint32_t a) { return _mm_set1_epi32((int)a); }

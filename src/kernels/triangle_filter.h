@@ -6,37 +6,35 @@
  * WHAT IS COMPUTED. Relative to the origin o let a = fl(v_i - o), b = fl(v_j - o), and g = fl(v_j - v_i) from the
  * corners themselves. Then
  *
- *     e' = d . ((a + b) x g / size),   size = (|a|_1 + |b|_1) |g|_1          has the sign of the edge function e_ij
- *     D' = d . (n / size),             size = |a - c|_1 |b - a|_1            n = (a - c) x (b - a)
- *     N' = fl(a - o) . (n / size)                                            so t = N' / D'
+ *     e' = d . ((a + b) x g / size)        has the sign of the edge function e_ij
+ *     D' = d . (n / size)                  n = (a - c) x (b - a)
+ *     N' = fl(a - o) . (n / size)          so t = N' / D'
  *
- * where |.|_1 sums the magnitudes of the components. (a + b) x g = 2 (a x b), but where a x b cancels for a small
- * triangle far away, this does not: its error shrinks with the edge. Only signs of e' and ratios of N' and D' matter,
- * so they can be scaled, and scaled like this they have one bound for all triangles.
+ * where size belongs to the cross product: with size_k the sum of the magnitudes of the two products in its component
+ * k, |a| + |b| in place of |a + b|, it is size_main + (size_j + size_l) / 2, where the main axis is that along which the
+ * rays go. (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this does not: its error
+ * shrinks with the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled, and scaled like this
+ * they have one bound for all triangles.
  *
- * THE BOUND, with u = 2^-24 and R the largest |d_k| of the rays at hand. Roundings of a component of a + b: 1 for each
- * of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be much smaller). The edge
- * has 1, the products of the cross product 1, their subtraction 1, the division 1; in the dot product the products
- * have 1 and the sums 2. That makes 9, relative to the same expression with all its signs positive, which is at most R
- * times the sum over all i, j of (|a_i| + |b_i|) |g_j|: R times the true size. The size as computed is less by at most
- * 6 roundings. So |e' - exact| <= 9.001 u R. D' has one rounding less. N' has 9, with the largest |a_k| in place of R.
+ * EDGES, with u = 2^-24 and R the largest of |d_main|, 2 |d_j|, 2 |d_l| of the rays at hand. Roundings of a component
+ * of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be
+ * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, the division 1; in the dot
+ * product the products have 1 and the sums 2. That makes 9, relative to the sum of |d_k| size_k / size, which is at most
+ * R if size is exact. As computed it is less by at most 7 roundings. So |e' - exact| <= 9.001 u R.
  *
  * Underflow: float sums have none. A product in the cross product may lose 2^-150; with size >= 2^-100 the three
  * components lose no more than 2^-47 R in all. Triangles with smaller sizes get terms of 0, for which nothing is
  * certain. The division may lose 2^-150 and so may the products with d: nothing beside u R, since R >= 2^-60
- * (packet.h). So 10 u R is a bound for e' and D'. In N' the products with a can lose 2^-150 where 10 u |a_k| is even
- * less: 2^-82 is added, for this and for what follows. Overflow: magnitudes up to 2^60 make sizes below 2^127, and
- * scaled terms below 2.
+ * (packet.h). So EDGE_BOUND R = 10 u R is a bound. Overflow: magnitudes up to 2^60 make sizes below 2^127.
  *
- * DISTANCES. With signs that make D' positive, B the bound of D' and E that of N', t lies between (N' - E) / (D' + B)
- * and (N' + E) / (D' - B). If D' > 16 B, these are at least (N' - E) (1 - x) / D' and at most (N' + E) (1 + 16/15 x) / D'
- * with x = B / D'. Four roundings besides are paid for by QUOTIENT_BOUND, those of x by QUOTIENT_GROWTH. The last
- * product may lose 2^-150, and E / D' is at least 2^-82 / 2^61. Where N' -+ E is negative, so is the result, and that
- * is all that a comparison with t_min >= 0 needs.
+ * DISTANCES. D' has 8 roundings, so it is off by 8.001 u R, and |D'| < 1.001 R. N' has 9; with A made of a as R is of d it is
+ * off by 9.001 u A, |N'| < 1.001 A, and for underflow of its products 2^-82 is added, also for what follows. In signs
+ * that make D' positive, N' -+ E with E = 12 u A + 2^-82 are bounds on either side even after they are rounded, and D' -+
+ * 16 u R are with 6 u R to spare: for their own rounding, and for that of one product or quotient of them. So t < x if
+ * N' + E < x (D' - W), t > x if N' - E > x (D' + W), and t lies between (N' - E) / (D' + W) and (N' + E) / (D' - W), as
+ * long as D' - W is positive. A product or quotient may lose 2^-150, which is nothing beside 2^-82 / R; an infinite one
+ * decides nothing wrong.
  */
-
-#define QUOTIENT_BOUND  (5 * 0x1p-24f)
-#define QUOTIENT_GROWTH 1.08f
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
 struct triangle_terms {
@@ -58,22 +56,25 @@ MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
     return v_add(v_add(v_mul(a[0], b[0]), v_mul(a[1], b[1])), v_mul(a[2], b[2]));
 }
 
-/* The sum of the magnitudes of the components. */
-MLRT_INLINE vf length_of(const vf a[3])
+/* Scales a cross product by its size; first has no signs. */
+MLRT_INLINE void scale_terms(const vf first[3], const vf second[3], uint32_t main_axis, vf cross[3])
 {
-    return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
-}
-
-MLRT_INLINE void scale_terms(vf size, vf cross[3])
-{
+    if (MLRT_GUESS) return;
+    vf sizes[3];
+    for (int k = 0; k < 3; ++k) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        sizes[k] = v_add(v_mul(first[p], v_abs(second[q])), v_mul(first[q], v_abs(second[p])));
+    }
+    const vf size = v_mul(v_add(v_add(v_add(sizes[0], sizes[1]), sizes[2]), sizes[main_axis]), v_set1(0.5f));
     const vm large = v_ge(size, v_set1(SMALLEST_SIZE));
-    for (int k = 0; !MLRT_GUESS && k < 3; ++k) cross[k] = v_select(large, v_div(cross[k], size), v_set1(0));
+    for (int k = 0; k < 3; ++k) cross[k] = v_select(large, v_div(cross[k], size), v_set1(0));
 }
 
 /* Terms for rays of different origins, lane by lane. */
-MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], struct triangle_terms *terms)
+MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], uint32_t main_axis,
+                           struct triangle_terms *terms)
 {
-    vf vertex[3][3], edge[3][3], sum[3];
+    vf vertex[3][3], edge[3][3], sum[3], reach[3];
     for (int k = 0; k < 3; ++k) {
         for (int i = 0; i < 3; ++i) {
             const float from = triangle->v[i][k], to = triangle->v[(i + 1) % 3][k];
@@ -83,16 +84,21 @@ MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin
     }
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
-        for (int k = 0; k < 3; ++k) sum[k] = v_add(vertex[i][k], vertex[j][k]);
+        for (int k = 0; k < 3; ++k) {
+            sum[k] = v_add(vertex[i][k], vertex[j][k]);
+            reach[k] = v_add(v_abs(vertex[i][k]), v_abs(vertex[j][k]));
+        }
         cross_product(sum, edge[i], terms->cross[i]);
-        scale_terms(v_mul(v_add(length_of(vertex[i]), length_of(vertex[j])), length_of(edge[i])), terms->cross[i]);
+        scale_terms(reach, edge[i], main_axis, terms->cross[i]);
     }
     /* n = (b - a) x (c - a) = (a - c) x (b - a) */
+    for (int k = 0; k < 3; ++k) reach[k] = v_abs(edge[2][k]);
     cross_product(edge[2], edge[0], terms->cross[3]);
-    scale_terms(v_mul(length_of(edge[2]), length_of(edge[0])), terms->cross[3]);
+    scale_terms(reach, edge[0], main_axis, terms->cross[3]);
     terms->distance = dot_product(vertex[0], terms->cross[3]);
-    const vf farthest = v_max(v_max(v_abs(vertex[0][0]), v_abs(vertex[0][1])), v_abs(vertex[0][2]));
-    terms->distance_bound = v_add(v_mul(farthest, v_set1(FILTER_BOUND)), v_set1(FILTER_FLOOR));
+    const vf other = v_max(v_abs(vertex[0][(main_axis + 1) % 3]), v_abs(vertex[0][(main_axis + 2) % 3]));
+    const vf farthest = v_max(v_abs(vertex[0][main_axis]), v_mul(other, v_set1(2)));
+    terms->distance_bound = v_add(v_mul(farthest, v_set1(DISTANCE_BOUND)), v_set1(DISTANCE_FLOOR));
 }
 
 /* Terms for rays of one origin, from what was set up. */
@@ -136,9 +142,9 @@ MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, cons
     return verdict;
 }
 
-/* `bound` is that of e' and D'. */
-MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, vf bound, const struct mlrt_packet *packet,
-                                         int v, vm active)
+/* `reach` is R. */
+MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, float reach,
+                                         const struct mlrt_packet *packet, int v, vm active)
 {
     if (MLRT_GUESS) return guess_vector(terms, packet, v, active);
     const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
@@ -146,28 +152,27 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, vf 
     const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
              ca = dot_product(d, terms->cross[2]);
     const vf least = v_min(v_min(ab, bc), ca), greatest = v_max(v_max(ab, bc), ca);
-    const vf minus_bound = v_sub(v_set1(0), bound);
+    const vf above = v_set1(EDGE_BOUND * reach), below = v_set1(-EDGE_BOUND * reach);
     struct verdict verdict;
-    const vm candidates = m_andnot(active, m_and(v_gt(greatest, bound), v_lt(least, minus_bound)));
+    const vm candidates = m_andnot(active, m_and(v_gt(greatest, above), v_lt(least, below)));
     verdict.nearer = verdict.undecided = verdict.inside = candidates;
     verdict.lo = verdict.hi = v_set1(0);
     if (!m_bits(candidates)) return verdict;
 
-    const vf determinant = dot_product(d, terms->cross[3]);
-    const vf size = v_abs(determinant);
+    const vf determinant = dot_product(d, terms->cross[3]), size = v_abs(determinant);
     const vf distance = v_flip(terms->distance, determinant);
-    const vm certain = v_gt(size, v_mul(bound, v_set1(16)));
-    const vf inverse = v_div(v_set1(1), size);
-    const vf slack = v_mul(inverse, v_add(v_mul(v_mul(bound, inverse), v_set1(QUOTIENT_GROWTH)), v_set1(QUOTIENT_BOUND)));
-    verdict.lo = v_mul(v_sub(distance, terms->distance_bound), v_sub(inverse, slack));
-    verdict.hi = v_mul(v_add(distance, terms->distance_bound), v_add(inverse, slack));
-
-    const vf t_min = v_load(packet->t_min + v);
-    const vm farther = m_or(v_gt(verdict.lo, v_load(packet->hi + v)), v_le(verdict.hi, t_min));
-    const vm nearer = m_and(v_gt(verdict.lo, t_min), v_lt(verdict.hi, v_load(packet->lo + v)));
-    verdict.inside = m_and(m_and(candidates, certain), m_or(v_gt(least, bound), v_lt(greatest, minus_bound)));
+    const vf least_d = v_sub(size, v_set1(PLANE_BOUND * reach)), greatest_d = v_add(size, v_set1(PLANE_BOUND * reach));
+    const vf least_n = v_sub(distance, terms->distance_bound), greatest_n = v_add(distance, terms->distance_bound);
+    const vf t_min = v_load(packet->t_min + v), lo = v_load(packet->lo + v), hi = v_load(packet->hi + v);
+    const vm certain = m_and(candidates, v_gt(least_d, v_set1(0)));
+    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_le(greatest_n, v_mul(t_min, least_d)));
+    const vm nearer = m_and(v_lt(greatest_n, v_mul(lo, least_d)), v_gt(least_n, v_mul(t_min, greatest_d)));
+    verdict.inside = m_and(certain, m_or(v_gt(least, above), v_lt(greatest, below)));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
+    if (!m_bits(verdict.nearer)) return verdict;
+    verdict.lo = v_div(least_n, greatest_d);
+    verdict.hi = v_div(greatest_n, least_d);
     return verdict;
 }
 
@@ -232,8 +237,6 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
                               const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    const float reach = fmaxf(fmaxf(group->axis[0].reach, group->axis[1].reach), group->axis[2].reach);
-    const vf bound = v_set1(reach * FILTER_BOUND);
     struct triangle_terms terms;
     terms.distance = terms.distance_bound = v_set1(0);
     if (setup) set_apex_terms(setup, &terms);
@@ -248,9 +251,9 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
         if (!setup) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
                                   v_load(packet->origin[2] + v)};
-            set_terms(&tree->triangles[number], origin, &terms);
+            set_terms(&tree->triangles[number], origin, group->axis_code & 3, &terms);
         }
-        const struct verdict verdict = filter_vector(&terms, bound, packet, v, active);
+        const struct verdict verdict = filter_vector(&terms, group->reach, packet, v, active);
         const uint32_t nearer = m_bits(verdict.nearer);
         if (nearer) {
             v_store(packet->lo + v, v_select(verdict.nearer, verdict.lo, v_load(packet->lo + v)));

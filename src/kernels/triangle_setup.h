@@ -5,9 +5,11 @@
  */
 
 /* triangle_filter.h derives these. */
-#define FILTER_BOUND  (10 * 0x1p-24f)
-#define FILTER_FLOOR  0x1p-82f
-#define SMALLEST_SIZE 0x1p-100f
+#define EDGE_BOUND     (10 * 0x1p-24f)
+#define PLANE_BOUND    (16 * 0x1p-24f)
+#define DISTANCE_BOUND (12 * 0x1p-24f)
+#define DISTANCE_FLOOR 0x1p-82f
+#define SMALLEST_SIZE  0x1p-100f
 
 static void forget_setups(const float apex[3], struct mlrt_worker *worker)
 {
@@ -21,7 +23,7 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
 {
     struct mlrt_triangle_setup *setup = &worker->setups[number & worker->setup_mask];
     if (setup->number == number && setup->main_axis == group->axis_code) return setup;
-    if (setup->number != number) setup->has_terms = 0;
+    setup->has_terms = 0;
     setup->number = number;
     setup->main_axis = group->axis_code;
     set_triangle_outline(&tree->triangles[number], group->axis_code, worker->apex, &setup->outline);
@@ -32,28 +34,31 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
 MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
                               struct mlrt_triangle_setup *setup)
 {
-    f4 corner[3], sum[3], edge[3], size = f4_set1(0), length = size;
+    const uint32_t a = setup->main_axis & 3;
+    f4 corner[3], sum[3], edge[3], reach[3], length[3], cross[3], sizes[3];
     f4_corners(triangle->v, corner);
     float vertex[3];
     for (int k = 0; k < 3; ++k) {
         const f4 to = f4_sub(corner[k], f4_set1(apex[k])), next = f4_next(to);
         edge[k] = f4_sub(f4_next(corner[k]), corner[k]); /* b - a, c - b, a - c, b - a */
         sum[k] = f4_join(f4_add(to, next), edge[k]);     /* the normal is (a - c) x (b - a) */
+        length[k] = f4_abs(edge[k]);
+        reach[k] = f4_join(f4_add(f4_abs(to), f4_abs(next)), length[k]);
         vertex[k] = f4_last(to);
-        const f4 sizes = f4_join(f4_add(f4_abs(to), f4_abs(next)), f4_abs(edge[k])), lengths = f4_abs(edge[k]);
-        size = f4_add(size, sizes);
-        length = f4_add(length, lengths);
     }
-    size = f4_mul(size, length);
-    f4 cross[3];
     for (int k = 0; k < 3; ++k) {
         const int p = (k + 1) % 3, q = (k + 2) % 3;
         cross[k] = f4_sub(f4_mul(sum[p], edge[q]), f4_mul(sum[q], edge[p]));
+        sizes[k] = f4_add(f4_mul(reach[p], length[q]), f4_mul(reach[q], length[p]));
+    }
+    const f4 size =
+        f4_mul(f4_add(f4_add(f4_add(sizes[0], sizes[1]), sizes[2]), sizes[a]), f4_set1(0.5f));
+    for (int k = 0; k < 3; ++k) {
         if (!MLRT_GUESS) cross[k] = f4_where_ge(f4_div(cross[k], size), size, f4_set1(SMALLEST_SIZE));
         f4_store(setup->cross[k], cross[k]);
     }
     setup->distance = vertex[0] * f4_last(cross[0]) + vertex[1] * f4_last(cross[1]) + vertex[2] * f4_last(cross[2]);
-    setup->distance_bound =
-        fmaxf(fmaxf(fabsf(vertex[0]), fabsf(vertex[1])), fabsf(vertex[2])) * FILTER_BOUND + FILTER_FLOOR;
+    const float other = fmaxf(fabsf(vertex[(a + 1) % 3]), fabsf(vertex[(a + 2) % 3]));
+    setup->distance_bound = fmaxf(fabsf(vertex[a]), 2 * other) * DISTANCE_BOUND + DISTANCE_FLOOR;
     setup->has_terms = 1;
 }
