@@ -8,9 +8,9 @@
  * does so for both. Without exactness the decisions are the float filter's best guess (src/platform.h); culling is the
  * same. Shown are medians, and how many pixels the guess gets wrong.
  *
- * The worst cases are pictures made of nothing but doubt: every ray through a vertex, every ray along an axis in a scene
- * of axis-parallel walls, everything drawn twice. Each is measured beside the same scene with the camera moved by a
- * thousandth of the diagonal, or drawn once.
+ * The worst cases are pictures made of nothing but doubt: every ray through a vertex, every ray along an axis in a
+ * scene of axis-parallel walls, everything drawn twice. Each is measured beside the same scene with the camera moved by
+ * a thousandth of the diagonal, or drawn once.
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
@@ -98,8 +98,7 @@ static void print_stages(const mlrt_counters *counters)
     const double lanes = (double)counters->lane_test_count, tests = (double)counters->triangle_test_count;
     printf(" %10.3f %10.3f %10.3f %10.4f\n", 100 * (double)counters->undecided_test_count / tests,
            100 * (double)counters->judged_lane_count / lanes, 100 * (double)counters->tie_lane_count / lanes,
-           100 *
-               (double)(counters->exact_edge_count + counters->exact_range_count + counters->exact_order_count) /
+           100 * (double)(counters->exact_edge_count + counters->exact_range_count + counters->exact_order_count) /
                lanes);
 }
 
@@ -248,8 +247,8 @@ static void measure_vertices(const char *name, const struct scene *scene, const 
         times[run] = trace(tree, &rays, triangles);
         other_times[run] = trace(tree, &other, triangles);
     }
-    print_worst(name, from_zero ? "vertices, exactly (from 0,0,0)" : "vertices, from the eye", times, other_times,
-                runs, (double)rays.side * rays.side);
+    print_worst(name, from_zero ? "vertices, exactly (from 0,0,0)" : "vertices, from the eye", times, other_times, runs,
+                (double)rays.side * rays.side);
     free(rays.directions);
     free(triangles);
 }
@@ -267,8 +266,7 @@ static void measure_alignment(const char *name, const struct scene *scene, const
         times[run] = render(&exact, tree, &aligned, triangles);
         other_times[run] = render(&exact, tree, &moved, triangles);
     }
-    print_worst(name, "axis-parallel, eye in planes", times, other_times, runs,
-                (double)camera->width * camera->height);
+    print_worst(name, "axis-parallel, eye in planes", times, other_times, runs, (double)camera->width * camera->height);
     free(triangles);
 }
 
@@ -353,7 +351,8 @@ int main(int argc, char **argv)
     struct settings settings = {.guess = "build/guess/libmlrt.so", .size = 1024, .runs = 15};
     int worst = 0;
     const struct option options[] = {
-        {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...", "scenes (default: room,office,building,scan)", 0, 0},
+        {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...", "scenes (default: room,office,building,scan)", 0,
+         0},
         {OPTION_TEXT, "--views", &settings.views, "FILE.json", "views of scenes that are files", 0, 0},
         {OPTION_TEXT, "--guess", &settings.guess, "FILE.so",
          "the library made with GUESS=1 (default: build/guess/libmlrt.so)", 0, 0},

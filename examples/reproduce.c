@@ -908,23 +908,27 @@ static const struct table {
 } tables[] = {
     {"Cells and tests per 4x4 packet",
      "The paper's table 2, with its kind of tree (preset `paper`). Multilevel: the paper's algorithm, from one entry "
-     "point per tile; entry lists: from the list of leaves that a tile's beam reaches; from the root: method `packet4`. "
+     "point per tile; entry lists: from the list of leaves that a tile's beam reaches; from the root: method "
+     "`packet4`. "
      "Sums over the picture, divided by its 4x4 packets; with shadows, they are those of the primary rays and of a "
      "shadow ray from the light to each of their hits. Every node that is descended into, popped or, in a list, looked "
      "at is a cell.",
      ON_PAPER_TREE, measure_quantities, print_quantities},
     {"Rules of the tree",
-     "Each rule of preset `paper` left out. Cells and tests are per 4x4 packet, of primary rays by the paper's algorithm; "
+     "Each rule of preset `paper` left out. Cells and tests are per 4x4 packet, of primary rays by the paper's "
+     "algorithm; "
      "times are relative to the tree with all rules, of one thread without shader.",
      ON_PAPER_TREE, measure_rules, print_rules},
     {"Inverse and direct culling",
-     "Per 4x4 packet, primary rays, preset `paper`, the paper's algorithm. Undecided: inner nodes where the culling test "
+     "Per 4x4 packet, primary rays, preset `paper`, the paper's algorithm. Undecided: inner nodes where the culling "
+     "test "
      "could "
      "exclude no child. Times are of one thread without shader.",
      ON_PAPER_TREE, measure_cullings, print_cullings},
     {"Tile sizes",
      "Each entry: all cells / entry-point cells / milliseconds. Cells are per 4x4 packet, primary rays, preset "
-     "`paper`, the paper's algorithm; times are of one thread without shader. ITS: initial tile size, SF: split factor. The best of "
+     "`paper`, the paper's algorithm; times are of one thread without shader. ITS: initial tile size, SF: split "
+     "factor. The best of "
      "each "
      "is bold.",
      ON_PAPER_TREE, measure_sweep, print_sweep},

@@ -30,18 +30,19 @@
  *
  *   - Never hit: a triangle with a vertex that is not finite, or with n exactly 0. Hits nothing: a ray with a NaN, with
  *     an o or d that is not finite, with d = 0, or without t_min < t_max. A t_min below 0 counts as 0.
- *   - e_ij = d . ((v_i - o) x (v_j - o)), D = d . n = e_ab + e_bc + e_ca, N = (a - o) . n. The ray hits if D is not 0, no
- *     D e_ij is negative, and t_min < N / D <= t_max. So triangles are closed and two-sided, the interval is half open,
+ *   - e_ij = d . ((v_i - o) x (v_j - o)), D = d . n = e_ab + e_bc + e_ca, N = (a - o) . n. The ray hits if D is not 0,
+ * no D e_ij is negative, and t_min < N / D <= t_max. So triangles are closed and two-sided, the interval is half open,
  *     and a ray in the plane of a triangle misses it.
- *   - The closest hit has the smallest N / D; of equal ones the first in the input wins (mesh by position, then triangle).
+ *   - The closest hit has the smallest N / D; of equal ones the first in the input wins (mesh by position, then
+ * triangle).
  *   - Any-hit says yes exactly if there is a closest hit.
- *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), each correctly rounded, and
- *     facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0,
- *     mesh = triangle = MLRT_NONE, facing = 0.
+ *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), each correctly rounded,
+ * and facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0, mesh =
+ * triangle = MLRT_NONE, facing = 0.
  *
- * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length. Denormals
- * count as what they are. The floating-point environment (rounding, flush-to-zero, exception masks) may be anything:
- * each call sets what it needs and restores what it found.
+ * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
+ * Denormals count as what they are. The floating-point environment (rounding, flush-to-zero, exception masks) may be
+ * anything: each call sets what it needs and restores what it found.
  *
  * Structs start with `struct_size`, which the caller sets to sizeof; the rest zero means default. Later versions append
  * fields and never change the meaning of those that are here. A size that no version had is MLRT_ERROR_STRUCT_SIZE.
@@ -70,20 +71,20 @@ extern "C" {
 #endif
 
 #ifndef MLRT_API
-#  if defined(__GNUC__)
-#    define MLRT_API __attribute__((visibility("default")))
-#  else
-#    define MLRT_API
-#  endif
+#if defined(__GNUC__)
+#define MLRT_API __attribute__((visibility("default")))
+#else
+#define MLRT_API
+#endif
 #endif
 
 /* ------------------------------------------------------------------------------------------------------------------
  * Versions and codes
  * ------------------------------------------------------------------------------------------------------------------ */
 
-#define MLRT_VERSION_MAJOR 0
-#define MLRT_VERSION_MINOR 1
-#define MLRT_VERSION_PATCH 0
+#define MLRT_VERSION_MAJOR  0
+#define MLRT_VERSION_MINOR  1
+#define MLRT_VERSION_PATCH  0
 #define MLRT_VERSION_STRING "0.1.0"
 
 enum {
@@ -123,11 +124,11 @@ typedef struct mlrt_tree mlrt_tree;
  */
 typedef struct mlrt_mesh {
     uint32_t struct_size;
-    uint32_t id;            /* reported with hits. Ids must differ and not be MLRT_NONE; if all are 0, they are 0, 1, 2, ... */
-    const void *vertices;   /* float[3] each, aligned to 4 bytes */
+    uint32_t id; /* reported with hits. Ids must differ and not be MLRT_NONE; if all are 0, they are 0, 1, 2, ... */
+    const void *vertices; /* float[3] each, aligned to 4 bytes */
     size_t vertex_count;
-    size_t vertex_stride;   /* bytes from one vertex to the next, a multiple of 4; 0 = 12 */
-    const void *indices;    /* NULL = consecutive vertices */
+    size_t vertex_stride; /* bytes from one vertex to the next, a multiple of 4; 0 = 12 */
+    const void *indices;  /* NULL = consecutive vertices */
     size_t triangle_count;
     size_t triangle_stride; /* bytes from one index triple to the next, a multiple of index_size; 0 = 3 * index_size */
     uint32_t index_size;    /* 2 or 4; 0 = 4 */
@@ -142,23 +143,24 @@ enum {
 
 /* Rules of the builder that can be switched off to measure their effect: mlrt_build_options.rules_off */
 enum {
-    MLRT_RULE_EMPTY_SPACE = 1,    /* an empty side of more than 10 % of a cell is cut off first */
-    MLRT_RULE_COPLANAR = 2,       /* a plane wholly covered by triangles in it is a split, they go to the smaller side */
-    MLRT_RULE_MINIMUM_CELL = 4,   /* cells under a minimum size are not split */
-    MLRT_RULE_CLIPPED_SPLITS = 8, /* candidates come from triangles clipped to the cell, not from their bounding boxes */
-    MLRT_RULE_RETRACTION = 16     /* a subtree that costs more than a leaf becomes a leaf */
+    MLRT_RULE_EMPTY_SPACE = 1,  /* an empty side of more than 10 % of a cell is cut off first */
+    MLRT_RULE_COPLANAR = 2,     /* a plane wholly covered by triangles in it is a split, they go to the smaller side */
+    MLRT_RULE_MINIMUM_CELL = 4, /* cells under a minimum size are not split */
+    MLRT_RULE_CLIPPED_SPLITS =
+        8,                    /* candidates come from triangles clipped to the cell, not from their bounding boxes */
+    MLRT_RULE_RETRACTION = 16 /* a subtree that costs more than a leaf becomes a leaf */
 };
 
 typedef struct mlrt_build_options {
     uint32_t struct_size;
-    int32_t preset;            /* MLRT_TREE_* */
-    uint32_t rules_off;        /* MLRT_RULE_* or-ed together; 0 = every rule is on */
-    uint32_t max_depth;        /* inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
-    uint64_t max_references;   /* leaf entries at most, bounding the tree's memory; 0 = 8 per triangle + 1024 */
-    float traversal_cost;      /* of one node step, relative to intersection_cost; 0 = the preset's */
-    float intersection_cost;   /* of one triangle test; 0 = the preset's */
-    char *message;             /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
-    size_t message_size;       /* its size in bytes */
+    int32_t preset;          /* MLRT_TREE_* */
+    uint32_t rules_off;      /* MLRT_RULE_* or-ed together; 0 = every rule is on */
+    uint32_t max_depth;      /* inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
+    uint64_t max_references; /* leaf entries at most, bounding the tree's memory; 0 = 8 per triangle + 1024 */
+    float traversal_cost;    /* of one node step, relative to intersection_cost; 0 = the preset's */
+    float intersection_cost; /* of one triangle test; 0 = the preset's */
+    char *message;           /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
+    size_t message_size;     /* its size in bytes */
 } mlrt_build_options;
 
 /*
@@ -172,7 +174,8 @@ typedef struct mlrt_build_options {
  * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
  * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
  * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
- * 2^30 - 1 triangles in all. Memory: see mlrt_tree_info, some 60 to 90 bytes per triangle, and while building twice that.
+ * 2^30 - 1 triangles in all. Memory: see mlrt_tree_info, some 60 to 90 bytes per triangle, and while building twice
+ * that.
  *
  * Method: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
  * shooting", 2002) with the three rules of the paper (section 3.1).
@@ -186,21 +189,21 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
 /* The build report. Counts are of the finished tree. */
 typedef struct mlrt_tree_info {
     uint32_t struct_size;
-    uint32_t depth;                 /* inner nodes above the deepest leaf */
-    uint64_t triangle_count;        /* as given, left-out ones included */
-    uint64_t non_finite_count;      /* left out: a vertex is NaN or infinite */
-    uint64_t zero_area_count;       /* left out: the area is exactly zero */
-    uint64_t node_count;            /* inner nodes and leaves */
-    uint64_t leaf_count;            /* empty ones included */
+    uint32_t depth;            /* inner nodes above the deepest leaf */
+    uint64_t triangle_count;   /* as given, left-out ones included */
+    uint64_t non_finite_count; /* left out: a vertex is NaN or infinite */
+    uint64_t zero_area_count;  /* left out: the area is exactly zero */
+    uint64_t node_count;       /* inner nodes and leaves */
+    uint64_t leaf_count;       /* empty ones included */
     uint64_t empty_leaf_count;
-    uint64_t reference_count;       /* entries of all leaves together: a triangle can be in several */
-    uint64_t retracted_count;       /* subtrees turned back into leaves */
-    uint64_t memory_size;           /* bytes held by the tree */
-    uint64_t peak_memory_size;      /* bytes held at most at one time while building */
-    uint64_t tree_hash;             /* over nodes and leaf entries: equal trees have equal hashes */
-    double sah_cost;                /* expected cost of a random ray through the scene box, in intersection_cost = 1 */
+    uint64_t reference_count;  /* entries of all leaves together: a triangle can be in several */
+    uint64_t retracted_count;  /* subtrees turned back into leaves */
+    uint64_t memory_size;      /* bytes held by the tree */
+    uint64_t peak_memory_size; /* bytes held at most at one time while building */
+    uint64_t tree_hash;        /* over nodes and leaf entries: equal trees have equal hashes */
+    double sah_cost;           /* expected cost of a random ray through the scene box, in intersection_cost = 1 */
     double build_seconds;
-    float bounds_min[3];            /* of the triangles in the tree; all 0 if there is none */
+    float bounds_min[3]; /* of the triangles in the tree; all 0 if there is none */
     float bounds_max[3];
 } mlrt_tree_info;
 
@@ -229,9 +232,10 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
 
 /* How to trace: mlrt_trace_options.method. The answers are the same from each. */
 enum {
-    MLRT_METHOD_DEFAULT = 0,   /* multilevel; for a single ray, ray */
-    MLRT_METHOD_RAY = 1,       /* one ray at a time, plain C: the reference */
-    MLRT_METHOD_PACKET2 = 2,   /* 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray Tracing", 2001) */
+    MLRT_METHOD_DEFAULT = 0, /* multilevel; for a single ray, ray */
+    MLRT_METHOD_RAY = 1,     /* one ray at a time, plain C: the reference */
+    MLRT_METHOD_PACKET2 =
+        2, /* 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray Tracing", 2001) */
     MLRT_METHOD_PACKET4 = 3,   /* 4x4 rays by interval traversal from the root (the paper, section 4.3) */
     MLRT_METHOD_MULTILEVEL = 4 /* the same from entry points found by beams (the paper, sections 3.3 to 4.2) */
 };
@@ -262,18 +266,13 @@ enum {
  * algorithm is what remains without all of them: mlrt_trace_options.shortcuts_off
  */
 enum {
-    MLRT_SHORTCUT_WHOLE_TILES = 1,  /* a tile that one triangle provably covers, in front of all else, is done at once */
-    MLRT_SHORTCUT_ENTRY_LISTS = 2,  /* packets start at a list of leaves, not at the one node above them all */
+    MLRT_SHORTCUT_WHOLE_TILES = 1, /* a tile that one triangle provably covers, in front of all else, is done at once */
+    MLRT_SHORTCUT_ENTRY_LISTS = 2, /* packets start at a list of leaves, not at the one node above them all */
     MLRT_SHORTCUT_SHARED_SETUPS = 4 /* what depends on a triangle and the origin only is kept for the next packets */
 };
 
 /* Results a tile callback receives: mlrt_trace_options.outputs */
-enum {
-    MLRT_OUTPUT_T = 1,
-    MLRT_OUTPUT_UV = 2,
-    MLRT_OUTPUT_IDS = 4,
-    MLRT_OUTPUT_FACING = 8
-};
+enum { MLRT_OUTPUT_T = 1, MLRT_OUTPUT_UV = 2, MLRT_OUTPUT_IDS = 4, MLRT_OUTPUT_FACING = 8 };
 
 /*
  * What traversal did, in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to what is there,
@@ -281,50 +280,50 @@ enum {
  */
 typedef struct mlrt_counters {
     uint32_t struct_size;
-    uint32_t reserved;                  /* 0 */
-    uint64_t ray_count;                 /* rays traced */
-    uint64_t packet_count;              /* groups of rays traced together: packets, or less where directions differ; rays
-                                         * of method `ray` */
-    uint64_t beam_count;                /* beams for which an entry point was searched */
-    uint64_t cell_count;                /* nodes, inner or leaf, descended into or popped; those of the entry-point search included */
-    uint64_t entry_point_cell_count;    /* of these, in the entry-point search */
-    uint64_t triangle_test_count;       /* (packet, triangle) tests with at least one ray taking part */
-    uint64_t judged_lane_count;         /* (ray, triangle) pairs that the float filter left to double arithmetic */
-    uint64_t entry_point_count;         /* entry points from which packets were traced */
-    uint64_t entry_point_depth_sum;     /* their depths below the root, added up */
-    uint64_t missed_beam_count;         /* beams that provably hit nothing: no ray of theirs was traced */
-    uint64_t covered_beam_count;        /* beams whose rays provably all hit one triangle first: none was traced */
-    uint64_t undecided_cull_count;      /* inner nodes where the culling test could exclude no child */
-    uint64_t undecided_checked_count;   /* of these, still undecided after the extra check */
-    uint64_t lane_test_count;           /* (ray, triangle) pairs that the float filter looked at */
-    uint64_t undecided_test_count;      /* of triangle_test_count, those with a judged ray */
-    uint64_t tie_lane_count;            /* (ray, triangle) pairs settled because the nearest hit lies in the same plane */
-    uint64_t exact_edge_count;          /* decisions that double left to exact arithmetic: beside which edge, */
-    uint64_t exact_range_count;         /*   within t_min and t_max, */
-    uint64_t exact_order_count;         /*   which of two hits is nearer */
+    uint32_t reserved;     /* 0 */
+    uint64_t ray_count;    /* rays traced */
+    uint64_t packet_count; /* groups of rays traced together: packets, or less where directions differ; rays
+                            * of method `ray` */
+    uint64_t beam_count;   /* beams for which an entry point was searched */
+    uint64_t cell_count; /* nodes, inner or leaf, descended into or popped; those of the entry-point search included */
+    uint64_t entry_point_cell_count;  /* of these, in the entry-point search */
+    uint64_t triangle_test_count;     /* (packet, triangle) tests with at least one ray taking part */
+    uint64_t judged_lane_count;       /* (ray, triangle) pairs that the float filter left to double arithmetic */
+    uint64_t entry_point_count;       /* entry points from which packets were traced */
+    uint64_t entry_point_depth_sum;   /* their depths below the root, added up */
+    uint64_t missed_beam_count;       /* beams that provably hit nothing: no ray of theirs was traced */
+    uint64_t covered_beam_count;      /* beams whose rays provably all hit one triangle first: none was traced */
+    uint64_t undecided_cull_count;    /* inner nodes where the culling test could exclude no child */
+    uint64_t undecided_checked_count; /* of these, still undecided after the extra check */
+    uint64_t lane_test_count;         /* (ray, triangle) pairs that the float filter looked at */
+    uint64_t undecided_test_count;    /* of triangle_test_count, those with a judged ray */
+    uint64_t tie_lane_count;          /* (ray, triangle) pairs settled because the nearest hit lies in the same plane */
+    uint64_t exact_edge_count;        /* decisions that double left to exact arithmetic: beside which edge, */
+    uint64_t exact_range_count;       /*   within t_min and t_max, */
+    uint64_t exact_order_count;       /*   which of two hits is nearer */
 } mlrt_counters;
 
 /*
  * How to trace. NULL or all zero = defaults.
  *
- * The tile sizes are those of the paper, section 4.2: the picture is cut into squares of initial_tile_size; a tile larger
- * than minimum_tile_size whose entry point is not a leaf is cut into split_factor pieces, and so on.
+ * The tile sizes are those of the paper, section 4.2: the picture is cut into squares of initial_tile_size; a tile
+ * larger than minimum_tile_size whose entry point is not a leaf is cut into split_factor pieces, and so on.
  */
 typedef struct mlrt_trace_options {
     uint32_t struct_size;
-    int32_t query;               /* MLRT_QUERY_* */
-    int32_t method;              /* MLRT_METHOD_* */
-    int32_t isa;                 /* MLRT_ISA_* */
-    int32_t culling;             /* MLRT_CULLING_* */
-    uint32_t culling_check;      /* 1 = check cells that the culling test leaves undecided against all their faces */
-    uint32_t initial_tile_size;  /* pixels, 4..1024, a power of two; 0 = default */
-    uint32_t minimum_tile_size;  /* pixels, 4..initial_tile_size, a power of two; 0 = default */
-    uint32_t split_factor;       /* 4 or 16; 0 = default */
-    uint32_t outputs;            /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
-    uint32_t shortcuts_off;      /* MLRT_SHORTCUT_* or-ed together: parts of multilevel to do without */
-    uint32_t reserved;           /* 0 */
-    mlrt_pool *pool;             /* NULL = the calling thread alone */
-    mlrt_counters *counters;     /* NULL = not counted, at no cost */
+    int32_t query;              /* MLRT_QUERY_* */
+    int32_t method;             /* MLRT_METHOD_* */
+    int32_t isa;                /* MLRT_ISA_* */
+    int32_t culling;            /* MLRT_CULLING_* */
+    uint32_t culling_check;     /* 1 = check cells that the culling test leaves undecided against all their faces */
+    uint32_t initial_tile_size; /* pixels, 4..1024, a power of two; 0 = default */
+    uint32_t minimum_tile_size; /* pixels, 4..initial_tile_size, a power of two; 0 = default */
+    uint32_t split_factor;      /* 4 or 16; 0 = default */
+    uint32_t outputs;           /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
+    uint32_t shortcuts_off;     /* MLRT_SHORTCUT_* or-ed together: parts of multilevel to do without */
+    uint32_t reserved;          /* 0 */
+    mlrt_pool *pool;            /* NULL = the calling thread alone */
+    mlrt_counters *counters;    /* NULL = not counted, at no cost */
 } mlrt_trace_options;
 
 /* An array of results. `data` = NULL: not wanted, and not computed. */
@@ -340,14 +339,14 @@ typedef struct mlrt_array {
  */
 typedef struct mlrt_hits {
     uint32_t struct_size;
-    uint32_t reserved;     /* 0 */
-    mlrt_array t;          /* float: the distance in units of |d|; inf = miss */
-    mlrt_array u;          /* float: the weight of the triangle's second vertex */
-    mlrt_array v;          /* float: the weight of its third */
-    mlrt_array mesh;       /* uint32_t: the id of the mesh; MLRT_NONE = miss */
-    mlrt_array triangle;   /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
-    mlrt_array facing;     /* int32_t: sign of d . n; 0 = miss */
-    mlrt_array occluded;   /* uint8_t: 1 = something is hit, 0 = nothing */
+    uint32_t reserved;   /* 0 */
+    mlrt_array t;        /* float: the distance in units of |d|; inf = miss */
+    mlrt_array u;        /* float: the weight of the triangle's second vertex */
+    mlrt_array v;        /* float: the weight of its third */
+    mlrt_array mesh;     /* uint32_t: the id of the mesh; MLRT_NONE = miss */
+    mlrt_array triangle; /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
+    mlrt_array facing;   /* int32_t: sign of d . n; 0 = miss */
+    mlrt_array occluded; /* uint8_t: 1 = something is hit, 0 = nothing */
 } mlrt_hits;
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -372,7 +371,7 @@ typedef struct mlrt_rays {
     mlrt_const_array directions; /* float[3], of any length */
     mlrt_const_array t_min;      /* float; NULL = 0 for all */
     mlrt_const_array t_max;      /* float; NULL = no limit for all. 0 here means 0 */
-    mlrt_const_array skip;       /* uint32_t[2]: the mesh and triangle, as reported, that this ray passes; NULL = none */
+    mlrt_const_array skip; /* uint32_t[2]: the mesh and triangle, as reported, that this ray passes; NULL = none */
 } mlrt_rays;
 
 /*
@@ -390,18 +389,18 @@ enum {
 
 typedef struct mlrt_ray {
     uint32_t struct_size;
-    uint32_t flags;         /* MLRT_RAY_* */
+    uint32_t flags; /* MLRT_RAY_* */
     float origin[3];
     float direction[3];
-    float t_min;            /* 0 = hits in front of the origin */
-    float t_max;            /* 0 = no limit */
-    uint32_t skip_mesh;     /* with MLRT_RAY_SKIP: the triangle that this ray passes */
+    float t_min;        /* 0 = hits in front of the origin */
+    float t_max;        /* 0 = no limit */
+    uint32_t skip_mesh; /* with MLRT_RAY_SKIP: the triangle that this ray passes */
     uint32_t skip_triangle;
 } mlrt_ray;
 
 typedef struct mlrt_hit {
     uint32_t struct_size;
-    float t;           /* inf = miss */
+    float t; /* inf = miss */
     float u;
     float v;
     uint32_t mesh;     /* MLRT_NONE = miss */
@@ -424,24 +423,25 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
  */
 typedef struct mlrt_hit_lists {
     uint32_t struct_size;
-    uint32_t capacity;         /* hits written per ray at most; 0 = only the totals, and no arrays of hits */
-    mlrt_array t;              /* float */
-    mlrt_array u;              /* float */
-    mlrt_array v;              /* float */
-    mlrt_array mesh;           /* uint32_t */
-    mlrt_array triangle;       /* uint32_t */
-    mlrt_array facing;         /* int32_t */
-    mlrt_array crossing;       /* uint8_t: 1 = this hit crosses the surface, 0 = it only touches it, or there is no hit */
-    mlrt_array total;          /* uint32_t, one per ray: how many hits it has, also beyond `capacity` */
+    uint32_t capacity;   /* hits written per ray at most; 0 = only the totals, and no arrays of hits */
+    mlrt_array t;        /* float */
+    mlrt_array u;        /* float */
+    mlrt_array v;        /* float */
+    mlrt_array mesh;     /* uint32_t */
+    mlrt_array triangle; /* uint32_t */
+    mlrt_array facing;   /* int32_t */
+    mlrt_array crossing; /* uint8_t: 1 = this hit crosses the surface, 0 = it only touches it, or there is no hit */
+    mlrt_array total;    /* uint32_t, one per ray: how many hits it has, also beyond `capacity` */
     mlrt_array crossing_total; /* uint32_t, one per ray: how many of these cross */
 } mlrt_hit_lists;
 
 /*
- * Finds every triangle that each ray hits, in the order of mlrt_trace_packet's rule: by N / D, equal ones as in the input.
+ * Finds every triangle that each ray hits, in the order of mlrt_trace_packet's rule: by N / D, equal ones as in the
+ * input.
  *
- * A hit through an edge or a corner is a hit of each triangle there. For questions of inside and outside such a ray must
- * count once, so each hit says whether it is a `crossing`: whether it would still be a hit with the origin moved by
- * (e, e^2, e^3) for any positive e that is small enough (symbolic perturbation: H. Edelsbrunner, E. P. Muecke,
+ * A hit through an edge or a corner is a hit of each triangle there. For questions of inside and outside such a ray
+ * must count once, so each hit says whether it is a `crossing`: whether it would still be a hit with the origin moved
+ * by (e, e^2, e^3) for any positive e that is small enough (symbolic perturbation: H. Edelsbrunner, E. P. Muecke,
  * "Simulation of Simplicity", 1990). Along any ray from a point that does not lie on a closed mesh, with t_max = inf,
  * crossing_total is odd if the point is inside, and even if it is outside.
  *
@@ -472,32 +472,32 @@ enum {
  */
 typedef struct mlrt_camera {
     uint32_t struct_size;
-    int32_t projection;     /* MLRT_PROJECTION_* */
-    uint32_t width;         /* pixels of the whole picture, 1..2^23 each */
+    int32_t projection; /* MLRT_PROJECTION_* */
+    uint32_t width;     /* pixels of the whole picture, 1..2^23 each */
     uint32_t height;
-    uint32_t crop_x;        /* render only the crop_width x crop_height pixels from here; the results of its */
-    uint32_t crop_y;        /*   first pixel are the first of the frame */
-    uint32_t crop_width;    /* 0 = up to the right edge */
-    uint32_t crop_height;   /* 0 = up to the last row */
-    float eye[3];           /* pinhole: where the rays start */
-    float direction[3];     /* parallel: where the rays go */
-    float d00[3];           /* see above */
-    float dx[3];            /* from one pixel to the next in a row */
-    float dy[3];            /* from one row to the next */
-    float sample_x;         /* where in the pixel: 0.5 = the middle */
+    uint32_t crop_x;      /* render only the crop_width x crop_height pixels from here; the results of its */
+    uint32_t crop_y;      /*   first pixel are the first of the frame */
+    uint32_t crop_width;  /* 0 = up to the right edge */
+    uint32_t crop_height; /* 0 = up to the last row */
+    float eye[3];         /* pinhole: where the rays start */
+    float direction[3];   /* parallel: where the rays go */
+    float d00[3];         /* see above */
+    float dx[3];          /* from one pixel to the next in a row */
+    float dy[3];          /* from one row to the next */
+    float sample_x;       /* where in the pixel: 0.5 = the middle */
     float sample_y;
-    float t_min;            /* 0 = hits in front of the origin */
-    float t_max;            /* 0 = no limit */
+    float t_min; /* 0 = hits in front of the origin */
+    float t_max; /* 0 = no limit */
 } mlrt_camera;
 
 /*
  * A finished tile, as arrays: the result of pixel (x + i, y + j), counted like the camera's pixels, is element
- * j * width + i. Arrays not asked for in the options' `outputs` (with MLRT_QUERY_ANY: all but `occluded`) are NULL. They
- * live in the worker's cache and are gone when the callback returns.
+ * j * width + i. Arrays not asked for in the options' `outputs` (with MLRT_QUERY_ANY: all but `occluded`) are NULL.
+ * They live in the worker's cache and are gone when the callback returns.
  */
 typedef struct mlrt_tile {
     uint32_t struct_size;
-    uint32_t worker;          /* 0..threads - 1: which worker calls; 0 is the caller's own thread */
+    uint32_t worker; /* 0..threads - 1: which worker calls; 0 is the caller's own thread */
     uint32_t x;
     uint32_t y;
     uint32_t width;
@@ -512,8 +512,8 @@ typedef struct mlrt_tile {
 } mlrt_tile;
 
 /*
- * Called once per tile of initial_tile_size squared (less at the edges), from the threads of the pool, several at a time.
- * It may call any tracing function, without a pool. Return 0 to go on; anything else ends the render soon, and
+ * Called once per tile of initial_tile_size squared (less at the edges), from the threads of the pool, several at a
+ * time. It may call any tracing function, without a pool. Return 0 to go on; anything else ends the render soon, and
  * mlrt_render_tiles returns MLRT_ERROR_CANCELLED.
  */
 typedef int32_t (*mlrt_tile_callback)(void *user, const mlrt_tile *tile);
@@ -553,10 +553,11 @@ typedef struct mlrt_light {
 /* Points that may be in shadow. */
 typedef struct mlrt_points {
     uint32_t struct_size;
-    uint32_t row_length;        /* as in mlrt_rays */
+    uint32_t row_length; /* as in mlrt_rays */
     size_t count;
     mlrt_const_array positions; /* float[3] */
-    mlrt_const_array skip;      /* uint32_t[2]: mesh and triangle that the point lies on, which do not shade it; NULL = none */
+    mlrt_const_array
+        skip; /* uint32_t[2]: mesh and triangle that the point lies on, which do not shade it; NULL = none */
 } mlrt_points;
 
 /*
@@ -570,17 +571,17 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
                                       const mlrt_trace_options *options, const mlrt_array *occluded);
 
 /*
- * A point just off a triangle: next to (1 - u - v) a + u b + v c, strictly on the side that `side` names, of the triangle
- * `triangle` of mesh id `mesh`. side = +1: where the normal (b - a) x (c - a) points; -1: the other. For the side a ray
- * came from, give -facing of its hit.
+ * A point just off a triangle: next to (1 - u - v) a + u b + v c, strictly on the side that `side` names, of the
+ * triangle `triangle` of mesh id `mesh`. side = +1: where the normal (b - a) x (c - a) points; -1: the other. For the
+ * side a ray came from, give -facing of its hit.
  *
  * Promise: no ray that starts at the point and goes to the same side, or along the plane, hits that triangle.
  *
  * MLRT_ERROR_ARGUMENT if there is no such triangle, if it is one of those left out, if u or v is not finite, or if the
  * point would leave the range of float.
  */
-MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v, int32_t side,
-                                   float point[3]);
+MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
+                                   int32_t side, float point[3]);
 
 #ifdef __cplusplus
 }

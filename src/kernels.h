@@ -52,7 +52,7 @@ struct mlrt_triangle_setup {
     MLRT_ALIGNED(16) float cross[3][4]; /* [component][edge ab, bc, ca; normal] */
 };
 
-#define MLRT_SETUP_COUNT 128 /* 17 KiB: fits the first-level cache beside a tile's packets and nodes */
+#define MLRT_SETUP_COUNT 256 /* 24 KiB: fits the first-level cache beside a tile's packets and nodes */
 
 /* Two triangles, and whether they lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
 struct mlrt_plane_pair {

@@ -322,14 +322,15 @@ static void classify_triangles(struct reference_scene *scene)
 /*
  * p . (q x r) in double, and a bound on its error.
  *
- * The components of p, q, r are floats or differences of two floats rounded to double, so each has a relative error of at
- * most w = 2^-53. The result is a sum of six terms p_i q_j r_k. On its way to the result each passes 8 roundings at most:
- * three of its factors, two multiplications, the subtraction in the cross product and two additions. So the error is at
- * most ((1 + w)^8 - 1) M with M = sum |p_i q_j r_k|, and M <= m (1 - w)^-8 where m is M as computed. That is below
- * 8.001 w m; `bound` is 16 w m, which leaves room for the roundings of the bound itself.
+ * The components of p, q, r are floats or differences of two floats rounded to double, so each has a relative error of
+ * at most w = 2^-53. The result is a sum of six terms p_i q_j r_k. On its way to the result each passes 8 roundings at
+ * most: three of its factors, two multiplications, the subtraction in the cross product and two additions. So the error
+ * is at most ((1 + w)^8 - 1) M with M = sum |p_i q_j r_k|, and M <= m (1 - w)^-8 where m is M as computed. That is
+ * below 8.001 w m; `bound` is 16 w m, which leaves room for the roundings of the bound itself.
  *
- * Nothing underflows: factors other than 0 are at least 2^-149, products of two at least 2^-298, their computed difference
- * a multiple of 2^-298-53 or zero, so the last product is at least 2^-500. Nothing overflows: 6 * (2^129)^3 < 2^390.
+ * Nothing underflows: factors other than 0 are at least 2^-149, products of two at least 2^-298, their computed
+ * difference a multiple of 2^-298-53 or zero, so the last product is at least 2^-500. Nothing overflows: 6 * (2^129)^3
+ * < 2^390.
  */
 #define ROUNDING 1.1102230246251565e-16
 
@@ -362,7 +363,8 @@ static int certain_sign(struct estimate e)
 static int certain_range_sign(struct estimate n, struct estimate d, double t, int facing)
 {
     double product = t * d.value;
-    struct estimate e = {facing * (n.value - product), n.bound + t * d.bound + 4 * ROUNDING * (fabs(n.value) + fabs(product))};
+    struct estimate e = {facing * (n.value - product),
+                         n.bound + t * d.bound + 4 * ROUNDING * (fabs(n.value) + fabs(product))};
     return certain_sign(e);
 }
 
@@ -531,9 +533,12 @@ static void select_middle(const struct reference_triangle *triangles, uint32_t *
                 if (j-- == 0) break;
             }
         }
-        if (j != (size_t)-1 && middle <= j) hi = j;
-        else if (middle >= i) lo = i;
-        else return;
+        if (j != (size_t)-1 && middle <= j)
+            hi = j;
+        else if (middle >= i)
+            lo = i;
+        else
+            return;
     }
 }
 
@@ -599,9 +604,9 @@ static void build_boxes(struct reference_scene *scene)
 /*
  * Where the ray may be in the box: *entry is a lower bound of the t of all points in it. 0 = nowhere.
  *
- * A point of the ray inside the box has, on an axis with d = 0, o within the slab, and on another a t between (lo - o) / d
- * and (hi - o) / d. Those have two roundings each and can neither overflow nor underflow (2^-277 .. 2^278): widening them
- * by 4 w of their size covers both.
+ * A point of the ray inside the box has, on an axis with d = 0, o within the slab, and on another a t between (lo - o)
+ * / d and (hi - o) / d. Those have two roundings each and can neither overflow nor underflow (2^-277 .. 2^278):
+ * widening them by 4 w of their size covers both.
  */
 static int enter_box(const struct box_node *node, const struct double_ray *ray, double *entry)
 {
@@ -738,8 +743,8 @@ int reference_facing(const struct reference_triangle *triangle, const float dire
 /* ---- rays of cameras and lights ---------------------------------------------------------------------------------- */
 
 /*
- * One operation on floats, rounded once: the product is exact in double; the sum may round there too, but 53 >= 2 * 24 + 2
- * digits make the second rounding harmless (S. Figueroa, "When is double rounding innocuous?", 1995).
+ * One operation on floats, rounded once: the product is exact in double; the sum may round there too, but 53 >= 2 * 24
+ * + 2 digits make the second rounding harmless (S. Figueroa, "When is double rounding innocuous?", 1995).
  */
 static float add(float a, float b)
 {

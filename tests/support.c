@@ -218,12 +218,13 @@ static void add_sphere_part(struct soup *soup, const float a[3], const float b[3
 
 void soup_add_icosphere(struct soup *soup, int subdivisions, float radius)
 {
-    static const signed char corner[12][3] = {{-1, 2, 0}, {1, 2, 0}, {-1, -2, 0}, {1, -2, 0}, {0, -1, 2}, {0, 1, 2},
-                                              {0, -1, -2}, {0, 1, -2}, {2, 0, -1}, {2, 0, 1}, {-2, 0, -1}, {-2, 0, 1}};
-    static const unsigned char face[20][3] = {
-        {0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6},
-        {7, 1, 8},  {3, 9, 4}, {3, 4, 2}, {3, 2, 6},  {3, 6, 8},   {3, 8, 9}, {4, 9, 5},  {2, 4, 11},  {6, 2, 10},
-        {8, 6, 7},  {9, 8, 1}};
+    static const signed char corner[12][3] = {{-1, 2, 0}, {1, 2, 0}, {-1, -2, 0}, {1, -2, 0},
+                                              {0, -1, 2}, {0, 1, 2}, {0, -1, -2}, {0, 1, -2},
+                                              {2, 0, -1}, {2, 0, 1}, {-2, 0, -1}, {-2, 0, 1}};
+    static const unsigned char face[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                              {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                              {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                              {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
     float p[12][3];
     double golden = (1 + sqrt(5.0)) / 2, length = sqrt(1 + golden * golden);
     for (int i = 0; i < 12; i++) {
@@ -341,7 +342,8 @@ struct fixture make_fixture_with(const char *name, uint64_t seed, const mlrt_mes
 {
     struct fixture fixture = {name, seed, NULL, NULL};
     int32_t status = mlrt_build_kdtree(meshes, count, options, &fixture.tree);
-    if (status != MLRT_OK) print_error("%s (seed %llu): %s\n", name, (unsigned long long)seed, mlrt_status_string(status));
+    if (status != MLRT_OK)
+        print_error("%s (seed %llu): %s\n", name, (unsigned long long)seed, mlrt_status_string(status));
     assert_int_equal(status, MLRT_OK);
     assert_non_null(fixture.tree);
     fixture.reference = reference_of_meshes(meshes, count);
@@ -488,15 +490,25 @@ static void restrict_rays(struct ray_list *list, struct random *random, const st
         struct reference_hit hit;
         reference_trace(fixture->reference, ray, &hit);
         switch (draw_below(random, 6)) {
-        case 0: ray->t_max = hit.t; break;
-        case 1: ray->t_min = isinf(hit.t) ? 0 : hit.t; break;
-        case 2: ray->t_max = isinf(hit.t) ? 1 : next_float(hit.t, -1); break;
-        case 3: ray->t_min = isinf(hit.t) ? 0 : next_float(hit.t, -1); break;
+        case 0:
+            ray->t_max = hit.t;
+            break;
+        case 1:
+            ray->t_min = isinf(hit.t) ? 0 : hit.t;
+            break;
+        case 2:
+            ray->t_max = isinf(hit.t) ? 1 : next_float(hit.t, -1);
+            break;
+        case 3:
+            ray->t_min = isinf(hit.t) ? 0 : next_float(hit.t, -1);
+            break;
         case 4:
             ray->skip[0] = hit.mesh;
             ray->skip[1] = hit.triangle;
             break;
-        default: ray->t_min = -draw_range(random, 0, 1); break;
+        default:
+            ray->t_min = -draw_range(random, 0, 1);
+            break;
         }
     }
 }
@@ -580,8 +592,7 @@ mlrt_camera look_at(const float eye[3], const float target[3], float field, uint
     double forward[3], right[3], down[3];
     for (int k = 0; k < 3; k++) forward[k] = (double)target[k] - (double)eye[k];
     make_frame(forward, right, down);
-    mlrt_camera camera =
-        picture(MLRT_PROJECTION_PINHOLE, width, height, forward, right, down, (double)field / width);
+    mlrt_camera camera = picture(MLRT_PROJECTION_PINHOLE, width, height, forward, right, down, (double)field / width);
     memcpy(camera.eye, eye, sizeof camera.eye);
     return camera;
 }
@@ -594,8 +605,7 @@ mlrt_camera look_along(const float centre[3], const float direction[3], float ex
         middle[k] = (double)centre[k];
     }
     make_frame(forward, right, down);
-    mlrt_camera camera =
-        picture(MLRT_PROJECTION_PARALLEL, width, height, middle, right, down, (double)extent / width);
+    mlrt_camera camera = picture(MLRT_PROJECTION_PARALLEL, width, height, middle, right, down, (double)extent / width);
     memcpy(camera.direction, direction, sizeof camera.direction);
     return camera;
 }
@@ -670,7 +680,8 @@ static struct variant *add_variant(int32_t method, int32_t isa, struct tiling ti
 static void list_variants_of(int32_t isa)
 {
     static const struct tiling whole = {0, 0, 0};
-    static const struct tiling tilings[] = {{4, 4, 4}, {8, 4, 4}, {16, 4, 16}, {32, 32, 4}, {128, 8, 16}, {1024, 4, 16}};
+    static const struct tiling tilings[] = {{4, 4, 4},   {8, 4, 4},    {16, 4, 16},
+                                            {32, 32, 4}, {128, 8, 16}, {1024, 4, 16}};
     static const struct tiling fine = {64, 4, 4};
     add_variant(MLRT_METHOD_RAY, isa, whole, 0);
     add_variant(MLRT_METHOD_PACKET2, isa, whole, 1);
@@ -822,7 +833,8 @@ static mlrt_hits public_hits(struct reference_hit *hits, size_t row)
 
 /* ---- single rays and packets ------------------------------------------------------------------------------------- */
 
-struct reference_hit trace_one(const mlrt_tree *tree, const struct reference_ray *ray, const mlrt_trace_options *options)
+struct reference_hit trace_one(const mlrt_tree *tree, const struct reference_ray *ray,
+                               const mlrt_trace_options *options)
 {
     mlrt_ray single = {.struct_size = sizeof single, .flags = MLRT_RAY_SKIP, .t_min = ray->t_min, .t_max = ray->t_max};
     memcpy(single.origin, ray->origin, sizeof single.origin);
@@ -833,8 +845,10 @@ struct reference_hit trace_one(const mlrt_tree *tree, const struct reference_ray
     mlrt_hit hit = {.struct_size = sizeof hit};
     assert_int_equal(mlrt_trace_ray(tree, &single, options, &hit), MLRT_OK);
     struct reference_hit out = {hit.t, hit.u, hit.v, hit.mesh, hit.triangle, hit.facing};
-    if (options && options->query == MLRT_QUERY_ANY) out.mesh = hit.occluded ? 0 : MLRT_NONE;
-    else assert_int_equal(hit.occluded, hit.mesh != MLRT_NONE);
+    if (options && options->query == MLRT_QUERY_ANY)
+        out.mesh = hit.occluded ? 0 : MLRT_NONE;
+    else
+        assert_int_equal(hit.occluded, hit.mesh != MLRT_NONE);
     return out;
 }
 
@@ -992,7 +1006,8 @@ static void check_coverage(const struct fixture *fixture, const struct collected
     }
     for (size_t i = 0; i < count; i++) {
         if (collected->times[i] != 1)
-            fail_msg("%s: %s: pixel %zu was handed out %u times", fixture->name, text, i, (unsigned)collected->times[i]);
+            fail_msg("%s: %s: pixel %zu was handed out %u times", fixture->name, text, i,
+                     (unsigned)collected->times[i]);
     }
 }
 

@@ -52,7 +52,7 @@ void soup_add_needles(struct soup *soup, struct random *random, size_t count, fl
 void soup_add_icosphere(struct soup *soup, int subdivisions, float radius);
 void soup_add_torus(struct soup *soup, int around, int across, float radius, float tube);
 void move_soup(struct soup *soup, float scale, const float offset[3]); /* rounded to float */
-void swap_axes(struct soup *soup, int turns);                         /* x -> y -> z -> x, `turns` times */
+void swap_axes(struct soup *soup, int turns);                          /* x -> y -> z -> x, `turns` times */
 void free_soup(struct soup *soup);
 
 /* A mesh of the soup's triangles, without indices. */

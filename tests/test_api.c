@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The contract at the border: what is an error and which one, what is left behind after it, that nothing is printed, and
- * that the caller's floating-point environment neither matters nor changes.
+ * The contract at the border: what is an error and which one, what is left behind after it, that nothing is printed,
+ * and that the caller's floating-point environment neither matters nor changes.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -88,7 +88,8 @@ static void unknown_statuses_have_a_text(void **state)
         assert_true(strlen(mlrt_status_string(unknown[i])) > 1);
 }
 
-/* A field put into padding would not change sizeof. The sums are those of the fields on machines with 64-bit pointers. */
+/* A field put into padding would not change sizeof. The sums are those of the fields on machines with 64-bit pointers.
+ */
 static void structs_have_no_padding(void **state)
 {
     (void)state;
@@ -245,7 +246,7 @@ static void ids_that_clash(void **state)
     mlrt_mesh meshes[3] = {two_triangles(), two_triangles(), two_triangles()};
     assert_build(meshes, 3, NULL, MLRT_OK);
     meshes[0].id = 5;
-    assert_build(meshes, 2, NULL, MLRT_OK); // 5 and 0
+    assert_build(meshes, 2, NULL, MLRT_OK);             // 5 and 0
     assert_build(meshes, 3, NULL, MLRT_ERROR_ARGUMENT); // 5, 0 and 0
     meshes[1].id = 5;
     assert_build(meshes, 2, NULL, MLRT_ERROR_ARGUMENT);
@@ -490,10 +491,8 @@ static void make_call(struct call *call)
     call->tree = some_tree();
     call->origin[0] = call->origin[1] = 0.25f;
     call->direction[2] = 1;
-    call->rays = (mlrt_rays){.struct_size = sizeof call->rays,
-                             .count = 1,
-                             .origins = {call->origin, 0},
-                             .directions = {call->direction, 0}};
+    call->rays = (mlrt_rays){
+        .struct_size = sizeof call->rays, .count = 1, .origins = {call->origin, 0}, .directions = {call->direction, 0}};
     call->hits = (mlrt_hits){.struct_size = sizeof call->hits, .t = {&call->t, 0, 0}};
     call->options.struct_size = sizeof call->options;
 }
@@ -929,7 +928,8 @@ static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_
     status += mlrt_get_tree_info(tree, &info);
     a->tree_hash = info.tree_hash;
     a->zero_area_count = info.zero_area_count;
-    mlrt_rays rays = {.struct_size = sizeof rays, .count = 64, .origins = {e->origins, 0}, .directions = {e->directions, 0}};
+    mlrt_rays rays = {
+        .struct_size = sizeof rays, .count = 64, .origins = {e->origins, 0}, .directions = {e->directions, 0}};
     size_t stride = sizeof a->single[0];
     mlrt_hits hits = {.struct_size = sizeof hits,
                       .t = {&a->single[0].t, stride, 0},

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Beams at their edges: triangles and cells that just touch the outermost ray of a tile or of a square of rays, exactly or
- * within a few ulps, and covering triangles that just do not cover. Small scenes, many of them, each compared with the
- * reference bit for bit; the seed of a failing case is printed.
+ * Beams at their edges: triangles and cells that just touch the outermost ray of a tile or of a square of rays, exactly
+ * or within a few ulps, and covering triangles that just do not cover. Small scenes, many of them, each compared with
+ * the reference bit for bit; the seed of a failing case is printed.
  *
- * How a triangle touches a ray exactly: for a direction d of floats and a small integer n, n d_k does not fit into a float,
- * but it is the difference of two floats, p_k = fl(n d_k) and o_k = p_k - n d_k. So the ray from o goes through p exactly,
- * and p - o, which every float test has to round, is not a float.
+ * How a triangle touches a ray exactly: for a direction d of floats and a small integer n, n d_k does not fit into a
+ * float, but it is the difference of two floats, p_k = fl(n d_k) and o_k = p_k - n d_k. So the ray from o goes through
+ * p exactly, and p - o, which every float test has to round, is not a float.
  */
 #include <math.h>
 #include <stdio.h>
@@ -52,7 +52,8 @@ static mlrt_build_options draw_build_options(struct random *random)
 
 static mlrt_trace_options draw_trace_options(struct random *random, char *text, size_t size)
 {
-    static const uint32_t tiles[][3] = {{0, 0, 0}, {4, 4, 4}, {8, 4, 4}, {8, 8, 4}, {16, 4, 16}, {16, 16, 4}, {32, 4, 4}};
+    static const uint32_t tiles[][3] = {{0, 0, 0},   {4, 4, 4},   {8, 4, 4}, {8, 8, 4},
+                                        {16, 4, 16}, {16, 16, 4}, {32, 4, 4}};
     static const int32_t methods[] = {MLRT_METHOD_PACKET2, MLRT_METHOD_PACKET4, MLRT_METHOD_PACKET4};
     mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_MULTILEVEL};
     const uint32_t *tile = tiles[draw_below(random, 7)];
@@ -127,7 +128,8 @@ static void compare(const struct beam_case *the, const struct fixture *fixture, 
 {
     for (size_t i = 0; i < the->list.count; i++) {
         struct reference_hit got = results->hits[i];
-        if (any) got = results->occluded[i] == (expected[i].mesh != MLRT_NONE) ? expected[i] : (struct reference_hit){0};
+        if (any)
+            got = results->occluded[i] == (expected[i].mesh != MLRT_NONE) ? expected[i] : (struct reference_hit){0};
         check_hit(fixture, text, i, &the->list.rays[i], &expected[i], &got);
     }
 }
@@ -227,7 +229,8 @@ static void draw_camera_axes(struct random *random, int main_axis, mlrt_camera *
     camera->dx[j] = draw_sign(random) * pixel * length;
     camera->dy[l] = draw_sign(random) * pixel * length;
     switch (draw_below(random, 4)) {
-    case 0: break;
+    case 0:
+        break;
     case 1: /* turned */
         for (int k = 0; k < 3; k++) {
             camera->dx[k] = draw_range(random, -pixel, pixel) * length;
@@ -246,7 +249,8 @@ static void draw_camera_axes(struct random *random, int main_axis, mlrt_camera *
     }
 }
 
-/* A small crop, often far off: then d00 and x dx nearly cancel, and the pixels' vectors are what rounding makes them. */
+/* A small crop, often far off: then d00 and x dx nearly cancel, and the pixels' vectors are what rounding makes them.
+ */
 static void add_camera(struct beam_case *the, int main_axis)
 {
     struct random *random = &the->random;
@@ -262,7 +266,8 @@ static void add_camera(struct beam_case *the, int main_axis)
     camera.sample_x = samples[draw_below(random, 4)];
     camera.sample_y = draw_below(random, 4) ? samples[draw_below(random, 4)] : draw_range(random, 0, 1);
     for (int k = 0; k < 3; k++) {
-        const double x = (double)camera.crop_x + (double)camera.sample_x, y = (double)camera.crop_y + (double)camera.sample_y;
+        const double x = (double)camera.crop_x + (double)camera.sample_x,
+                     y = (double)camera.crop_y + (double)camera.sample_y;
         camera.d00[k] = (float)((double)camera.d00[k] - x * (double)camera.dx[k] - y * (double)camera.dy[k]);
     }
     the->has_camera = 1;
@@ -330,7 +335,8 @@ static double aim_exactly(struct beam_case *the, const struct limb *limb, double
 }
 
 /* The float next to where the limb's ray is after t times its way to p. */
-static void point_on_ray(const struct beam_case *the, const struct limb *limb, double t, const float p[3], float point[3])
+static void point_on_ray(const struct beam_case *the, const struct limb *limb, double t, const float p[3],
+                         float point[3])
 {
     const float *o = the->list.rays[limb->ray].origin;
     for (int k = 0; k < 3; k++) point[k] = (float)((double)o[k] + t * ((double)p[k] - (double)o[k]));
@@ -359,12 +365,14 @@ static void add_vertex_touch(struct beam_case *the, const struct limb *limb, con
     soup_add_triangle(&the->soup, corners[turn], corners[(turn + 1) % 3], corners[(turn + 2) % 3]);
 }
 
-/* An edge whose middle is p; exactly, unless a binade ends within it. It may lean along the rays and across the tile. */
+/* An edge whose middle is p; exactly, unless a binade ends within it. It may lean along the rays and across the tile.
+ */
 static void add_edge_touch(struct beam_case *the, const struct limb *limb, const float p[3])
 {
     struct random *random = &the->random;
     const float *o = the->list.rays[limb->ray].origin;
-    const float reach = draw_magnitude(random, -20, -1), lean = draw_below(random, 2) ? draw_range(random, -0.5f, 0.5f) : 0;
+    const float reach = draw_magnitude(random, -20, -1),
+                lean = draw_below(random, 2) ? draw_range(random, -0.5f, 0.5f) : 0;
     float across[3] = {0, 0, 0}, a[3], b[3], c[3];
     across[limb->other] = reach * fabsf(p[limb->main_axis]);
     across[limb->axis] = draw_below(random, 2) ? 0 : draw_number(random, -1, 1) * across[limb->other];
@@ -408,9 +416,15 @@ static void add_wall(struct beam_case *the, const struct limb *limb, const float
 static void add_touch(struct beam_case *the, const struct limb *limb, const float p[3])
 {
     switch (draw_below(&the->random, 3)) {
-    case 0: add_vertex_touch(the, limb, p); break;
-    case 1: add_edge_touch(the, limb, p); break;
-    default: add_box_touch(the, limb, p); break;
+    case 0:
+        add_vertex_touch(the, limb, p);
+        break;
+    case 1:
+        add_edge_touch(the, limb, p);
+        break;
+    default:
+        add_box_touch(the, limb, p);
+        break;
     }
 }
 
@@ -486,14 +500,18 @@ static void add_tight_cover(struct beam_case *the, int main_axis, const float ex
     }
     step_outward(&limb, -draw_magnitude(random, 1, 4), draw_range(random, -1, 1), p, c);
     if (draw_below(random, 4) == 0) nudge(random, a);
-    if (draw_below(random, 2)) soup_add_triangle(&the->soup, a, b, c);
-    else soup_add_triangle(&the->soup, b, a, c);
+    if (draw_below(random, 2))
+        soup_add_triangle(&the->soup, a, b, c);
+    else
+        soup_add_triangle(&the->soup, b, a, c);
 }
 
 static void add_rays(struct beam_case *the, int main_axis)
 {
-    if (draw_below(&the->random, 2)) add_camera(the, main_axis);
-    else add_tile(the, main_axis);
+    if (draw_below(&the->random, 2))
+        add_camera(the, main_axis);
+    else
+        add_tile(the, main_axis);
 }
 
 static void tiles_that_triangles_just_cover(void **state)
@@ -508,7 +526,8 @@ static void tiles_that_triangles_just_cover(void **state)
         const struct limb limb = draw_limb(&the, main_axis);
         aim_exactly(&the, &limb, pow(10, (double)draw_range(random, -3, 6)), p);
         const uint32_t count = 1 + draw_below(random, 3);
-        for (uint32_t n = 0; n < count; n++) add_tight_cover(&the, main_axis, p, n ? (double)draw_range(random, 0.5f, 4) : 1);
+        for (uint32_t n = 0; n < count; n++)
+            add_tight_cover(&the, main_axis, p, n ? (double)draw_range(random, 0.5f, 4) : 1);
         if (draw_below(random, 2)) add_edge_touch(&the, &limb, p);
         if (draw_below(random, 4)) add_wall(&the, &limb, p, 8);
         finish_case(&the, 3);
@@ -554,7 +573,8 @@ static void edges_that_pass_an_axis_too_closely_to_tell(void **state)
     }
 }
 
-/* Plates across the tile, some in one plane, some an ulp apart, some not quite parallel, and limits of t next to them. */
+/* Plates across the tile, some in one plane, some an ulp apart, some not quite parallel, and limits of t next to them.
+ */
 static void plates_an_ulp_apart(void **state)
 {
     (void)state;
@@ -618,7 +638,8 @@ static void eyes_in_the_plane_of_a_cover(void **state)
         if (kind > 1) eye[axis] = next_float(eye[axis], 1);
         set_origin(&the, eye);
         const int first = (int)draw_below(random, 2);
-        for (int n = 0; n < 2; n++) soup_add_triangle(&the.soup, corners[0], corners[1], n == first ? other : corners[2]);
+        for (int n = 0; n < 2; n++)
+            soup_add_triangle(&the.soup, corners[0], corners[1], n == first ? other : corners[2]);
         const struct limb limb = draw_limb(&the, main_axis);
         float p[3];
         for (int k = 0; k < 3; k++) p[k] = eye[k];
@@ -659,7 +680,8 @@ static struct limb add_parallel_rays(struct beam_case *the, float p[3])
         the->has_camera = 1;
         the->camera = camera;
         break;
-    case 1: break;
+    case 1:
+        break;
     default:
         the->has_light = 1;
         the->light = (mlrt_light){.struct_size = sizeof the->light, .kind = MLRT_LIGHT_DIRECTIONAL};
@@ -738,12 +760,15 @@ static void add_lattice(struct beam_case *the)
             hi[k] = lo[k] + (float)draw_below(random, 3);
             far[k] = (float)draw_below(random, 5);
         }
-        if (draw_below(random, 2)) soup_add_box(&the->soup, lo, hi);
-        else soup_add_triangle(&the->soup, lo, hi, far);
+        if (draw_below(random, 2))
+            soup_add_box(&the->soup, lo, hi);
+        else
+            soup_add_triangle(&the->soup, lo, hi, far);
     }
 }
 
-/* Small integers: origins in planes of the tree and on vertices, rays along cells without thickness and through edges. */
+/* Small integers: origins in planes of the tree and on vertices, rays along cells without thickness and through edges.
+ */
 static void boxes_and_eyes_on_a_lattice(void **state)
 {
     (void)state;
@@ -767,7 +792,8 @@ static void boxes_and_eyes_on_a_lattice(void **state)
                 d[k] = first[k] + (float)(n % 16) * dx[k] + (float)(n / 16) * dy[k];
                 o[k] = eye[k];
                 if (spread == 0) o[k] += (float)(n % 3) * dx[k] * 16;
-                if (spread == 1) o[k] += (float)(n / 64) * first[k]; /* one eye for some packets, another for the next */
+                if (spread == 1)
+                    o[k] += (float)(n / 64) * first[k]; /* one eye for some packets, another for the next */
             }
             struct reference_ray *ray = add_ray(&the.list, o, d);
             ray->t_min = (float)draw_below(random, 3);

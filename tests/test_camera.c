@@ -38,8 +38,10 @@ static void assert_rays(const mlrt_camera *camera)
         for (int k = 0; k < 3; k++) {
             assert_int_equal(bits_of_float(origins[3 * i + (size_t)k]), bits_of_float(list.rays[i].origin[k]));
             float d = directions[3 * i + (size_t)k], wanted = list.rays[i].direction[k];
-            if (!isnan(wanted)) assert_int_equal(bits_of_float(d), bits_of_float(wanted));
-            else assert_true(isnan(d));
+            if (!isnan(wanted))
+                assert_int_equal(bits_of_float(d), bits_of_float(wanted));
+            else
+                assert_true(isnan(d));
         }
     }
     free(origins);
@@ -225,10 +227,8 @@ static void tracing_the_rays_is_rendering(void **state)
     float origins[3 * COUNT], directions[3 * COUNT], traced[COUNT], rendered[COUNT];
     mlrt_array out_origins = {origins, 0, 0}, out_directions = {directions, 0, 0};
     assert_int_equal(mlrt_camera_rays(&camera, &out_origins, &out_directions), MLRT_OK);
-    mlrt_rays rays = {.struct_size = sizeof rays,
-                      .count = COUNT,
-                      .origins = {origins, 0},
-                      .directions = {directions, 0}};
+    mlrt_rays rays = {
+        .struct_size = sizeof rays, .count = COUNT, .origins = {origins, 0}, .directions = {directions, 0}};
     mlrt_hits hits = {.struct_size = sizeof hits, .t = {traced, 0, 0}};
     assert_int_equal(mlrt_trace_packet(fixture.tree, &rays, NULL, &hits), MLRT_OK);
     hits.t.data = rendered;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One number for everything: a hash over ids and bits of t, u, v of pictures and packets of procedural scenes. It is the
- * same on every machine, from every way of tracing; a change of it is a change of answers. The reference gave it first.
+ * One number for everything: a hash over ids and bits of t, u, v of pictures and packets of procedural scenes. It is
+ * the same on every machine, from every way of tracing; a change of it is a change of answers. The reference gave it
+ * first.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +58,8 @@ static void make_scenes(struct golden_scene scenes[SCENES])
     memset(scenes, 0, SCENES * sizeof *scenes);
     for (int s = 0; s < SCENES; s++) {
         scenes[s].fixture = fixture_of_example(names[s]);
-        scenes[s].camera = s == 0 ? camera_at(0.5f, 1.5f, 2.25f, d00, dx, dy) : camera_at(0.25f, 0.125f, 4, d00, dx, dy);
+        scenes[s].camera =
+            s == 0 ? camera_at(0.5f, 1.5f, 2.25f, d00, dx, dy) : camera_at(0.25f, 0.125f, 4, d00, dx, dy);
         add_camera_rays(&scenes[s].list, &scenes[s].camera);
     }
 }
@@ -117,8 +119,7 @@ static void every_picture_gives_the_golden_number(void **state)
         options.pool = shared_pool(variant_at(v)->threads);
         for (int s = 0; s < SCENES; s++) {
             mlrt_hits out = outputs_of(hits);
-            int32_t status =
-                mlrt_render_tiles(scenes[s].fixture.tree, &scenes[s].camera, &options, &out, NULL, NULL);
+            int32_t status = mlrt_render_tiles(scenes[s].fixture.tree, &scenes[s].camera, &options, &out, NULL, NULL);
             assert_int_equal(status, MLRT_OK);
             hash = hash_hits(hash, hits);
         }

@@ -68,7 +68,8 @@ static void an_edge_shared_by_two_triangles(void **state)
     finish(&fixture, &list);
 }
 
-/* Integer coordinates: the rays pass through the vertex exactly. Closed fans around it, seen from where all is closed. */
+/* Integer coordinates: the rays pass through the vertex exactly. Closed fans around it, seen from where all is closed.
+ */
 static void a_vertex_of_a_fan(void **state)
 {
     (void)state;
@@ -181,7 +182,8 @@ static void coplanar_rays(void **state)
     soup_add_grid(&soup, 2, 1, 6);
     struct fixture fixture = fixture_of_soup("coplanar rays", 7, &soup);
     for (size_t i = 0; i < scaled(600); i++) {
-        const float origin[3] = {0.5f * (float)draw_below(&random, 16) - 1, 0.5f * (float)draw_below(&random, 16) - 1, 1};
+        const float origin[3] = {0.5f * (float)draw_below(&random, 16) - 1, 0.5f * (float)draw_below(&random, 16) - 1,
+                                 1};
         const float direction[3] = {draw_range(&random, -1, 1), draw_range(&random, -1, 1), 0};
         add_ray(&list, origin, direction);
         struct reference_hit hit = trace_one(fixture.tree, &list.rays[i], NULL);
@@ -780,7 +782,12 @@ static void triangles_smaller_than_a_pixel(void **state)
     (void)state;
     struct random random = {52};
     struct soup soup = {0};
-    mlrt_camera camera = {.struct_size = sizeof camera, .width = 64, .height = 64, .d00 = {-1, -1, 1}, .dx = {0.03125f, 0, 0}, .dy = {0, 0.03125f, 0}};
+    mlrt_camera camera = {.struct_size = sizeof camera,
+                          .width = 64,
+                          .height = 64,
+                          .d00 = {-1, -1, 1},
+                          .dx = {0.03125f, 0, 0},
+                          .dy = {0, 0.03125f, 0}};
     for (int i = 0; i < 150; i++) {
         float p[3][3], at[3] = {-8, -8, 8};
         at[0] += 0.25f * (float)draw_below(&random, 64);
@@ -800,7 +807,12 @@ static void triangles_that_nearly_cover_a_tile(void **state)
     (void)state;
     for (int n = -2; n <= 2; n++) {
         struct soup soup = {0};
-        mlrt_camera camera = {.struct_size = sizeof camera, .width = 64, .height = 64, .d00 = {-1, -1, 1}, .dx = {0.03125f, 0, 0}, .dy = {0, 0.03125f, 0}};
+        mlrt_camera camera = {.struct_size = sizeof camera,
+                              .width = 64,
+                              .height = 64,
+                              .d00 = {-1, -1, 1},
+                              .dx = {0.03125f, 0, 0},
+                              .dy = {0, 0.03125f, 0}};
         const float edge = next_float(0.96875f, n); // the last column and row at distance 1
         const float a[3] = {-9, -9, 1}, b[3] = {edge, -9, 1}, c[3] = {edge, edge, 1}, d[3] = {-9, edge, 1};
         soup_add_triangle(&soup, a, b, c);

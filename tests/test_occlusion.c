@@ -77,8 +77,7 @@ static struct points seen_points(const struct fixture *fixture, const mlrt_camer
         reference_trace(fixture->reference, &list.rays[i], &hit);
         for (int k = 0; k < 3; k++) point[k] = 1000 * list.rays[i].direction[k];
         if (hit.mesh == MLRT_NONE) continue;
-        int32_t status =
-            mlrt_offset_point(fixture->tree, hit.mesh, hit.triangle, hit.u, hit.v, -hit.facing, point);
+        int32_t status = mlrt_offset_point(fixture->tree, hit.mesh, hit.triangle, hit.u, hit.v, -hit.facing, point);
         assert_int_equal(status, MLRT_OK);
         points.skip[2 * i] = hit.mesh;
         points.skip[2 * i + 1] = hit.triangle;
@@ -126,8 +125,8 @@ static void lights_on_planes_edges_and_vertices(void **state)
     (void)state;
     struct fixture fixture = boxes();
     struct points points = points_of_boxes(&fixture, 40, 30);
-    mlrt_light lights[] = {light_at(0, 0, 4), light_at(4, 4, 4), light_at(4, 0, 4), light_at(1, 1, 1), light_at(0, 0.5f, 0),
-                           light_at(-0.0f, 0.0f, -0.0f)};
+    mlrt_light lights[] = {light_at(0, 0, 4), light_at(4, 4, 4),    light_at(4, 0, 4),
+                           light_at(1, 1, 1), light_at(0, 0.5f, 0), light_at(-0.0f, 0.0f, -0.0f)};
     for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) check(&fixture, &points, &lights[i]);
     free_points(&points);
     free_fixture(&fixture);
@@ -375,7 +374,8 @@ static void strides_of_points_and_results(void **state)
     struct points points = points_of_boxes(&fixture, 12, 10);
     uint8_t packed[120];
     mlrt_light light = light_at(0.5f, 0.25f, 3.5f);
-    mlrt_points in = {.struct_size = sizeof in, .count = 120, .positions = {points.positions, 0}, .skip = {points.skip, 0}};
+    mlrt_points in = {
+        .struct_size = sizeof in, .count = 120, .positions = {points.positions, 0}, .skip = {points.skip, 0}};
     mlrt_array out = {packed, 0, 0};
     assert_int_equal(mlrt_occluded_points(fixture.tree, &in, &light, NULL, &out), MLRT_OK);
 

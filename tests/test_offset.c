@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * mlrt_offset_point: strictly on its side, close by, and no ray to the same side, or along the plane, hits the triangle.
+ * mlrt_offset_point: strictly on its side, close by, and no ray to the same side, or along the plane, hits the
+ * triangle.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -130,7 +131,8 @@ static void the_point_is_next_to_the_surface(void **state)
         float u = draw_range(&random, 0, 1), v = draw_range(&random, 0, 1 - u), point[3];
         assert_int_equal(mlrt_offset_point(fixture.tree, 0, 0, u, v, i % 2 ? 1 : -1, point), MLRT_OK);
         for (int k = 0; k < 3; k++) {
-            double on = (1.0 - (double)u - (double)v) * (double)a[k] + (double)u * (double)b[k] + (double)v * (double)c[k];
+            double on =
+                (1.0 - (double)u - (double)v) * (double)a[k] + (double)u * (double)b[k] + (double)v * (double)c[k];
             assert_true(fabs((double)point[k] - on) < 1e-5);
         }
     }
@@ -150,7 +152,8 @@ static void rays_in_the_plane_do_not_hit(void **state)
         assert_int_equal(mlrt_offset_point(fixture.tree, 0, (uint32_t)i, 0.25f, 0.5f, 1, point), MLRT_OK);
         for (int corner = 0; corner < 3; corner++) {
             reference_difference(triangle->corner[(corner + 1) % 3], triangle->corner[corner], target);
-            struct reference_ray ray = {{point[0], point[1], point[2]}, {target[0], target[1], target[2]}, 0, INFINITY, {MLRT_NONE, MLRT_NONE}};
+            struct reference_ray ray = {
+                {point[0], point[1], point[2]}, {target[0], target[1], target[2]}, 0, INFINITY, {MLRT_NONE, MLRT_NONE}};
             if (reference_facing(triangle, ray.direction) < 0) continue;
             struct reference_hit hit = trace_one(fixture.tree, &ray, NULL);
             assert_int_not_equal(hit.triangle, i);

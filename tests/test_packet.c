@@ -384,12 +384,24 @@ static void spoil(struct reference_ray *ray, uint32_t how)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY};
     switch (how % 6) {
-    case 0: ray->origin[how / 6 % 3] = bad[how / 18 % 3]; break;
-    case 1: ray->direction[how / 6 % 3] = bad[how / 18 % 3]; break;
-    case 2: memset(ray->direction, 0, sizeof ray->direction); break;
-    case 3: ray->t_min = NAN; break;
-    case 4: ray->t_max = NAN; break;
-    default: ray->t_min = ray->t_max; break;
+    case 0:
+        ray->origin[how / 6 % 3] = bad[how / 18 % 3];
+        break;
+    case 1:
+        ray->direction[how / 6 % 3] = bad[how / 18 % 3];
+        break;
+    case 2:
+        memset(ray->direction, 0, sizeof ray->direction);
+        break;
+    case 3:
+        ray->t_min = NAN;
+        break;
+    case 4:
+        ray->t_max = NAN;
+        break;
+    default:
+        ray->t_min = ray->t_max;
+        break;
     }
 }
 
@@ -422,8 +434,7 @@ static void bad_rays_in_coherent_packets(void **state)
     struct fixture fixture = fixture_of_soup("bad and coherent", 601, &soup);
     mlrt_camera camera = look_at(eye, target, 0.8f, 48, 40);
     add_camera_rays(&list, &camera);
-    for (size_t i = 0; i < list.count; i += 1 + draw_below(&random, 40))
-        spoil(&list.rays[i], draw_bits(&random) >> 8);
+    for (size_t i = 0; i < list.count; i += 1 + draw_below(&random, 40)) spoil(&list.rays[i], draw_bits(&random) >> 8);
     check_rays(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
@@ -576,12 +587,18 @@ static void free_layout(struct layout *layout)
 static uint32_t field_of(const struct reference_hit *hit, int field)
 {
     switch (field) {
-    case 0: return bits_of_float(hit->t);
-    case 1: return bits_of_float(hit->u);
-    case 2: return bits_of_float(hit->v);
-    case 3: return hit->mesh;
-    case 4: return hit->triangle;
-    default: return (uint32_t)hit->facing;
+    case 0:
+        return bits_of_float(hit->t);
+    case 1:
+        return bits_of_float(hit->u);
+    case 2:
+        return bits_of_float(hit->v);
+    case 3:
+        return hit->mesh;
+    case 4:
+        return hit->triangle;
+    default:
+        return (uint32_t)hit->facing;
     }
 }
 

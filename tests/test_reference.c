@@ -178,8 +178,10 @@ static float quotient_of(double numerator, double denominator, int shift)
     mpz_t a, b;
     mpz_init_set_d(a, numerator);
     mpz_init_set_d(b, denominator);
-    if (shift >= 0) mpz_mul_2exp(a, a, (mp_bitcnt_t)shift);
-    else mpz_mul_2exp(b, b, (mp_bitcnt_t)-shift);
+    if (shift >= 0)
+        mpz_mul_2exp(a, a, (mp_bitcnt_t)shift);
+    else
+        mpz_mul_2exp(b, b, (mp_bitcnt_t)-shift);
     float quotient = reference_quotient(a, b);
     mpz_clear(a);
     mpz_clear(b);
@@ -192,7 +194,8 @@ static void quotients_round_as_the_machine_divides(void **state)
     struct random random = {11};
     for (int i = 0; i < 20000; i++) {
         // Integers of 24 bits: the machine's float quotient is correctly rounded.
-        float a = (float)((int)draw_below(&random, 1u << 24) - (1 << 23)), b = (float)(1 + draw_below(&random, 1u << 24));
+        float a = (float)((int)draw_below(&random, 1u << 24) - (1 << 23)),
+              b = (float)(1 + draw_below(&random, 1u << 24));
         assert_int_equal(bits_of_float(quotient_of((double)a, (double)b, 0)), bits_of_float(a == 0 ? 0.0f : a / b));
     }
 }
@@ -200,8 +203,8 @@ static void quotients_round_as_the_machine_divides(void **state)
 static void quotients_halfway_go_to_even(void **state)
 {
     (void)state;
-    assert_true(quotient_of(33554433, 2, 0) == 16777216);  // 2^24 + 1/2
-    assert_true(quotient_of(33554435, 2, 0) == 16777218);  // 2^24 + 3/2
+    assert_true(quotient_of(33554433, 2, 0) == 16777216);     // 2^24 + 1/2
+    assert_true(quotient_of(33554435, 2, 0) == 16777218);     // 2^24 + 3/2
     assert_true(quotient_of(67108867, 4, 0) == 16777216 + 0); // 2^24 + 3/4 lies below the middle of 0 and 2
     assert_true(quotient_of(-33554435, 2, 0) == -16777218);
 }

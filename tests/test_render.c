@@ -36,7 +36,8 @@ static struct fixture boxes(void)
 static void picture_sizes(void **state)
 {
     (void)state;
-    static const uint32_t sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 3}, {5, 7}, {17, 13}, {64, 64}, {66, 65}, {130, 30}};
+    static const uint32_t sizes[][2] = {{1, 1},   {1, 9},   {9, 1},   {2, 3},   {5, 7},
+                                        {17, 13}, {64, 64}, {66, 65}, {130, 30}};
     const float eye[3] = {0.3f, -3, 1}, target[3] = {0, 0, 0};
     struct fixture fixture = torus();
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -59,7 +60,7 @@ static void a_picture_of_several_large_tiles(void **state)
 static void crops(void **state)
 {
     (void)state;
-    static const uint32_t crops[][4] = {{0, 0, 10, 10}, {3, 5, 20, 11}, {59, 39, 1, 1}, {13, 0, 0, 7},
+    static const uint32_t crops[][4] = {{0, 0, 10, 10}, {3, 5, 20, 11},   {59, 39, 1, 1}, {13, 0, 0, 7},
                                         {1, 2, 0, 0},   {30, 30, 30, 10}, {63, 0, 1, 40}};
     const float eye[3] = {0.3f, -3, 1}, target[3] = {0, 0, 0};
     struct fixture fixture = torus();
@@ -97,7 +98,8 @@ static void a_crop_of_the_largest_picture(void **state)
 static void sample_offsets(void **state)
 {
     (void)state;
-    static const float offsets[][2] = {{0, 0}, {1, 1}, {0.999f, 0.001f}, {-0.5f, 2.5f}, {1e-30f, -1e-30f}, {100, -77.7f}};
+    static const float offsets[][2] = {{0, 0},       {1, 1}, {0.999f, 0.001f}, {-0.5f, 2.5f}, {1e-30f, -1e-30f},
+                                       {100, -77.7f}};
     const float eye[3] = {0.3f, -3, 1}, target[3] = {0, 0, 0};
     struct fixture fixture = torus();
     for (size_t i = 0; i < sizeof offsets / sizeof offsets[0]; i++) {
@@ -527,8 +529,7 @@ static void a_callback_gets_what_it_asked_for(void **state)
         mlrt_trace_options options = {.struct_size = sizeof options, .outputs = outputs};
         const mlrt_hits *frames[2] = {NULL, &frame}; // a frame's outputs are not the callback's
         for (int i = 0; i < 2; i++) {
-            int32_t status =
-                mlrt_render_tiles(fixture.tree, &camera, &options, frames[i], look_at_outputs, &asked);
+            int32_t status = mlrt_render_tiles(fixture.tree, &camera, &options, frames[i], look_at_outputs, &asked);
             assert_int_equal(status, MLRT_OK);
             assert_int_equal(asked.wrong, 0);
         }

@@ -32,10 +32,10 @@ struct subject {
     mlrt_tree *tree;
     struct reference_scene *reference;
     uint32_t pixel_count;
-    uint32_t *pixels;              /* positions in the picture */
-    struct reference_hit *hits;    /* of these pixels */
+    uint32_t *pixels;           /* positions in the picture */
+    struct reference_hit *hits; /* of these pixels */
     uint8_t *shadows;
-    float *points;                 /* of all pixels: where shadow rays go */
+    float *points; /* of all pixels: where shadow rays go */
     uint32_t *skip;
     size_t difference_count;
 };
@@ -162,7 +162,8 @@ static void compare_methods(struct subject *subject, const float light[3])
     mlrt_destroy_pool(pool);
 }
 
-/* Answers of all methods that differ from the reference on random pixels of a scene; SIZE_MAX if it cannot be loaded. */
+/* Answers of all methods that differ from the reference on random pixels of a scene; SIZE_MAX if it cannot be loaded.
+ */
 static size_t count_differences(const char *name, const char *view, uint32_t pixel_count)
 {
     struct subject subject = {.pixel_count = pixel_count};

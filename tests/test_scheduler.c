@@ -183,7 +183,8 @@ static void call_from_threads(mlrt_pool *first, mlrt_pool *second, mlrt_pool *th
     static float expected[WIDTH * HEIGHT];
     struct fixture fixture = torus();
     expected_picture(&fixture, expected);
-    struct caller callers[3] = {{&fixture, expected, first, 0}, {&fixture, expected, second, 0}, {&fixture, expected, third, 0}};
+    struct caller callers[3] = {
+        {&fixture, expected, first, 0}, {&fixture, expected, second, 0}, {&fixture, expected, third, 0}};
     pthread_t threads[3];
     for (int i = 0; i < 3; i++) assert_int_equal(pthread_create(&threads[i], NULL, call_repeatedly, &callers[i]), 0);
     for (int i = 0; i < 3; i++) assert_int_equal(pthread_join(threads[i], NULL), 0);
@@ -386,7 +387,8 @@ static void a_callback_may_trace(void **state)
     struct nested nested = {.tree = fixture.tree};
     mlrt_camera camera = view();
     for (uint32_t threads = 0; threads < 4; threads += 3) {
-        mlrt_trace_options options = {.struct_size = sizeof options, .initial_tile_size = 16, .pool = shared_pool(threads)};
+        mlrt_trace_options options = {
+            .struct_size = sizeof options, .initial_tile_size = 16, .pool = shared_pool(threads)};
         assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &options, NULL, trace_inside, &nested), MLRT_OK);
     }
     for (int i = 0; i < 8; i++) assert_int_equal(nested.failures[i], 0);

@@ -367,8 +367,9 @@ static void ids_are_reported(void **state)
 {
     (void)state;
     float low[9] = {0, 0, 5, 1, 0, 5, 0, 1, 5}, high[9] = {0, 0, 4, 1, 0, 4, 0, 1, 4};
-    mlrt_mesh meshes[2] = {{.struct_size = sizeof meshes[0], .id = 0, .vertices = low, .vertex_count = 3, .triangle_count = 1},
-                           {.struct_size = sizeof meshes[0], .id = 4000000000u, .vertices = high, .vertex_count = 3, .triangle_count = 1}};
+    mlrt_mesh meshes[2] = {
+        {.struct_size = sizeof meshes[0], .id = 0, .vertices = low, .vertex_count = 3, .triangle_count = 1},
+        {.struct_size = sizeof meshes[0], .id = 4000000000u, .vertices = high, .vertex_count = 3, .triangle_count = 1}};
     mlrt_tree *tree = tree_of(meshes, 2);
     mlrt_ray ray = ray_up(0.25f, 0.25f);
     assert_int_equal(trace(tree, &ray).mesh, 4000000000u);
@@ -382,8 +383,9 @@ static void ties_go_to_the_first_mesh_not_to_the_smallest_id(void **state)
 {
     (void)state;
     float corners[9] = {0, 0, 5, 1, 0, 5, 0, 1, 5};
-    mlrt_mesh meshes[2] = {{.struct_size = sizeof meshes[0], .id = 9, .vertices = corners, .vertex_count = 3, .triangle_count = 1},
-                           {.struct_size = sizeof meshes[0], .id = 3, .vertices = corners, .vertex_count = 3, .triangle_count = 1}};
+    mlrt_mesh meshes[2] = {
+        {.struct_size = sizeof meshes[0], .id = 9, .vertices = corners, .vertex_count = 3, .triangle_count = 1},
+        {.struct_size = sizeof meshes[0], .id = 3, .vertices = corners, .vertex_count = 3, .triangle_count = 1}};
     mlrt_ray ray = ray_up(0.25f, 0.25f);
     assert_int_equal(trace_and_destroy(tree_of(meshes, 2), &ray).mesh, 9);
 }
@@ -421,8 +423,10 @@ static void trace_strided(uint32_t index_size)
         for (size_t c = 0; c < 5; c++) {
             uint32_t wide = c < 3 ? draw_below(&random, VERTICES) : 0xFFFFFFFFu;
             uint16_t narrow = (uint16_t)wide;
-            if (index_size == 2) memcpy(indices + (5 * i + c) * 2, &narrow, 2);
-            else memcpy(indices + (5 * i + c) * 4, &wide, 4);
+            if (index_size == 2)
+                memcpy(indices + (5 * i + c) * 2, &narrow, 2);
+            else
+                memcpy(indices + (5 * i + c) * 4, &wide, 4);
         }
     }
     mlrt_mesh mesh = {.struct_size = sizeof mesh,
@@ -467,8 +471,17 @@ static void nothing_behind_a_mesh_is_read(void **state)
     for (int i = 0; i < 3 * VERTICES; i++) vertices[i] = draw_range(&random, -1, 1);
     for (int i = 0; i < 3 * TRIANGLES; i++) narrow[i] = (uint16_t)(wide[i] = draw_below(&random, VERTICES));
     mlrt_mesh meshes[3] = {
-        {.struct_size = sizeof meshes[0], .vertices = vertices, .vertex_count = VERTICES, .indices = narrow, .triangle_count = TRIANGLES, .index_size = 2},
-        {.struct_size = sizeof meshes[0], .vertices = vertices, .vertex_count = VERTICES, .indices = wide, .triangle_count = TRIANGLES},
+        {.struct_size = sizeof meshes[0],
+         .vertices = vertices,
+         .vertex_count = VERTICES,
+         .indices = narrow,
+         .triangle_count = TRIANGLES,
+         .index_size = 2},
+        {.struct_size = sizeof meshes[0],
+         .vertices = vertices,
+         .vertex_count = VERTICES,
+         .indices = wide,
+         .triangle_count = TRIANGLES},
         {.struct_size = sizeof meshes[0], .vertices = vertices + 6, .vertex_count = 3, .triangle_count = 1}};
     mlrt_destroy_tree(tree_of(meshes, 3));
     free_guarded(vertices, VERTICES * 12);

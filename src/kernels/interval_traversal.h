@@ -99,7 +99,8 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
             if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->apex, setup);
         }
         COUNT(&worker->counters, triangle_test_count, 1);
-        changed |= test_triangle(tree, number, setup, group, touched, packet, worker);
+        changed |= setup ? test_triangle_from_apex(tree, number, setup, group, touched, packet, worker)
+                         : test_triangle_from_anywhere(tree, number, group, touched, packet, worker);
     }
     if (!changed) return;
     if (job->any) group->lanes &= ~changed;

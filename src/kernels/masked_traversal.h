@@ -135,7 +135,9 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
                 }
             }
             COUNT(counters, triangle_test_count, 1);
-            const uint32_t changed = test_triangle(tree, entries[i], setup, &group, group.lanes, packet, worker);
+            const uint32_t changed =
+                setup ? test_triangle_from_apex(tree, entries[i], setup, &group, group.lanes, packet, worker)
+                      : test_triangle_from_anywhere(tree, entries[i], &group, group.lanes, packet, worker);
             if (job->any) {
                 alive &= ~changed;
                 group.lanes &= alive;

@@ -12,24 +12,65 @@
 #include "platform.h"
 
 /* clang-format off: a table of words */
-typedef struct { float x[4]; } f4;
-MLRT_INLINE f4 f4_set1(float a) { return (f4){{a, a, a, a}}; }
-MLRT_INLINE f4 f4_load(const float *p) { return (f4){{p[0], p[1], p[2], p[3]}}; } /* aligned to 16 bytes */
-MLRT_INLINE void f4_store(float *p, f4 a) { memcpy(p, a.x, sizeof a.x); } /* aligned to 16 bytes */
-MLRT_INLINE f4 f4_add(f4 a, f4 b) { return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}}; }
-MLRT_INLINE f4 f4_sub(f4 a, f4 b) { return (f4){{a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2], a.x[3] - b.x[3]}}; }
-MLRT_INLINE f4 f4_mul(f4 a, f4 b) { return (f4){{a.x[0] * b.x[0], a.x[1] * b.x[1], a.x[2] * b.x[2], a.x[3] * b.x[3]}}; }
-MLRT_INLINE f4 f4_div(f4 a, f4 b) { return (f4){{a.x[0] / b.x[0], a.x[1] / b.x[1], a.x[2] / b.x[2], a.x[3] / b.x[3]}}; }
-MLRT_INLINE f4 f4_abs(f4 a) { return (f4){{fabsf(a.x[0]), fabsf(a.x[1]), fabsf(a.x[2]), fabsf(a.x[3])}}; }
+typedef struct {
+    float x[4];
+} f4;
+MLRT_INLINE f4 f4_set1(float a)
+{
+    return (f4){{a, a, a, a}};
+}
+MLRT_INLINE f4 f4_load(const float *p)
+{
+    return (f4){{p[0], p[1], p[2], p[3]}};
+} /* aligned to 16 bytes */
+MLRT_INLINE void f4_store(float *p, f4 a)
+{
+    memcpy(p, a.x, sizeof a.x);
+} /* aligned to 16 bytes */
+MLRT_INLINE f4 f4_add(f4 a, f4 b)
+{
+    return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}};
+}
+MLRT_INLINE f4 f4_sub(f4 a, f4 b)
+{
+    return (f4){{a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2], a.x[3] - b.x[3]}};
+}
+MLRT_INLINE f4 f4_mul(f4 a, f4 b)
+{
+    return (f4){{a.x[0] * b.x[0], a.x[1] * b.x[1], a.x[2] * b.x[2], a.x[3] * b.x[3]}};
+}
+MLRT_INLINE f4 f4_div(f4 a, f4 b)
+{
+    return (f4){{a.x[0] / b.x[0], a.x[1] / b.x[1], a.x[2] / b.x[2], a.x[3] / b.x[3]}};
+}
+MLRT_INLINE f4 f4_max(f4 a, f4 b)
+{
+    return (f4){{a.x[0] > b.x[0] ? a.x[0] : b.x[0], a.x[1] > b.x[1] ? a.x[1] : b.x[1],
+                 a.x[2] > b.x[2] ? a.x[2] : b.x[2], a.x[3] > b.x[3] ? a.x[3] : b.x[3]}};
+}
+MLRT_INLINE f4 f4_abs(f4 a)
+{
+    return (f4){{fabsf(a.x[0]), fabsf(a.x[1]), fabsf(a.x[2]), fabsf(a.x[3])}};
+}
 /* a, negated if b is negative */
-MLRT_INLINE f4 f4_flip(f4 a, float b) { return b < 0 ? (f4){{-a.x[0], -a.x[1], -a.x[2], -a.x[3]}} : a; }
-/* a where b >= c, else 0 */
-MLRT_INLINE f4 f4_where_ge(f4 a, f4 b, f4 c) { return (f4){{b.x[0] >= c.x[0] ? a.x[0] : 0, b.x[1] >= c.x[1] ? a.x[1] : 0, b.x[2] >= c.x[2] ? a.x[2] : 0, b.x[3] >= c.x[3] ? a.x[3] : 0}}; }
+MLRT_INLINE f4 f4_flip(f4 a, float b)
+{
+    return b < 0 ? (f4){{-a.x[0], -a.x[1], -a.x[2], -a.x[3]}} : a;
+}
 /* 1, 2, 0, 1 of a */
-MLRT_INLINE f4 f4_next(f4 a) { return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}}; }
+MLRT_INLINE f4 f4_next(f4 a)
+{
+    return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}};
+}
 /* 0, 1, 2 of a, and 2 of b */
-MLRT_INLINE f4 f4_join(f4 a, f4 b) { return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}}; }
-MLRT_INLINE float f4_last(f4 a) { return a.x[3]; }
+MLRT_INLINE f4 f4_join(f4 a, f4 b)
+{
+    return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}};
+}
+MLRT_INLINE float f4_last(f4 a)
+{
+    return a.x[3];
+}
 MLRT_INLINE float f4_hmin(f4 a)
 {
     const float b = a.x[0] < a.x[2] ? a.x[0] : a.x[2], c = a.x[1] < a.x[3] ? a.x[1] : a.x[3];

@@ -11,22 +11,58 @@
 
 /* clang-format off: a table of words */
 typedef __m128 f4;
-MLRT_INLINE f4 f4_set1(float a) { return _mm_set1_ps(a); }
-MLRT_INLINE f4 f4_load(const float *p) { return _mm_load_ps(p); }
-MLRT_INLINE void f4_store(float *p, f4 a) { _mm_store_ps(p, a); }
-MLRT_INLINE f4 f4_add(f4 a, f4 b) { return _mm_add_ps(a, b); }
-MLRT_INLINE f4 f4_sub(f4 a, f4 b) { return _mm_sub_ps(a, b); }
-MLRT_INLINE f4 f4_mul(f4 a, f4 b) { return _mm_mul_ps(a, b); }
-MLRT_INLINE f4 f4_div(f4 a, f4 b) { return _mm_div_ps(a, b); }
-MLRT_INLINE f4 f4_abs(f4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
-MLRT_INLINE f4 f4_flip(f4 a, float b) { return _mm_xor_ps(a, _mm_and_ps(_mm_set1_ps(b), _mm_set1_ps(-0.0f))); }
-MLRT_INLINE f4 f4_where_ge(f4 a, f4 b, f4 c) { return _mm_and_ps(a, _mm_cmpge_ps(b, c)); }
-MLRT_INLINE f4 f4_next(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); }
+MLRT_INLINE f4 f4_set1(float a)
+{
+    return _mm_set1_ps(a);
+}
+MLRT_INLINE f4 f4_load(const float *p)
+{
+    return _mm_load_ps(p);
+}
+MLRT_INLINE void f4_store(float *p, f4 a)
+{
+    _mm_store_ps(p, a);
+}
+MLRT_INLINE f4 f4_add(f4 a, f4 b)
+{
+    return _mm_add_ps(a, b);
+}
+MLRT_INLINE f4 f4_sub(f4 a, f4 b)
+{
+    return _mm_sub_ps(a, b);
+}
+MLRT_INLINE f4 f4_mul(f4 a, f4 b)
+{
+    return _mm_mul_ps(a, b);
+}
+MLRT_INLINE f4 f4_div(f4 a, f4 b)
+{
+    return _mm_div_ps(a, b);
+}
+MLRT_INLINE f4 f4_max(f4 a, f4 b)
+{
+    return _mm_max_ps(a, b);
+}
+MLRT_INLINE f4 f4_abs(f4 a)
+{
+    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
+}
+MLRT_INLINE f4 f4_flip(f4 a, float b)
+{
+    return _mm_xor_ps(a, _mm_and_ps(_mm_set1_ps(b), _mm_set1_ps(-0.0f)));
+}
+MLRT_INLINE f4 f4_next(f4 a)
+{
+    return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1));
+}
 MLRT_INLINE f4 f4_join(f4 a, f4 b)
 {
     return _mm_shuffle_ps(a, _mm_unpackhi_ps(a, b), _MM_SHUFFLE(1, 0, 1, 0));
 }
-MLRT_INLINE float f4_last(f4 a) { return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3))); }
+MLRT_INLINE float f4_last(f4 a)
+{
+    return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3)));
+}
 MLRT_INLINE float f4_hmin(f4 a)
 {
     a = _mm_min_ps(a, _mm_movehl_ps(a, a));

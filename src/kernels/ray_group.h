@@ -36,6 +36,12 @@ struct ray_group {
 
 #define RECIPROCAL_SLACK 0x1p-21f
 
+/* fmaxf without its care for NaNs, which is a call. */
+MLRT_INLINE float larger_of(float a, float b)
+{
+    return a > b ? a : b;
+}
+
 MLRT_INLINE float lowest(const float *values, uint32_t lanes)
 {
     vf all = v_set1(INFINITY);
@@ -158,9 +164,9 @@ MLRT_INLINE void set_main_axis(struct ray_group *group)
 {
     const float x = group->axis[0].reach, y = group->axis[1].reach, z = group->axis[2].reach;
     const int a = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    const float other = 2 * fmaxf(group->axis[(a + 1) % 3].reach, group->axis[(a + 2) % 3].reach);
+    const float other = 2 * larger_of(group->axis[(a + 1) % 3].reach, group->axis[(a + 2) % 3].reach);
     group->axis_code = axis_code(a, (int)group->axis[a].negative);
-    group->reach = fmaxf(group->axis[a].reach, other);
+    group->reach = larger_of(group->axis[a].reach, other);
 }
 
 MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group *group)

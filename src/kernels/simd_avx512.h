@@ -9,24 +9,57 @@
 
 #include "quad_sse.h"
 
-#define VW 16
+#define VW        16
 #define ALL_LANES 65535u
 typedef __m512 vf;
 typedef __m512i vi;
 typedef __mmask16 vm;
 
 /* clang-format off: a table of words */
-MLRT_INLINE vf v_set1(float a) { return _mm512_set1_ps(a); }
-MLRT_INLINE vf v_load(const float *p) { return _mm512_load_ps(p); }
-MLRT_INLINE void v_store(float *p, vf a) { _mm512_store_ps(p, a); }
-MLRT_INLINE vf v_add(vf a, vf b) { return _mm512_add_ps(a, b); }
-MLRT_INLINE vf v_sub(vf a, vf b) { return _mm512_sub_ps(a, b); }
-MLRT_INLINE vf v_mul(vf a, vf b) { return _mm512_mul_ps(a, b); }
-MLRT_INLINE vf v_div(vf a, vf b) { return _mm512_div_ps(a, b); }
-MLRT_INLINE vf v_min(vf a, vf b) { return _mm512_min_ps(a, b); }
-MLRT_INLINE vf v_max(vf a, vf b) { return _mm512_max_ps(a, b); }
-MLRT_INLINE vf v_abs(vf a) { return _mm512_abs_ps(a); }
-MLRT_INLINE vf v_flip(vf a, vf b) { return _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0f))); }
+MLRT_INLINE vf v_set1(float a)
+{
+    return _mm512_set1_ps(a);
+}
+MLRT_INLINE vf v_load(const float *p)
+{
+    return _mm512_load_ps(p);
+}
+MLRT_INLINE void v_store(float *p, vf a)
+{
+    _mm512_store_ps(p, a);
+}
+MLRT_INLINE vf v_add(vf a, vf b)
+{
+    return _mm512_add_ps(a, b);
+}
+MLRT_INLINE vf v_sub(vf a, vf b)
+{
+    return _mm512_sub_ps(a, b);
+}
+MLRT_INLINE vf v_mul(vf a, vf b)
+{
+    return _mm512_mul_ps(a, b);
+}
+MLRT_INLINE vf v_div(vf a, vf b)
+{
+    return _mm512_div_ps(a, b);
+}
+MLRT_INLINE vf v_min(vf a, vf b)
+{
+    return _mm512_min_ps(a, b);
+}
+MLRT_INLINE vf v_max(vf a, vf b)
+{
+    return _mm512_max_ps(a, b);
+}
+MLRT_INLINE vf v_abs(vf a)
+{
+    return _mm512_abs_ps(a);
+}
+MLRT_INLINE vf v_flip(vf a, vf b)
+{
+    return _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0f)));
+}
 MLRT_INLINE float v_hmin(vf a)
 {
     const __m256 b = _mm256_min_ps(_mm512_castps512_ps256(a), _mm512_extractf32x8_ps(a, 1));
@@ -38,23 +71,71 @@ MLRT_INLINE float v_hmax(vf a)
     return f4_hmax(_mm_max_ps(_mm256_castps256_ps128(b), _mm256_extractf128_ps(b, 1)));
 }
 
-MLRT_INLINE vm v_lt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
-MLRT_INLINE vm v_le(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
-MLRT_INLINE vm v_gt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ); }
-MLRT_INLINE vm v_ge(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ); }
-MLRT_INLINE vm v_eq(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ); }
-MLRT_INLINE vf v_select(vm m, vf a, vf b) { return _mm512_mask_blend_ps(m, b, a); }
+MLRT_INLINE vm v_lt(vf a, vf b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
+}
+MLRT_INLINE vm v_le(vf a, vf b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
+}
+MLRT_INLINE vm v_gt(vf a, vf b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ);
+}
+MLRT_INLINE vm v_ge(vf a, vf b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ);
+}
+MLRT_INLINE vm v_eq(vf a, vf b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
+}
+MLRT_INLINE vf v_select(vm m, vf a, vf b)
+{
+    return _mm512_mask_blend_ps(m, b, a);
+}
 
-MLRT_INLINE vm m_and(vm a, vm b) { return (vm)(a & b); }
-MLRT_INLINE vm m_or(vm a, vm b) { return (vm)(a | b); }
-MLRT_INLINE vm m_andnot(vm a, vm b) { return (vm)(a & ~b); }
-MLRT_INLINE unsigned m_bits(vm a) { return a; }
-MLRT_INLINE vm m_from_bits(unsigned bits) { return (vm)bits; }
+MLRT_INLINE vm m_and(vm a, vm b)
+{
+    return (vm)(a & b);
+}
+MLRT_INLINE vm m_or(vm a, vm b)
+{
+    return (vm)(a | b);
+}
+MLRT_INLINE vm m_andnot(vm a, vm b)
+{
+    return (vm)(a & ~b);
+}
+MLRT_INLINE unsigned m_bits(vm a)
+{
+    return a;
+}
+MLRT_INLINE vm m_from_bits(unsigned bits)
+{
+    return (vm)bits;
+}
 
-MLRT_INLINE vi i_set1(uint32_t a) { return _mm512_set1_epi32((int)a); }
-MLRT_INLINE vi i_load(const uint32_t *p) { return _mm512_load_si512((const void *)p); }
-MLRT_INLINE void i_store(uint32_t *p, vi a) { _mm512_store_si512((void *)p, a); }
-MLRT_INLINE vm i_eq(vi a, vi b) { return _mm512_cmpeq_epi32_mask(a, b); }
-MLRT_INLINE vi i_select(vm m, vi a, vi b) { return _mm512_mask_blend_epi32(m, b, a); }
+MLRT_INLINE vi i_set1(uint32_t a)
+{
+    return _mm512_set1_epi32((int)a);
+}
+MLRT_INLINE vi i_load(const uint32_t *p)
+{
+    return _mm512_load_si512((const void *)p);
+}
+MLRT_INLINE void i_store(uint32_t *p, vi a)
+{
+    _mm512_store_si512((void *)p, a);
+}
+MLRT_INLINE vm i_eq(vi a, vi b)
+{
+    return _mm512_cmpeq_epi32_mask(a, b);
+}
+MLRT_INLINE vi i_select(vm m, vi a, vi b)
+{
+    return _mm512_mask_blend_epi32(m, b, a);
+}
 
 #endif

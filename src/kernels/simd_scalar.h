@@ -2,9 +2,9 @@
 /*
  * The vocabulary of the kernels, one lane wide and in plain C: what every other simd_*.h must mean lane by lane.
  *
- *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to the width.
- *   v_min and v_max return their second operand if either is a NaN; comparisons with a NaN are false.
- *   A mask lane is all ones or all zeros; m_bits has lane i in bit i.
+ *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to
+ * the width. v_min and v_max return their second operand if either is a NaN; comparisons with a NaN are false. A mask
+ * lane is all ones or all zeros; m_bits has lane i in bit i.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H
@@ -14,7 +14,7 @@
 #include "platform.h"
 #include "quad_scalar.h"
 
-#define VW 1
+#define VW        1
 #define ALL_LANES 1u
 typedef float vf;
 typedef uint32_t vi;
@@ -34,39 +34,126 @@ MLRT_INLINE float float_of(uint32_t bits)
     return a;
 }
 
-MLRT_INLINE vf v_set1(float a) { return a; }
-MLRT_INLINE vf v_load(const float *p) { return *p; }
-MLRT_INLINE void v_store(float *p, vf a) { *p = a; }
-MLRT_INLINE vf v_add(vf a, vf b) { return a + b; }
-MLRT_INLINE vf v_sub(vf a, vf b) { return a - b; }
-MLRT_INLINE vf v_mul(vf a, vf b) { return a * b; }
-MLRT_INLINE vf v_div(vf a, vf b) { return a / b; }
-MLRT_INLINE vf v_min(vf a, vf b) { return a < b ? a : b; }
-MLRT_INLINE vf v_max(vf a, vf b) { return a > b ? a : b; }
-MLRT_INLINE vf v_abs(vf a) { return float_of(bits_of(a) & 0x7FFFFFFFu); }
+MLRT_INLINE vf v_set1(float a)
+{
+    return a;
+}
+MLRT_INLINE vf v_load(const float *p)
+{
+    return *p;
+}
+MLRT_INLINE void v_store(float *p, vf a)
+{
+    *p = a;
+}
+MLRT_INLINE vf v_add(vf a, vf b)
+{
+    return a + b;
+}
+MLRT_INLINE vf v_sub(vf a, vf b)
+{
+    return a - b;
+}
+MLRT_INLINE vf v_mul(vf a, vf b)
+{
+    return a * b;
+}
+MLRT_INLINE vf v_div(vf a, vf b)
+{
+    return a / b;
+}
+MLRT_INLINE vf v_min(vf a, vf b)
+{
+    return a < b ? a : b;
+}
+MLRT_INLINE vf v_max(vf a, vf b)
+{
+    return a > b ? a : b;
+}
+MLRT_INLINE vf v_abs(vf a)
+{
+    return float_of(bits_of(a) & 0x7FFFFFFFu);
+}
 /* a with its sign flipped where b is negative */
-MLRT_INLINE vf v_flip(vf a, vf b) { return float_of(bits_of(a) ^ (bits_of(b) & 0x80000000u)); }
-MLRT_INLINE float v_hmin(vf a) { return a; }
-MLRT_INLINE float v_hmax(vf a) { return a; }
+MLRT_INLINE vf v_flip(vf a, vf b)
+{
+    return float_of(bits_of(a) ^ (bits_of(b) & 0x80000000u));
+}
+MLRT_INLINE float v_hmin(vf a)
+{
+    return a;
+}
+MLRT_INLINE float v_hmax(vf a)
+{
+    return a;
+}
 
-MLRT_INLINE vm v_lt(vf a, vf b) { return a < b ? 0xFFFFFFFFu : 0; }
-MLRT_INLINE vm v_le(vf a, vf b) { return a <= b ? 0xFFFFFFFFu : 0; }
-MLRT_INLINE vm v_gt(vf a, vf b) { return a > b ? 0xFFFFFFFFu : 0; }
-MLRT_INLINE vm v_ge(vf a, vf b) { return a >= b ? 0xFFFFFFFFu : 0; }
-MLRT_INLINE vm v_eq(vf a, vf b) { return a == b ? 0xFFFFFFFFu : 0; }
-MLRT_INLINE vf v_select(vm m, vf a, vf b) { return m ? a : b; }
+MLRT_INLINE vm v_lt(vf a, vf b)
+{
+    return a < b ? 0xFFFFFFFFu : 0;
+}
+MLRT_INLINE vm v_le(vf a, vf b)
+{
+    return a <= b ? 0xFFFFFFFFu : 0;
+}
+MLRT_INLINE vm v_gt(vf a, vf b)
+{
+    return a > b ? 0xFFFFFFFFu : 0;
+}
+MLRT_INLINE vm v_ge(vf a, vf b)
+{
+    return a >= b ? 0xFFFFFFFFu : 0;
+}
+MLRT_INLINE vm v_eq(vf a, vf b)
+{
+    return a == b ? 0xFFFFFFFFu : 0;
+}
+MLRT_INLINE vf v_select(vm m, vf a, vf b)
+{
+    return m ? a : b;
+}
 
-MLRT_INLINE vm m_and(vm a, vm b) { return a & b; }
-MLRT_INLINE vm m_or(vm a, vm b) { return a | b; }
+MLRT_INLINE vm m_and(vm a, vm b)
+{
+    return a & b;
+}
+MLRT_INLINE vm m_or(vm a, vm b)
+{
+    return a | b;
+}
 /* a and not b */
-MLRT_INLINE vm m_andnot(vm a, vm b) { return a & ~b; }
-MLRT_INLINE unsigned m_bits(vm a) { return a & 1; }
-MLRT_INLINE vm m_from_bits(unsigned bits) { return (bits & 1) ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vm m_andnot(vm a, vm b)
+{
+    return a & ~b;
+}
+MLRT_INLINE unsigned m_bits(vm a)
+{
+    return a & 1;
+}
+MLRT_INLINE vm m_from_bits(unsigned bits)
+{
+    return (bits & 1) ? 0xFFFFFFFFu : 0;
+}
 
-MLRT_INLINE vi i_set1(uint32_t a) { return a; }
-MLRT_INLINE vi i_load(const uint32_t *p) { return *p; }
-MLRT_INLINE void i_store(uint32_t *p, vi a) { *p = a; }
-MLRT_INLINE vm i_eq(vi a, vi b) { return a == b ? 0xFFFFFFFFu : 0; }
-MLRT_INLINE vi i_select(vm m, vi a, vi b) { return m ? a : b; }
+MLRT_INLINE vi i_set1(uint32_t a)
+{
+    return a;
+}
+MLRT_INLINE vi i_load(const uint32_t *p)
+{
+    return *p;
+}
+MLRT_INLINE void i_store(uint32_t *p, vi a)
+{
+    *p = a;
+}
+MLRT_INLINE vm i_eq(vi a, vi b)
+{
+    return a == b ? 0xFFFFFFFFu : 0;
+}
+MLRT_INLINE vi i_select(vm m, vi a, vi b)
+{
+    return m ? a : b;
+}
 
 #endif

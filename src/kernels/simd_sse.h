@@ -9,24 +9,57 @@
 
 #include "quad_sse.h"
 
-#define VW 4
+#define VW        4
 #define ALL_LANES 15u
 typedef __m128 vf;
 typedef __m128i vi;
 typedef __m128 vm;
 
 /* clang-format off: a table of words */
-MLRT_INLINE vf v_set1(float a) { return _mm_set1_ps(a); }
-MLRT_INLINE vf v_load(const float *p) { return _mm_load_ps(p); }
-MLRT_INLINE void v_store(float *p, vf a) { _mm_store_ps(p, a); }
-MLRT_INLINE vf v_add(vf a, vf b) { return _mm_add_ps(a, b); }
-MLRT_INLINE vf v_sub(vf a, vf b) { return _mm_sub_ps(a, b); }
-MLRT_INLINE vf v_mul(vf a, vf b) { return _mm_mul_ps(a, b); }
-MLRT_INLINE vf v_div(vf a, vf b) { return _mm_div_ps(a, b); }
-MLRT_INLINE vf v_min(vf a, vf b) { return _mm_min_ps(a, b); }
-MLRT_INLINE vf v_max(vf a, vf b) { return _mm_max_ps(a, b); }
-MLRT_INLINE vf v_abs(vf a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
-MLRT_INLINE vf v_flip(vf a, vf b) { return _mm_xor_ps(a, _mm_and_ps(b, _mm_set1_ps(-0.0f))); }
+MLRT_INLINE vf v_set1(float a)
+{
+    return _mm_set1_ps(a);
+}
+MLRT_INLINE vf v_load(const float *p)
+{
+    return _mm_load_ps(p);
+}
+MLRT_INLINE void v_store(float *p, vf a)
+{
+    _mm_store_ps(p, a);
+}
+MLRT_INLINE vf v_add(vf a, vf b)
+{
+    return _mm_add_ps(a, b);
+}
+MLRT_INLINE vf v_sub(vf a, vf b)
+{
+    return _mm_sub_ps(a, b);
+}
+MLRT_INLINE vf v_mul(vf a, vf b)
+{
+    return _mm_mul_ps(a, b);
+}
+MLRT_INLINE vf v_div(vf a, vf b)
+{
+    return _mm_div_ps(a, b);
+}
+MLRT_INLINE vf v_min(vf a, vf b)
+{
+    return _mm_min_ps(a, b);
+}
+MLRT_INLINE vf v_max(vf a, vf b)
+{
+    return _mm_max_ps(a, b);
+}
+MLRT_INLINE vf v_abs(vf a)
+{
+    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
+}
+MLRT_INLINE vf v_flip(vf a, vf b)
+{
+    return _mm_xor_ps(a, _mm_and_ps(b, _mm_set1_ps(-0.0f)));
+}
 MLRT_INLINE float v_hmin(vf a)
 {
     a = _mm_min_ps(a, _mm_movehl_ps(a, a));
@@ -38,27 +71,69 @@ MLRT_INLINE float v_hmax(vf a)
     return _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps(a, a, 1)));
 }
 
-MLRT_INLINE vm v_lt(vf a, vf b) { return _mm_cmplt_ps(a, b); }
-MLRT_INLINE vm v_le(vf a, vf b) { return _mm_cmple_ps(a, b); }
-MLRT_INLINE vm v_gt(vf a, vf b) { return _mm_cmpgt_ps(a, b); }
-MLRT_INLINE vm v_ge(vf a, vf b) { return _mm_cmpge_ps(a, b); }
-MLRT_INLINE vm v_eq(vf a, vf b) { return _mm_cmpeq_ps(a, b); }
-MLRT_INLINE vf v_select(vm m, vf a, vf b) { return _mm_or_ps(_mm_and_ps(m, a), _mm_andnot_ps(m, b)); }
+MLRT_INLINE vm v_lt(vf a, vf b)
+{
+    return _mm_cmplt_ps(a, b);
+}
+MLRT_INLINE vm v_le(vf a, vf b)
+{
+    return _mm_cmple_ps(a, b);
+}
+MLRT_INLINE vm v_gt(vf a, vf b)
+{
+    return _mm_cmpgt_ps(a, b);
+}
+MLRT_INLINE vm v_ge(vf a, vf b)
+{
+    return _mm_cmpge_ps(a, b);
+}
+MLRT_INLINE vm v_eq(vf a, vf b)
+{
+    return _mm_cmpeq_ps(a, b);
+}
+MLRT_INLINE vf v_select(vm m, vf a, vf b)
+{
+    return _mm_or_ps(_mm_and_ps(m, a), _mm_andnot_ps(m, b));
+}
 
-MLRT_INLINE vm m_and(vm a, vm b) { return _mm_and_ps(a, b); }
-MLRT_INLINE vm m_or(vm a, vm b) { return _mm_or_ps(a, b); }
-MLRT_INLINE vm m_andnot(vm a, vm b) { return _mm_andnot_ps(b, a); }
-MLRT_INLINE unsigned m_bits(vm a) { return (unsigned)_mm_movemask_ps(a); }
+MLRT_INLINE vm m_and(vm a, vm b)
+{
+    return _mm_and_ps(a, b);
+}
+MLRT_INLINE vm m_or(vm a, vm b)
+{
+    return _mm_or_ps(a, b);
+}
+MLRT_INLINE vm m_andnot(vm a, vm b)
+{
+    return _mm_andnot_ps(b, a);
+}
+MLRT_INLINE unsigned m_bits(vm a)
+{
+    return (unsigned)_mm_movemask_ps(a);
+}
 MLRT_INLINE vm m_from_bits(unsigned bits)
 {
     const __m128i lanes = _mm_set_epi32(8, 4, 2, 1);
     return _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int)bits), lanes), lanes));
 }
 
-MLRT_INLINE vi i_set1(uint32_t a) { return _mm_set1_epi32((int)a); }
-MLRT_INLINE vi i_load(const uint32_t *p) { return _mm_load_si128((const __m128i *)(const void *)p); }
-MLRT_INLINE void i_store(uint32_t *p, vi a) { _mm_store_si128((__m128i *)(void *)p, a); }
-MLRT_INLINE vm i_eq(vi a, vi b) { return _mm_castsi128_ps(_mm_cmpeq_epi32(a, b)); }
+MLRT_INLINE vi i_set1(uint32_t a)
+{
+    return _mm_set1_epi32((int)a);
+}
+MLRT_INLINE vi i_load(const uint32_t *p)
+{
+    return _mm_load_si128((const __m128i *)(const void *)p);
+}
+MLRT_INLINE void i_store(uint32_t *p, vi a)
+{
+    _mm_store_si128((__m128i *)(void *)p, a);
+}
+MLRT_INLINE vm i_eq(vi a, vi b)
+{
+    return _mm_castsi128_ps(_mm_cmpeq_epi32(a, b));
+}
 MLRT_INLINE vi i_select(vm m, vi a, vi b)
 {
     const __m128i mask = _mm_castps_si128(m);

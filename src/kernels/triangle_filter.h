@@ -10,30 +10,30 @@
  *     D' = d . (n / size)                  n = (a - c) x (b - a)
  *     N' = fl(a - o) . (n / size)          so t = N' / D'
  *
- * where size belongs to the cross product: with size_k the sum of the magnitudes of the two products in its component
- * k, |a| + |b| in place of |a + b|, it is size_main + (size_j + size_l) / 2, where the main axis is that along which the
- * rays go. (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this does not: its error
- * shrinks with the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled, and scaled like this
- * they have one bound for all triangles.
+ * where size belongs to the cross product. With M_k the sum of the magnitudes of the two products in its component k,
+ * |a| + |b| in place of |a + b|, it is M_main + (M_j + M_l) / 2, where the main axis is that along which the rays go.
+ * (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this does not: its error shrinks with
+ * the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled, and scaled like this they have one
+ * bound for all triangles.
  *
  * EDGES, with u = 2^-24 and R the largest of |d_main|, 2 |d_j|, 2 |d_l| of the rays at hand. Roundings of a component
  * of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be
  * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, the division 1; in the dot
- * product the products have 1 and the sums 2. That makes 9, relative to the sum of |d_k| size_k / size, which is at most
- * R if size is exact. As computed it is less by at most 7 roundings. So |e' - exact| <= 9.001 u R.
+ * product the products have 1 and the sums 2. That makes 9, relative to the sum of |d_k| M_k / size, which is at most R
+ * for the size without rounding. As computed it is less by at most 7 roundings. So |e' - exact| <= 9.001 u R.
  *
- * Underflow: float sums have none. A product in the cross product may lose 2^-150; with size >= 2^-100 the three
- * components lose no more than 2^-47 R in all. Triangles with smaller sizes get terms of 0, for which nothing is
- * certain. The division may lose 2^-150 and so may the products with d: nothing beside u R, since R >= 2^-60
- * (packet.h). So EDGE_BOUND R = 10 u R is a bound. Overflow: magnitudes up to 2^60 make sizes below 2^127.
+ * Underflow: float sums have none. A product in the cross product may lose 2^-150; since size is made at least 2^-100,
+ * the three components lose no more than 2^-47 R in all. The division may lose 2^-150 and so may the products with d:
+ * nothing beside u R, since R >= 2^-60 (packet.h). So EDGE_BOUND R = 10 u R is a bound. Overflow: magnitudes up to 2^60
+ * make sizes below 2^127.
  *
- * DISTANCES. D' has 8 roundings, so it is off by 8.001 u R, and |D'| < 1.001 R. N' has 9; with A made of a as R is of d it is
- * off by 9.001 u A, |N'| < 1.001 A, and for underflow of its products 2^-82 is added, also for what follows. In signs
- * that make D' positive, N' -+ E with E = 12 u A + 2^-82 are bounds on either side even after they are rounded, and D' -+
- * 16 u R are with 6 u R to spare: for their own rounding, and for that of one product or quotient of them. So t < x if
- * N' + E < x (D' - W), t > x if N' - E > x (D' + W), and t lies between (N' - E) / (D' + W) and (N' + E) / (D' - W), as
- * long as D' - W is positive. A product or quotient may lose 2^-150, which is nothing beside 2^-82 / R; an infinite one
- * decides nothing wrong.
+ * DISTANCES. D' has 8 roundings, so it is off by 8.001 u R, and |D'| < 1.001 R. N' has 9; with A made of a as R is of d
+ * it is off by 9.001 u A, |N'| < 1.001 A, and for underflow of its products 2^-82 is added, also for what follows. In
+ * signs that make D' positive, N' -+ E with E = 12 u A + 2^-82 are bounds on either side even after they are rounded,
+ * and D' -+ 16 u R are with 6 u R to spare: for their own rounding, and for that of one product or quotient of them. So
+ * t < x if N' + E < x (D' - W), t > x if N' - E > x (D' + W), and t lies between (N' - E) / (D' + W) and (N' + E) / (D'
+ * - W), as long as D' - W is positive. A product or quotient may lose 2^-150, which is nothing beside 2^-82 / R; an
+ * infinite one decides nothing wrong.
  */
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
@@ -65,9 +65,9 @@ MLRT_INLINE void scale_terms(const vf first[3], const vf second[3], uint32_t mai
         const int p = (k + 1) % 3, q = (k + 2) % 3;
         sizes[k] = v_add(v_mul(first[p], v_abs(second[q])), v_mul(first[q], v_abs(second[p])));
     }
-    const vf size = v_mul(v_add(v_add(v_add(sizes[0], sizes[1]), sizes[2]), sizes[main_axis]), v_set1(0.5f));
-    const vm large = v_ge(size, v_set1(SMALLEST_SIZE));
-    for (int k = 0; k < 3; ++k) cross[k] = v_select(large, v_div(cross[k], size), v_set1(0));
+    const vf others = v_add(sizes[(main_axis + 1) % 3], sizes[(main_axis + 2) % 3]);
+    const vf size = v_max(v_add(v_mul(others, v_set1(0.5f)), sizes[main_axis]), v_set1(SMALLEST_SIZE));
+    for (int k = 0; k < 3; ++k) cross[k] = v_div(cross[k], size);
 }
 
 /* Terms for rays of different origins, lane by lane. */
@@ -194,8 +194,8 @@ static int share_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t se
  * input changes nothing, whether it is hit or not, and the earlier one replaces the other where it is surely inside.
  * Returns the lanes of `lanes` that are settled so.
  */
-static MLRT_NOINLINE uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
-                                          uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker)
+static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                            struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t settled = 0;
     for (uint32_t lane = 0; lanes >> lane; ++lane) {
@@ -211,8 +211,8 @@ static MLRT_NOINLINE uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t
 }
 
 /* Hands single lanes to the judge. Returns those that are hit nearer than before. */
-static MLRT_NOINLINE uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
-                                          struct mlrt_packet *packet, struct mlrt_worker *worker)
+static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, struct mlrt_packet *packet,
+                            struct mlrt_worker *worker)
 {
     uint32_t hit = 0;
     for (uint32_t lane = 0; lanes >> lane; ++lane) {
@@ -229,18 +229,21 @@ static MLRT_NOINLINE uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t
     return hit;
 }
 
-/*
- * Tests the rays of `group` in the lanes `lanes` against triangle `number` and updates their nearest hits. `setup` is
- * that of the triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
- */
-static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, const struct mlrt_triangle_setup *setup,
-                              const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
-                              struct mlrt_worker *worker)
+/* What test_lanes has to say: lanes that are nearer, and what is left of the others. */
+struct outcome {
+    uint32_t nearer;
+    uint32_t undecided;
+    uint32_t inside;
+};
+
+/* The float part of test_triangle. `setup` is NULL, or not, at compile time. */
+MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t number,
+                                        const struct mlrt_triangle_setup *setup, const struct ray_group *group,
+                                        uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct triangle_terms terms;
-    terms.distance = terms.distance_bound = v_set1(0);
+    struct outcome outcome = {0, 0, 0};
     if (setup) set_apex_terms(setup, &terms);
-    uint32_t changed = 0, undecided = 0, inside = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
         /* A triangle met again in another leaf is no news to the rays that it is the nearest of. */
@@ -259,17 +262,51 @@ static uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number, con
             v_store(packet->lo + v, v_select(verdict.nearer, verdict.lo, v_load(packet->lo + v)));
             v_store(packet->hi + v, v_select(verdict.nearer, verdict.hi, v_load(packet->hi + v)));
             i_store(packet->triangle + v, i_select(verdict.nearer, i_set1(number), i_load(packet->triangle + v)));
-            changed |= nearer << v;
+            outcome.nearer |= nearer << v;
         }
-        undecided |= m_bits(verdict.undecided) << v;
-        inside |= m_bits(verdict.inside) << v;
+        outcome.undecided |= m_bits(verdict.undecided) << v;
+        outcome.inside |= m_bits(verdict.inside) << v;
     }
-    if (MLRT_LIKELY(!undecided)) return changed;
-    const uint32_t tied = settle_ties(tree, number, undecided, inside, packet, worker);
-    undecided &= ~tied;
+    return outcome;
+}
+
+/* What the filter leaves of a test: exact ties, and then the judge. Returns the lanes whose nearest hit changed. */
+static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, const struct outcome *outcome,
+                                           struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const uint32_t tied = settle_ties(tree, number, outcome->undecided, outcome->inside, packet, worker);
+    const uint32_t undecided = outcome->undecided & ~tied;
     COUNT(&worker->counters, tie_lane_count, mlrt_count_bits(tied));
-    if (!undecided) return changed;
+    if (!undecided) return 0;
     COUNT(&worker->counters, undecided_test_count, 1);
     COUNT(&worker->counters, judged_lane_count, mlrt_count_bits(undecided));
-    return changed | judge_lanes(tree, number, undecided, packet, worker);
+    return judge_lanes(tree, number, undecided, packet, worker);
+}
+
+/*
+ * Tests the rays of `group` in the lanes `lanes` against triangle `number` and updates their nearest hits. `setup` is
+ * that of the triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
+ */
+MLRT_INLINE uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number,
+                                   const struct mlrt_triangle_setup *setup, const struct ray_group *group,
+                                   uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const struct outcome outcome = filter_lanes(tree, number, setup, group, lanes, packet, worker);
+    if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
+    return outcome.nearer | decide_lanes(tree, number, &outcome, packet, worker);
+}
+
+/* The same for rays of one origin, and for rays of different ones. */
+static uint32_t test_triangle_from_apex(const struct mlrt_tree *tree, uint32_t number,
+                                        const struct mlrt_triangle_setup *setup, const struct ray_group *group,
+                                        uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    return test_triangle(tree, number, setup, group, lanes, packet, worker);
+}
+
+static uint32_t test_triangle_from_anywhere(const struct mlrt_tree *tree, uint32_t number,
+                                            const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
+                                            struct mlrt_worker *worker)
+{
+    return test_triangle(tree, number, NULL, group, lanes, packet, worker);
 }

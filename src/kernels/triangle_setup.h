@@ -34,7 +34,7 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
 MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
                               struct mlrt_triangle_setup *setup)
 {
-    const uint32_t a = setup->main_axis & 3;
+    const uint32_t a = setup->main_axis & 3, j = (a + 1) % 3, l = (a + 2) % 3;
     f4 corner[3], sum[3], edge[3], reach[3], length[3], cross[3], sizes[3];
     f4_corners(triangle->v, corner);
     float vertex[3];
@@ -51,14 +51,13 @@ MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float 
         cross[k] = f4_sub(f4_mul(sum[p], edge[q]), f4_mul(sum[q], edge[p]));
         sizes[k] = f4_add(f4_mul(reach[p], length[q]), f4_mul(reach[q], length[p]));
     }
-    const f4 size =
-        f4_mul(f4_add(f4_add(f4_add(sizes[0], sizes[1]), sizes[2]), sizes[a]), f4_set1(0.5f));
+    const f4 size = f4_max(f4_add(f4_mul(f4_add(sizes[j], sizes[l]), f4_set1(0.5f)), sizes[a]), f4_set1(SMALLEST_SIZE));
     for (int k = 0; k < 3; ++k) {
-        if (!MLRT_GUESS) cross[k] = f4_where_ge(f4_div(cross[k], size), size, f4_set1(SMALLEST_SIZE));
+        if (!MLRT_GUESS) cross[k] = f4_div(cross[k], size);
         f4_store(setup->cross[k], cross[k]);
     }
     setup->distance = vertex[0] * f4_last(cross[0]) + vertex[1] * f4_last(cross[1]) + vertex[2] * f4_last(cross[2]);
-    const float other = fmaxf(fabsf(vertex[(a + 1) % 3]), fabsf(vertex[(a + 2) % 3]));
-    setup->distance_bound = fmaxf(fabsf(vertex[a]), 2 * other) * DISTANCE_BOUND + DISTANCE_FLOOR;
+    const float other = larger_of(fabsf(vertex[j]), fabsf(vertex[l]));
+    setup->distance_bound = larger_of(fabsf(vertex[a]), 2 * other) * DISTANCE_BOUND + DISTANCE_FLOOR;
     setup->has_terms = 1;
 }
