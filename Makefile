@@ -66,12 +66,13 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
-# Only kernels that somebody waits for are worth the size of -O3.
-FAST := $(if $(filter -O2,$(OPTIMIZE)),-O3)
+# Only kernels that somebody waits for are worth the size of -O3; those that count should be small.
+FAST  := $(if $(filter -O2,$(OPTIMIZE)),-O3)
+SMALL := $(if $(filter -O2,$(OPTIMIZE)),-Os)
 
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -DMLRT_COUNTING=1 $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -DMLRT_COUNTING=1 $(SMALL) $(ISA_FLAGS_$*) -c $< -o $@
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)

@@ -97,12 +97,13 @@ static void structs_have_no_padding(void **state)
     assert_int_equal(sizeof(mlrt_mesh), 4 * 4 + 6 * 8);
     assert_int_equal(sizeof(mlrt_build_options), 4 * 4 + 8 + 2 * 4 + 2 * 8);
     assert_int_equal(sizeof(mlrt_tree_info), 2 * 4 + 11 * 8 + 2 * 8 + 6 * 4);
-    assert_int_equal(sizeof(mlrt_counters), 2 * 4 + 13 * 8);
+    assert_int_equal(sizeof(mlrt_counters), 2 * 4 + 19 * 8);
     assert_int_equal(sizeof(mlrt_trace_options), 12 * 4 + 2 * 8);
     assert_int_equal(sizeof(mlrt_hits), 2 * 4 + 7 * 24);
     assert_int_equal(sizeof(mlrt_rays), 2 * 4 + 8 + 5 * 16);
     assert_int_equal(sizeof(mlrt_ray), 12 * 4);
     assert_int_equal(sizeof(mlrt_hit), 8 * 4);
+    assert_int_equal(sizeof(mlrt_hit_lists), 2 * 4 + 9 * 24);
     assert_int_equal(sizeof(mlrt_camera), 27 * 4);
     assert_int_equal(sizeof(mlrt_tile), 6 * 4 + 7 * 8);
     assert_int_equal(sizeof(mlrt_light), 5 * 4);
