@@ -35,12 +35,13 @@ SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-fr
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object pair per instruction set: with and without counters.
+# One object per instruction set, and some that count (dispatch.c).
 ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
+COUNTING_ISAS := scalar $(if $(IS_X86),sse)
 ISA_FLAGS_avx2   := -mavx2
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
 LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
-                   $(foreach isa,$(ISAS),$(BUILD)/obj/kernels/$(isa).o $(BUILD)/obj/kernels/$(isa)_counting.o)
+                   $(ISAS:%=$(BUILD)/obj/kernels/%.o) $(COUNTING_ISAS:%=$(BUILD)/obj/kernels/%_counting.o)
 
 # What is installed is looked at when it is needed, so that `make deps demo` works in one go.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -66,8 +67,9 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
-# Only kernels that somebody waits for are worth the size of -O3; those that count should be small.
-FAST  := $(if $(filter -O2,$(OPTIMIZE)),-O3)
+# Short loops over axes and corners must be gone from kernels that somebody waits for, and those that count should be
+# small. gcc does not need the size of -O3 for the former.
+FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fpeel-loops || echo -O3))
 SMALL := $(if $(filter -O2,$(OPTIMIZE)),-Os)
 
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c

@@ -276,7 +276,8 @@ enum { MLRT_OUTPUT_T = 1, MLRT_OUTPUT_UV = 2, MLRT_OUTPUT_IDS = 4, MLRT_OUTPUT_F
 
 /*
  * What traversal did, in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to what is there,
- * so that one struct can collect several calls; they can differ between methods and instruction sets.
+ * so that one struct can collect several calls; they can differ between methods and instruction sets. Counting takes
+ * time, and is done by the kernels of MLRT_ISA_SSE where wider ones were asked for.
  */
 typedef struct mlrt_counters {
     uint32_t struct_size;

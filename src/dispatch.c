@@ -2,6 +2,9 @@
 /*
  * Which processor gets which kernels. What it can do is asked of the compiler's runtime, which looks once per process,
  * also at whether the operating system saves the wide registers.
+ *
+ * Who counts gets the kernels of four lanes or one: the wider ones do the same work in fewer steps, and are not worth
+ * their size twice.
  */
 #include "dispatch.h"
 
@@ -31,14 +34,15 @@ const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int counting)
     } else if (!is_supported(isa)) {
         return NULL;
     }
+    if (counting && isa > MLRT_ISA_SSE) isa = MLRT_ISA_SSE;
     switch (isa) {
 #if MLRT_HAVE_SSE
     case MLRT_ISA_SSE:
         return counting ? &mlrt_kernels_sse_counting : &mlrt_kernels_sse;
     case MLRT_ISA_AVX2:
-        return counting ? &mlrt_kernels_avx2_counting : &mlrt_kernels_avx2;
+        return &mlrt_kernels_avx2;
     case MLRT_ISA_AVX512:
-        return counting ? &mlrt_kernels_avx512_counting : &mlrt_kernels_avx512;
+        return &mlrt_kernels_avx512;
 #endif
     default:
         return counting ? &mlrt_kernels_scalar_counting : &mlrt_kernels_scalar;

@@ -83,7 +83,7 @@ struct mlrt_kernels {
 
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_sse, mlrt_kernels_sse_counting;
-extern const struct mlrt_kernels mlrt_kernels_avx2, mlrt_kernels_avx2_counting;
-extern const struct mlrt_kernels mlrt_kernels_avx512, mlrt_kernels_avx512_counting;
+extern const struct mlrt_kernels mlrt_kernels_avx2;
+extern const struct mlrt_kernels mlrt_kernels_avx512;
 
 #endif

@@ -2,6 +2,5 @@
 /* The kernels in AVX2. Compiled for it (Makefile); dispatch.c sees to it that only processors that have it come here.
  */
 #include "simd_avx2.h"
-#define KERNELS          mlrt_kernels_avx2
-#define KERNELS_COUNTING mlrt_kernels_avx2_counting
+#define KERNELS mlrt_kernels_avx2
 #include "kernels_body.h"

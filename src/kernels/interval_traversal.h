@@ -177,7 +177,7 @@ static void traverse_interval(const struct mlrt_job *job, const struct entry_lis
 {
     for (uint32_t left = packet->active; left;) {
         struct ray_group group;
-        make_group(packet, left, &group);
+        make_group(packet, left, &job->tree->bounds, &group);
         left &= ~group.lanes;
         COUNT(&worker->counters, packet_count, 1);
         traverse_list(job, list, &group, packet, worker);

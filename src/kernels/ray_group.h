@@ -11,6 +11,13 @@
  * blocks on silhouettes are wide: 4600 ms without a limit, 500 ms at 0.1, 230 ms at 0.05, no further gain below. */
 #define GROUP_SPREAD 0.05f
 
+/*
+ * And origins of a group differ by at most this share of the scene's extent, along each axis. Chosen on parallel rays
+ * from anywhere (axis-parallel, at a sphere of 20,480 triangles), where groups of rays that have only their direction in
+ * common were 200 times slower than single rays; a camera's parallel rays are far below it.
+ */
+#define GROUP_EXTENT 0.03125f
+
 /* The rays along one axis. */
 struct group_axis {
     float origin_lo;
@@ -125,6 +132,23 @@ static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
     return lanes & (similar | 1u << seed);
 }
 
+/* Of `lanes`, those whose origins are near that of the lowest. */
+static uint32_t near_lanes(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *bounds)
+{
+    uint32_t seed = 0, near = lanes;
+    while (!(lanes >> seed & 1)) ++seed;
+    float extent = 0;
+    for (int k = 0; k < 3; ++k) extent = larger_of(bounds->hi[k] - bounds->lo[k], extent);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf difference = v_set1(0);
+        for (int k = 0; k < 3; ++k) {
+            difference = v_max(v_abs(v_sub(v_load(packet->origin[k] + v), v_set1(packet->origin[k][seed]))), difference);
+        }
+        near &= ~((~m_bits(v_le(difference, v_set1(GROUP_EXTENT * 0.5f * extent))) & ALL_LANES) << v);
+    }
+    return near | 1u << seed;
+}
+
 MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes, int k, float lo, float hi,
                                 struct group_axis *axis)
 {
@@ -180,9 +204,11 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
 }
 
 /* Makes a group of some of `lanes`, the lowest among them. */
-static void make_group(const struct mlrt_packet *packet, uint32_t lanes, struct ray_group *group)
+static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *bounds,
+                       struct ray_group *group)
 {
     struct direction_range range;
+    if (!packet->has_apex) lanes = near_lanes(packet, lanes, bounds);
     find_directions(packet, lanes, &range);
     if (MLRT_UNLIKELY(!have_common_signs(&range))) {
         lanes = same_sign_lanes(packet, lanes);
