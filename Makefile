@@ -5,6 +5,8 @@
 #   make test            builds and runs every test
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
+#   make charts          speed against wrong decisions, stability, stages: docs/accuracy-*.png, on the same scenes
+#   make deps-study      installs what `make charts` needs besides: Embree 3 to compare with, matplotlib to draw
 #   make install         into $(DESTDIR)$(PREFIX)
 #   make format          clang-format over everything
 #   make clean
@@ -48,8 +50,11 @@ pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
 HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
 HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
 HAVE_CJSON  = $(call pkg,--exists libcjson && echo 1)
+HAVE_GMP    = $(call pkg,--exists gmp && echo 1)
+HAVE_EMBREE = $(shell $(CC) $(CPPFLAGS) -fsyntax-only -include embree3/rtcore.h -x c /dev/null 2>/dev/null && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
-EXAMPLES    = $(foreach e,$(basename $(notdir $(wildcard examples/*.c))),$(if $(filter render,$(e)),$(if $(HAVE_PNG),$(e)),$(e)))
+STUDY       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o
+EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
                 $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
 EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) \
@@ -97,6 +102,11 @@ $(BUILD)/libmlrt.so: $(BUILD)/libmlrt.so.$(VERSION)
 
 examples: $(addprefix $(BUILD)/bin/,$(EXAMPLES))
 	$(if $(HAVE_PNG),,@echo "examples: no libpng, so no 'render': make deps installs it")
+	$(if $(HAVE_GMP),,@echo "examples: no GMP, so no 'accuracy': make deps installs it")
+
+$(BUILD)/examples/study/%.o: examples/study/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
 
 $(BUILD)/examples/%.o: examples/%.c
 	@mkdir -p $(@D)
@@ -105,6 +115,10 @@ $(BUILD)/examples/%.o: examples/%.c
 $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
+$(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
 
 # ---- dependencies --------------------------------------------------------------------------------------------------
 
@@ -173,7 +187,7 @@ install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] tests/*.[ch]
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] tests/*.[ch]
 
 clean:
 	rm -rf build

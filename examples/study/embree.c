@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * embree.c - Embree 3 beside the library: its own hierarchy at high build quality, fast and robust, ray by ray and 16
+ * at a time
+ *
+ * Set up as its manual asks ("Performance Recommendations"): flush-to-zero and denormals-are-zero while tracing (put
+ * back afterwards: the rest of the program needs the default environment), high build quality, the incoherent flag for
+ * single rays in no order, the coherent flag for pictures. Packets are 4x4 pixels of a picture, or 16 rays in a row.
+ * The interval is that of the library, 0 to infinity. Robust is RTC_SCENE_FLAG_ROBUST.
+ *
+ * Based on: "Embree: High Performance Ray Tracing Kernels 3.13", the manual; I. Wald et al., "Embree: A Kernel
+ * Framework for Efficient CPU Ray Tracing", SIGGRAPH 2014.
+ */
+#include "method.h"
+
+#ifdef HAVE_EMBREE
+
+#include <embree3/rtcore.h>
+
+#include <math.h>
+#include <pmmintrin.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xmmintrin.h>
+
+enum { FAST = 0, ROBUST = 1, PACKETS = 2, WIDTH = 16, BLOCK_SIDE = 4 }; // FAST or ROBUST, and maybe PACKETS: a variant
+
+struct embree {
+    RTCDevice device;
+    RTCScene scene;
+};
+
+static int fill_geometry(const struct scene *scene, RTCGeometry geometry)
+{
+    void *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                             scene->vertex_count);
+    void *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
+                                            scene->triangle_count);
+    if (!vertices || !indices) return 1;
+    memcpy(vertices, scene->vertices, 3 * sizeof(float) * scene->vertex_count);
+    memcpy(indices, scene->indices, 3 * sizeof(uint32_t) * scene->triangle_count);
+    return 0;
+}
+
+static int create(struct method_run *run)
+{
+    struct embree *embree = calloc(1, sizeof *embree);
+    run->state = embree;
+    if (embree) embree->device = rtcNewDevice(NULL);
+    if (!embree || !embree->device) {
+        fprintf(stderr, "%s: cannot start Embree\n", run->method->name);
+        return 1;
+    }
+    embree->scene = rtcNewScene(embree->device);
+    rtcSetSceneFlags(embree->scene, run->method->variant & ROBUST ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    rtcSetSceneBuildQuality(embree->scene, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
+    int failed = fill_geometry(&run->subject->scene, geometry);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(embree->scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(embree->scene);
+    if (!failed && rtcGetDeviceError(embree->device) == RTC_ERROR_NONE) return 0;
+    fprintf(stderr, "%s: cannot build Embree's scene of %s\n", run->method->name, run->subject->name);
+    return 1;
+}
+
+static void destroy(struct method_run *run)
+{
+    struct embree *embree = run->state;
+    if (embree && embree->scene) rtcReleaseScene(embree->scene);
+    if (embree && embree->device) rtcReleaseDevice(embree->device);
+    free(embree);
+}
+
+static void start_context(struct RTCIntersectContext *context, const struct ray_set *rays)
+{
+    rtcInitIntersectContext(context);
+    context->flags = rays->row_length ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+}
+
+static void trace_singly(RTCScene scene, const struct ray_set *rays, uint32_t *triangles)
+{
+    struct RTCIntersectContext context;
+    start_context(&context, rays);
+    for (size_t i = 0; i < rays->count; i++) {
+        const float *o = rays->origins[i], *d = rays->directions[i];
+        struct RTCRayHit query;
+        query.ray.org_x = o[0], query.ray.org_y = o[1], query.ray.org_z = o[2];
+        query.ray.dir_x = d[0], query.ray.dir_y = d[1], query.ray.dir_z = d[2];
+        query.ray.tnear = 0, query.ray.tfar = INFINITY, query.ray.time = 0;
+        query.ray.mask = 0xFFFFFFFFu, query.ray.id = 0, query.ray.flags = 0;
+        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        query.hit.primID = RTC_INVALID_GEOMETRY_ID;
+        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(scene, &context, &query);
+        triangles[i] = query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? MLRT_NONE : query.hit.primID;
+    }
+}
+
+// The rays of packet `number`: 4x4 pixels, or 16 rays in a row, fewer at the end of a list. Returns their number.
+static int packet_members(const struct ray_set *rays, size_t number, size_t members[WIDTH])
+{
+    int count = 0;
+    if (rays->row_length == 0) {
+        for (size_t i = number * WIDTH; i < rays->count && count < WIDTH; i++) members[count++] = i;
+        return count;
+    }
+    size_t blocks_per_row = rays->row_length / BLOCK_SIDE;
+    size_t x = number % blocks_per_row * BLOCK_SIDE, y = number / blocks_per_row * BLOCK_SIDE;
+    for (; count < WIDTH; count++) {
+        members[count] = (y + (size_t)count / BLOCK_SIDE) * rays->row_length + x + (size_t)count % BLOCK_SIDE;
+    }
+    return count;
+}
+
+static void trace_packets(RTCScene scene, const struct ray_set *rays, uint32_t *triangles)
+{
+    struct RTCIntersectContext context;
+    start_context(&context, rays);
+    for (size_t packet = 0; packet * WIDTH < rays->count; packet++) {
+        size_t members[WIDTH];
+        RTC_ALIGN(64) int valid[WIDTH];
+        struct RTCRayHit16 query;
+        int count = packet_members(rays, packet, members);
+        for (int lane = 0; lane < WIDTH; lane++) {
+            size_t i = members[lane < count ? lane : 0];
+            const float *o = rays->origins[i], *d = rays->directions[i];
+            valid[lane] = lane < count ? -1 : 0;
+            query.ray.org_x[lane] = o[0], query.ray.org_y[lane] = o[1], query.ray.org_z[lane] = o[2];
+            query.ray.dir_x[lane] = d[0], query.ray.dir_y[lane] = d[1], query.ray.dir_z[lane] = d[2];
+            query.ray.tnear[lane] = 0, query.ray.tfar[lane] = INFINITY, query.ray.time[lane] = 0;
+            query.ray.mask[lane] = 0xFFFFFFFFu, query.ray.id[lane] = 0, query.ray.flags[lane] = 0;
+            query.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+            query.hit.primID[lane] = RTC_INVALID_GEOMETRY_ID;
+            query.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect16(valid, scene, &context, &query);
+        for (int lane = 0; lane < count; lane++) {
+            int miss = query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID;
+            triangles[members[lane]] = miss ? MLRT_NONE : query.hit.primID[lane];
+        }
+    }
+}
+
+static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+{
+    const struct embree *embree = run->state;
+    unsigned int saved = _mm_getcsr();
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    if (run->method->variant & PACKETS)
+        trace_packets(embree->scene, rays, triangles);
+    else
+        trace_singly(embree->scene, rays, triangles);
+    _mm_setcsr(saved);
+}
+
+const struct method embree_methods[] = {
+    {"embree_fast", "Embree 3 fast, one ray", 0, FAST, create, trace, destroy},
+    {"embree_fast16", "Embree 3 fast, 16 rays", 0, FAST | PACKETS, create, trace, destroy},
+    {"embree_robust", "Embree 3 robust, one ray", 0, ROBUST, create, trace, destroy},
+    {"embree_robust16", "Embree 3 robust, 16 rays", 0, ROBUST | PACKETS, create, trace, destroy},
+    {NULL, NULL, 0, 0, NULL, NULL, NULL},
+};
+
+#else
+
+const struct method embree_methods[] = {{NULL, NULL, 0, 0, NULL, NULL, NULL}};
+
+#endif

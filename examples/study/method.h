@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * method.h - a way to find out which triangles rays hit, as the study sees it
+ *
+ * Methods of others are of two kinds. A triangle test from the literature is put into one and the same walk through the
+ * library's tree (traversal.h), so that methods of this kind differ in the test alone; walk and tests are plain C, one
+ * ray at a time. A library (Embree) comes with a structure of its own. The library's own methods go through its public
+ * interface.
+ */
+#ifndef METHOD_H
+#define METHOD_H
+
+#include "generator.h"
+
+struct method_run;
+
+struct method {
+    const char *name;  // on the command line and in CSV files
+    const char *title; // for people
+    int is_ours;
+    int32_t variant; // what tells methods of one file apart
+
+    /* Prepares run->state. Returns 0, or 1 after saying on stderr what is wrong. NULL = nothing to prepare. */
+    int (*create)(struct method_run *run);
+
+    /* Finds the triangle that each ray hits, MLRT_NONE for a miss. Called in the default floating-point environment. */
+    void (*trace)(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles);
+
+    void (*destroy)(struct method_run *run); // NULL = nothing to free
+};
+
+/* A method that is prepared for a subject. */
+struct method_run {
+    const struct method *method;
+    const struct subject *subject;
+    void *state;
+};
+
+/* All methods, in the order in which results are listed. Embree's are missing where it was not there to build with. */
+size_t method_count(void);
+const struct method *method_at(size_t i);
+
+/* The word, which ends at a comma or its 0, as a method; NULL = there is none. */
+const struct method *find_method(const char *word);
+
+/* The parts of the list, each from the file that is named after it; ended by an entry without a name. */
+extern const struct method moeller_trumbore_methods[];
+extern const struct method watertight_methods[];
+extern const struct method pluecker_methods[];
+extern const struct method projection_methods[];
+extern const struct method embree_methods[];
+extern const struct method library_methods[];
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+/* subject.c - a mesh, its tree and its oracle: see subject.h */
+#include "subject.h"
+
+#include "common/tree.h"
+#include "common/view.h"
+#include "meshes.h"
+#include "oracle.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { PATH_SIZE = 4096 };
+
+int complete_subject(struct subject *subject)
+{
+    const mlrt_build_options defaults = {.struct_size = sizeof defaults};
+    double seconds;
+    return build_tree(&subject->scene, &defaults, &subject->tree, &seconds);
+}
+
+// A word of the list as a path, and the scene's name: of a file, without folder and extension.
+static int name_subject(const char *word, char path[PATH_SIZE], char name[SUBJECT_NAME_SIZE], int *is_file)
+{
+    int fits = snprintf(path, PATH_SIZE, "%.*s", (int)strcspn(word, ","), word) < PATH_SIZE;
+    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path, *dot = strrchr(base, '.');
+    int length = dot ? (int)(dot - base) : PATH_SIZE;
+    fits = fits && snprintf(name, SUBJECT_NAME_SIZE, "%.*s", length, base) < SUBJECT_NAME_SIZE;
+    *is_file = dot != NULL;
+    if (!fits) fprintf(stderr, "%s: the name is too long\n", path);
+    return !fits;
+}
+
+static int read_subject_view(const char *views, const char *name, struct view *view)
+{
+    char specification[PATH_SIZE + SUBJECT_NAME_SIZE + 8];
+    const char *slash = strrchr(views, '/');
+    if (strchr(slash ? slash : views, ':')) return read_view(views, view);
+    snprintf(specification, sizeof specification, "%.*s:%s/view1", PATH_SIZE, views, name);
+    return read_view(specification, view);
+}
+
+int load_subject(const char *word, const char *views, struct subject *subject)
+{
+    char path[PATH_SIZE];
+    int is_file;
+    memset(subject, 0, sizeof *subject);
+    if (name_subject(word, path, subject->name, &is_file)) return 1;
+    int failed = strcmp(subject->name, "sphere") == 0 ? make_sphere(SPHERE_LEVEL, NULL, &subject->scene)
+                                                      : load_scene(path, &subject->scene);
+    if (!failed && is_file && views) failed = read_subject_view(views, subject->name, &subject->scene.view);
+    return failed || complete_subject(subject);
+}
+
+void free_subject(struct subject *subject)
+{
+    destroy_oracle(subject);
+    mlrt_destroy_tree(subject->tree);
+    free_scene(&subject->scene);
+    subject->tree = NULL;
+}
