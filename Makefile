@@ -63,7 +63,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps demo test reproduce install format clean
+.PHONY: all library examples deps deps-study demo test reproduce charts install format clean
 .SECONDARY:
 
 all: library examples
@@ -135,8 +135,11 @@ deps:
 	    $(SUDO) apt-get update -qq && $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
 	fi
 
+deps-study: deps
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib'
+
 # `make deps test` probes for packages after deps has run: the work is done by a second make.
-AFTER_DEPS := $(filter deps,$(MAKECMDGOALS))
+AFTER_DEPS := $(filter deps deps-study,$(MAKECMDGOALS))
 
 # ---- demo ----------------------------------------------------------------------------------------------------------
 
@@ -153,6 +156,24 @@ SCENE_FILES = $(if $(SCENES),$(or $(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)),
 reproduce: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/reproduce >&2
 	@$(BUILD)/bin/reproduce $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS))
+
+# ---- speed against wrong decisions ----------------------------------------------------------------------------------
+
+# Rays of each generator and scene, and of each value of a sweep. `make charts STUDY_RAYS=1048576` takes four times as long.
+STUDY_RAYS ?= 262144
+SWEEP_RAYS ?= 16384
+STUDY_SCENES := room office building scan sphere
+STUDY_FILES = $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
+PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
+ACCURACY = $(BUILD)/bin/accuracy --csv
+
+charts: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy
+	@mkdir -p docs/data
+	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
+	    --generator camera,edge --rays $(STUDY_RAYS) > docs/data/methods.csv
+	$(ACCURACY) --study stability --rays $(SWEEP_RAYS) > docs/data/stability.csv
+	$(PYTHON) examples/study/charts.py docs/data docs
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 

@@ -45,6 +45,7 @@ static void print_csv(const struct report *report, size_t set, const struct sele
                       const struct measurement *measurements)
 {
     for (size_t i = 0; i < selection->count; i++) {
+        if (!measurements[i].verdict.ray_count) continue;
         printf("%s,%s,%s,%zu,%.4f,%.4f\n", report->scene, report->conditions[set], selection->methods[i]->name,
                measurements[i].verdict.ray_count, wrong_per_million(&measurements[i].verdict), measurements[i].mrays);
     }
@@ -53,10 +54,13 @@ static void print_csv(const struct report *report, size_t set, const struct sele
 static void print_table(const struct report *report, size_t set, const struct selection *selection,
                         const struct measurement *measurements)
 {
-    printf("\n%s, %s, %zu rays\n%-38s %8s %12s %9s %9s %9s %9s\n", report->scene, report->conditions[set],
-           measurements[0].verdict.ray_count, "method", "Mray/s", "wrong/1e6", "holes", "ghosts", "wrong tri", "ties");
+    size_t ray_count = 0;
+    for (size_t i = 0; i < selection->count; i++) ray_count |= measurements[i].verdict.ray_count;
+    printf("\n%s, %s, %zu rays\n%-38s %8s %12s %9s %9s %9s %9s\n", report->scene, report->conditions[set], ray_count,
+           "method", "Mray/s", "wrong/1e6", "holes", "ghosts", "wrong tri", "ties");
     for (size_t i = 0; i < selection->count; i++) {
         const struct verdict *verdict = &measurements[i].verdict;
+        if (!verdict->ray_count) continue;
         printf("%-38s %8.3f %12.1f %9zu %9zu %9zu %9zu\n", selection->methods[i]->title, measurements[i].mrays,
                wrong_per_million(verdict), verdict->hole_count, verdict->ghost_count, verdict->wrong_triangle_count,
                verdict->tie_count);
@@ -93,7 +97,7 @@ static void explain_table(void)
 static int study_scene(const struct settings *settings, const char *word, int *guilty)
 {
     struct subject subject;
-    struct ray_set sets[GENERATOR_COUNT] = {{0, 0, NULL, NULL}};
+    struct ray_set sets[GENERATOR_COUNT] = {{.count = 0}};
     const char *conditions[GENERATOR_COUNT];
     int failed = load_subject(word, settings->views, &subject);
     for (size_t i = 0; i < settings->generator_count && !failed; i++) {

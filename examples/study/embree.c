@@ -159,15 +159,15 @@ static void trace(const struct method_run *run, const struct ray_set *rays, uint
 }
 
 const struct method embree_methods[] = {
-    {"embree_fast", "Embree 3 fast, one ray", 0, FAST, create, trace, destroy},
-    {"embree_fast16", "Embree 3 fast, 16 rays", 0, FAST | PACKETS, create, trace, destroy},
-    {"embree_robust", "Embree 3 robust, one ray", 0, ROBUST, create, trace, destroy},
-    {"embree_robust16", "Embree 3 robust, 16 rays", 0, ROBUST | PACKETS, create, trace, destroy},
-    {NULL, NULL, 0, 0, NULL, NULL, NULL},
+    {"embree_fast", "Embree 3 fast, one ray", 0, 0, FAST, create, trace, destroy},
+    {"embree_fast16", "Embree 3 fast, 16 rays", 0, 0, FAST | PACKETS, create, trace, destroy},
+    {"embree_robust", "Embree 3 robust, one ray", 0, 0, ROBUST, create, trace, destroy},
+    {"embree_robust16", "Embree 3 robust, 16 rays", 0, 0, ROBUST | PACKETS, create, trace, destroy},
+    {NULL, NULL, 0, 0, 0, NULL, NULL, NULL},
 };
 
 #else
 
-const struct method embree_methods[] = {{NULL, NULL, 0, 0, NULL, NULL, NULL}};
+const struct method embree_methods[] = {{NULL, NULL, 0, 0, 0, NULL, NULL, NULL}};
 
 #endif

@@ -146,8 +146,7 @@ const char *generator_name(enum generator generator)
 
 int allocate_rays(size_t count, struct ray_set *rays)
 {
-    rays->count = count;
-    rays->row_length = 0;
+    *rays = (struct ray_set){.count = count};
     rays->origins = malloc(count * sizeof *rays->origins);
     rays->directions = malloc(count * sizeof *rays->directions);
     if (rays->origins && rays->directions) return 0;
@@ -159,7 +158,7 @@ void free_rays(struct ray_set *rays)
 {
     free(rays->origins);
     free(rays->directions);
-    *rays = (struct ray_set){0, 0, NULL, NULL};
+    *rays = (struct ray_set){.count = 0};
 }
 
 // Sides are multiples of 4, so that no packet of 4x4 rays is cut.
@@ -171,6 +170,8 @@ static int generate_picture(const struct subject *subject, size_t count, struct 
     if (camera_of_view(&subject->scene.view, side, side, &camera)) return 1;
     if (allocate_rays((size_t)side * side, rays)) return 1;
     rays->row_length = side;
+    rays->is_picture = 1;
+    rays->camera = camera;
     const mlrt_array origins = {rays->origins, 0, 0}, directions = {rays->directions, 0, 0};
     int32_t status = mlrt_camera_rays(&camera, &origins, &directions);
     if (status == MLRT_OK) return 0;

@@ -22,6 +22,8 @@
 #include "subject.h"
 
 struct ray_set {
+    int is_picture; // 1 = the rays are those of `camera`, row by row
+    mlrt_camera camera;
     size_t count;
     uint32_t row_length; // pixels in a row of a picture; 0 = a plain list
     float (*origins)[3];

@@ -1,11 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* library.c - the library's own methods, through its public interface, with ids as the only results */
+/*
+ * library.c - the library's own methods, through its public interface, with ids as the only results
+ *
+ * Rays go in as arrays, like everybody's, with the row length of a picture as a hint. The last method gets the camera
+ * instead, so that the library makes the same rays itself and knows a tile's beam without looking at them.
+ */
 #include "method.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void check(const struct method_run *run, int32_t status)
+{
+    if (status == MLRT_OK) return;
+    fprintf(stderr, "%s: cannot trace: %s\n", run->method->name, mlrt_status_string(status));
+    exit(1);
+}
+
+static void trace_arrays(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
 {
     const mlrt_trace_options options = {.struct_size = sizeof options, .method = run->method->variant};
     const mlrt_rays input = {.struct_size = sizeof input,
@@ -14,16 +26,21 @@ static void trace(const struct method_run *run, const struct ray_set *rays, uint
                              .origins = {rays->origins, 0},
                              .directions = {rays->directions, 0}};
     const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
-    int32_t status = mlrt_trace_packet(run->subject->tree, &input, &options, &output);
-    if (status == MLRT_OK) return;
-    fprintf(stderr, "%s: cannot trace: %s\n", run->method->name, mlrt_status_string(status));
-    exit(1);
+    check(run, mlrt_trace_packet(run->subject->tree, &input, &options, &output));
+}
+
+static void trace_camera(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+{
+    const mlrt_trace_options options = {.struct_size = sizeof options, .method = run->method->variant};
+    const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
+    check(run, mlrt_render_tiles(run->subject->tree, &rays->camera, &options, &output, NULL, NULL));
 }
 
 const struct method library_methods[] = {
-    {"mlrt_ray", "mlrt, one ray", 1, MLRT_METHOD_RAY, NULL, trace, NULL},
-    {"mlrt_packet2", "mlrt, 2x2 packets", 1, MLRT_METHOD_PACKET2, NULL, trace, NULL},
-    {"mlrt_packet4", "mlrt, 4x4 packets", 1, MLRT_METHOD_PACKET4, NULL, trace, NULL},
-    {"mlrt_multilevel", "mlrt, multi-level", 1, MLRT_METHOD_MULTILEVEL, NULL, trace, NULL},
-    {NULL, NULL, 0, 0, NULL, NULL, NULL},
+    {"mlrt_ray", "mlrt, one ray", 1, 0, MLRT_METHOD_RAY, NULL, trace_arrays, NULL},
+    {"mlrt_packet2", "mlrt, 2x2 packets", 1, 0, MLRT_METHOD_PACKET2, NULL, trace_arrays, NULL},
+    {"mlrt_packet4", "mlrt, 4x4 packets", 1, 0, MLRT_METHOD_PACKET4, NULL, trace_arrays, NULL},
+    {"mlrt_multilevel", "mlrt, multi-level", 1, 0, MLRT_METHOD_MULTILEVEL, NULL, trace_arrays, NULL},
+    {"mlrt_camera", "mlrt, multi-level, from the camera", 1, 1, MLRT_METHOD_MULTILEVEL, NULL, trace_camera, NULL},
+    {NULL, NULL, 0, 0, 0, NULL, NULL, NULL},
 };

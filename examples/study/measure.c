@@ -26,6 +26,11 @@ struct buffers {
     double *seconds; // of one method's runs after the other's
 };
 
+static int can_trace(const struct method *method, const struct ray_set *rays)
+{
+    return rays->is_picture || !method->needs_camera;
+}
+
 static void measure_set(struct subject *subject, const struct ray_set *rays, const struct method_run *method_runs,
                         size_t method_count, uint32_t runs, const struct buffers *buffers,
                         struct measurement *measurements)
@@ -33,6 +38,8 @@ static void measure_set(struct subject *subject, const struct ray_set *rays, con
     ask_oracle(subject, rays, buffers->right);
     for (size_t i = 0; i < method_count; i++) {
         const struct method *method = method_runs[i].method;
+        memset(&measurements[i], 0, sizeof measurements[i]);
+        if (!can_trace(method, rays)) continue;
         memset(buffers->answers, 0, rays->count * sizeof *buffers->answers);
         measurements[i].mrays = in_mrays(rays, time_run(&method_runs[i], rays, buffers->answers));
         measurements[i].verdict =
@@ -40,9 +47,11 @@ static void measure_set(struct subject *subject, const struct ray_set *rays, con
     }
     for (size_t turn = 0; turn < runs * method_count; turn++) {
         size_t i = turn % method_count;
+        if (!can_trace(method_runs[i].method, rays)) continue;
         buffers->seconds[i * runs + turn / method_count] = time_run(&method_runs[i], rays, buffers->answers);
     }
     for (size_t i = 0; i < method_count && runs > 0; i++) {
+        if (!can_trace(method_runs[i].method, rays)) continue;
         measurements[i].mrays = in_mrays(rays, median(buffers->seconds + i * runs, runs));
     }
 }

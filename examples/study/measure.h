@@ -20,6 +20,7 @@ struct selection {
     const struct method *methods[MAXIMUM_METHODS];
 };
 
+/* A method that cannot trace these rays has ray_count 0. */
 struct measurement {
     struct verdict verdict;
     double mrays; // millions of rays per second

@@ -18,7 +18,8 @@ struct method {
     const char *name;  // on the command line and in CSV files
     const char *title; // for people
     int is_ours;
-    int32_t variant; // what tells methods of one file apart
+    int needs_camera; // 1 = traces pictures only: the camera, not the rays that were written out
+    int32_t variant;  // what tells methods of one file apart
 
     /* Prepares run->state. Returns 0, or 1 after saying on stderr what is wrong. NULL = nothing to prepare. */
     int (*create)(struct method_run *run);

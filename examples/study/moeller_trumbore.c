@@ -120,8 +120,8 @@ static void trace_double(const struct method_run *run, const struct ray_set *ray
 }
 
 const struct method moeller_trumbore_methods[] = {
-    {"mt_float", "Moeller-Trumbore, float", 0, 0, create_table, trace_plain, destroy_table},
-    {"mt_epsilon", "Moeller-Trumbore, float, epsilon 1e-6", 0, 0, create_table, trace_epsilon, destroy_table},
-    {"mt_double", "Moeller-Trumbore, double", 0, 0, NULL, trace_double, NULL},
-    {NULL, NULL, 0, 0, NULL, NULL, NULL},
+    {"mt_float", "Moeller-Trumbore, float", 0, 0, 0, create_table, trace_plain, destroy_table},
+    {"mt_epsilon", "Moeller-Trumbore, float, epsilon 1e-6", 0, 0, 0, create_table, trace_epsilon, destroy_table},
+    {"mt_double", "Moeller-Trumbore, double", 0, 0, 0, NULL, trace_double, NULL},
+    {NULL, NULL, 0, 0, 0, NULL, NULL, NULL},
 };

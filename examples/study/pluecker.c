@@ -49,6 +49,6 @@ static void trace(const struct method_run *run, const struct ray_set *rays, uint
 }
 
 const struct method pluecker_methods[] = {
-    {"pluecker", "Pluecker, float", 0, 0, NULL, trace, NULL},
-    {NULL, NULL, 0, 0, NULL, NULL, NULL},
+    {"pluecker", "Pluecker, float", 0, 0, 0, NULL, trace, NULL},
+    {NULL, NULL, 0, 0, 0, NULL, NULL, NULL},
 };

@@ -97,6 +97,6 @@ static void trace(const struct method_run *run, const struct ray_set *rays, uint
 }
 
 const struct method projection_methods[] = {
-    {"wald2004", "Wald 2004, projection, float", 0, 0, create, trace, destroy},
-    {NULL, NULL, 0, 0, NULL, NULL, NULL},
+    {"wald2004", "Wald 2004, projection, float", 0, 0, 0, create, trace, destroy},
+    {NULL, NULL, 0, 0, 0, NULL, NULL, NULL},
 };

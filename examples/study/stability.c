@@ -117,7 +117,7 @@ static int make_grazing(double degrees, size_t ray_count, struct subject *subjec
 
 static const double aims[] = {GENERATE_RANDOM, GENERATE_SURFACE, GENERATE_EDGE,
                               GENERATE_VERTEX, GENERATE_AXIS,    GENERATE_SPLIT_PLANE};
-static const double shifts[] = {0, 1, 1e1, 1e2, 1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6, 1e7};
+static const double shifts[] = {0, 1, 1e1, 1e2, 1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6};
 static const double scales[] = {1e-38, 1e-36, 1e-34, 1e-30, 1e-25, 1e-20, 1e-18, 1e-16, 1e-15, 1e-14,
                                 1e-13, 1e-12, 1e-11, 1e-10, 1e-9,  1e-8,  1e-7,  1e-6,  1e-5,  1e-4,
                                 1e-3,  1e-2,  1e-1,  1,     1e3,   1e6,   1e8,   1e9,   1e10,  1e11,
@@ -173,7 +173,7 @@ static int run_case(const struct sweep *sweep, double value, size_t ray_count, c
                     stability_consumer consumer, void *user)
 {
     struct subject subject = {.tree = NULL};
-    struct ray_set rays = {0, 0, NULL, NULL};
+    struct ray_set rays = {.count = 0};
     char condition[CONDITION_SIZE];
     describe_case(sweep, value, condition);
     const struct stability_case which = {subject.name, condition};

@@ -3,7 +3,8 @@
  * stability.h - where methods start to fail: one parameter swept, everything else as it was
  *
  *     aim       what rays of the sphere are aimed at: each generator
- *     shift     the sphere moved away from 0 by this much along each axis, rays with it: 0 .. 1e7 radii
+ *     shift     the sphere moved away from 0 by this much along each axis, rays with it: 0 .. 1e6 radii, where
+ *               floats are further apart than the triangles' corners were
  *     scale     the sphere scaled, origins and directions with it: 1e-38 .. 1e38
  *     length    the sphere as it is, directions scaled: 1e-30 .. 1e30
  *     sliver    a flat sheet of triangles this many times as long as high: 1 .. 1e7

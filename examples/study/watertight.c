@@ -70,6 +70,6 @@ static void trace(const struct method_run *run, const struct ray_set *rays, uint
 }
 
 const struct method watertight_methods[] = {
-    {"woop2013", "Woop et al. 2013, watertight, float", 0, 0, NULL, trace, NULL},
-    {NULL, NULL, 0, 0, NULL, NULL, NULL},
+    {"woop2013", "Woop et al. 2013, watertight, float", 0, 0, 0, NULL, trace, NULL},
+    {NULL, NULL, 0, 0, 0, NULL, NULL, NULL},
 };

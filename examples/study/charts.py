@@ -1,0 +1,301 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""charts.py - draws what the accuracy program measured
+
+    charts.py DATA OUTPUT
+
+reads DATA/methods.csv, DATA/stability.csv and DATA/stages.csv, those of them that exist, as `accuracy --csv` prints them,
+and writes OUTPUT/accuracy-speed.png, -stability.png and -stages.png.
+
+An axis of wrong decisions is logarithmic and ends in a grey band for "none among the rays asked". Within the band
+a method has a place of its own, so that lines and marks do not hide each other; the place means nothing else.
+
+Colours: M. Okabe, K. Ito, "Color Universal Design", 2008; methods of one family differ in mark or dash as well.
+"""
+import collections
+import csv
+import math
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullLocator, ScalarFormatter
+
+BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK, GREY = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000", "#777777"
+RED = "#D55E00"
+
+Style = collections.namedtuple("Style", "title colour mark filled size")
+
+# The order is that of legends: single-ray tests in one walk, Embree, the library.
+METHODS = {
+    "mt_float": Style("Möller–Trumbore, float", ORANGE, "o", True, 7),
+    "mt_epsilon": Style("Möller–Trumbore, float, ε = 1e-6", ORANGE, "o", False, 7),
+    "mt_double": Style("Möller–Trumbore, double", ORANGE, "s", True, 7),
+    "wald2004": Style("Wald 2004, float", PURPLE, "^", True, 7),
+    "pluecker": Style("Plücker, float", GREEN, "v", True, 7),
+    "woop2013": Style("Woop et al. 2013 (watertight), float", SKY, "P", True, 8),
+    "embree_fast": Style("Embree 3 fast, 1 ray", BLACK, "o", True, 7),
+    "embree_fast16": Style("Embree 3 fast, 16 rays", BLACK, "o", False, 7),
+    "embree_robust": Style("Embree 3 robust, 1 ray", GREY, "s", True, 7),
+    "embree_robust16": Style("Embree 3 robust, 16 rays", GREY, "s", False, 7),
+    "mlrt_ray": Style("mlrt, 1 ray", BLUE, "o", False, 9),
+    "mlrt_packet2": Style("mlrt, 2×2 packets", BLUE, "s", False, 9),
+    "mlrt_packet4": Style("mlrt, 4×4 packets", BLUE, "D", True, 8),
+    "mlrt_multilevel": Style("mlrt, multi-level", BLUE, "*", False, 14),
+    "mlrt_camera": Style("mlrt, multi-level, from the camera", BLUE, "*", True, 14),
+}
+
+GENERATORS = {
+    "camera": "picture",
+    "random": "in random directions",
+    "surface": "aimed at points inside triangles",
+    "edge": "aimed at edges",
+    "vertex": "aimed at vertices",
+    "axis": "along an axis",
+    "split_plane": "in a split plane",
+}
+
+
+def read(path):
+    if not os.path.exists(path):
+        return []
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def in_order(rows, column):
+    return list(dict.fromkeys(row[column] for row in rows))
+
+
+def thousands(count):
+    return f"{count:,}".replace(",", "\u202f")
+
+
+# ---- the axis of wrong decisions -------------------------------------------------------------------------------------
+
+BAND = 1.6  # decades that the place for 0 is wide
+
+
+class WrongAxis:
+    """Positions on a logarithmic axis of wrong decisions per million, with a band for 0 below the smallest possible value."""
+
+    def __init__(self, ray_counts):
+        self.floor = math.floor(math.log10(1e6 / max(ray_counts)) + 1e-9)
+
+    def place(self, wrong, share=0.5):
+        """`share`, 0 .. 1: where in the band a 0 goes."""
+        if wrong > 0:
+            return math.log10(wrong)
+        return self.floor - BAND * (0.9 - 0.8 * share)
+
+    def dress(self, axes, vertical):
+        low, high = self.floor - BAND, 6.15
+        ticks = [self.floor - BAND / 2] + list(range(self.floor, 7))
+        labels = ["0"] + [{0: "1", 1: "10", 2: "100"}.get(e, f"$10^{{{e}}}$") for e in range(self.floor, 7)]
+        axis = axes.yaxis if vertical else axes.xaxis
+        axis.set_ticks(ticks, labels)
+        axis.set_minor_locator(NullLocator())
+        if vertical:
+            axes.set_ylim(low, high)
+            axes.axhspan(low, self.floor - 0.03, color="#eeeeee", zorder=0)
+        else:
+            axes.set_xlim(low, high)
+            axes.axvspan(low, self.floor - 0.03, color="#eeeeee", zorder=0)
+
+
+def finish(figure, path):
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+    print(path)
+
+
+# ---- speed against wrong decisions -----------------------------------------------------------------------------------
+
+
+def draw_speed(rows, path):
+    scenes, generators = in_order(rows, "scene"), in_order(rows, "generator")
+    present = [name for name in METHODS if any(row["method"] == name for row in rows)]
+    figure, grid = plt.subplots(len(generators), len(scenes), squeeze=False, sharex="row", sharey="row",
+                                figsize=(max(12, 2.75 * len(scenes) + 1.2), 3.4 * len(generators) + 2.1))
+    for i, generator in enumerate(generators):
+        of_row = [row for row in rows if row["generator"] == generator]
+        axis = WrongAxis([int(row["rays"]) for row in of_row])
+        for j, scene in enumerate(scenes):
+            axes = grid[i][j]
+            axis.dress(axes, vertical=False)
+            axes.set_yscale("log")
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
+            axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
+            axes.set_axisbelow(True)
+            for row in of_row:
+                if row["scene"] != scene:
+                    continue
+                style = METHODS[row["method"]]
+                x = axis.place(float(row["wrong_per_million"]), present.index(row["method"]) / max(1, len(present) - 1))
+                axes.plot(x, float(row["mrays"]), style.mark, color=style.colour, markersize=style.size,
+                          markerfacecolor=style.colour if style.filled else "white", markeredgewidth=1.4,
+                          zorder=4 if style.colour == BLUE else 3)
+            if i == 0:
+                axes.set_title(scene)
+            if j == 0:
+                kind = "camera rays" if generator == "camera" else f"rays {GENERATORS[generator]}"
+                axes.set_ylabel(f"{kind}, {thousands(int(of_row[0]['rays']))}\n\nmillion rays per second")
+            axes.tick_params(labelsize=8)
+    for axes in grid[-1]:
+        axes.set_xlabel("wrong decisions per million rays", fontsize=9)
+    handles = [Line2D([], [], linestyle="", marker=METHODS[m].mark, color=METHODS[m].colour, markeredgewidth=1.4,
+                      markerfacecolor=METHODS[m].colour if METHODS[m].filled else "white",
+                      markersize=METHODS[m].size, label=METHODS[m].title) for m in present]
+    figure.legend(handles=handles, loc="lower center", ncol=5 if len(scenes) > 4 else 4, frameon=False, fontsize=9)
+    figure.suptitle("Speed against wrong decisions (one thread). Better is up and to the left; "
+                    "grey band: no wrong decision at all", fontsize=12)
+    figure.tight_layout(rect=(0, 1.35 / figure.get_figheight(), 1, 0.99))
+    finish(figure, path)
+
+
+# ---- stability -------------------------------------------------------------------------------------------------------
+
+Line = collections.namedtuple("Line", "title members colour dash width mark")
+
+# Methods that share all arithmetic that decides are one line: the worst of them.
+LINES = [
+    Line("mlrt, all four methods", ["mlrt_ray", "mlrt_packet2", "mlrt_packet4", "mlrt_multilevel"], BLUE, "-", 3.0, None),
+    Line("Möller–Trumbore, double", ["mt_double"], RED, "-", 1.5, "s"),
+    Line("Woop et al. 2013 (watertight), float", ["woop2013"], SKY, "-", 1.5, "P"),
+    Line("Embree 3 robust, 1 and 16 rays", ["embree_robust", "embree_robust16"], GREY, "-", 1.5, "s"),
+    Line("Embree 3 fast, 1 and 16 rays", ["embree_fast", "embree_fast16"], BLACK, "--", 1.5, "o"),
+    Line("Plücker, float", ["pluecker"], GREEN, "-", 1.5, "v"),
+    Line("Möller–Trumbore, float", ["mt_float"], ORANGE, "-", 1.5, "o"),
+    Line("Möller–Trumbore, float, ε = 1e-6", ["mt_epsilon"], ORANGE, ":", 1.5, "x"),
+    Line("Wald 2004, float", ["wald2004"], PURPLE, "-", 1.5, "^"),
+]
+
+AIMS = {"random": "anywhere", "surface": "inside\ntriangles", "edge": "edges", "vertex": "vertices", "axis": "along\nan axis",
+        "split_plane": "in a split\nplane"}
+
+SWEEPS = {
+    "aim": ("Aim: what the rays of a sphere are aimed at", None),
+    "shift": ("Shift: distance from the origin", "radii of the sphere, along each axis"),
+    "scale": ("Scale: size of sphere, origins and directions", "radius of the sphere"),
+    "length": ("Length of the direction vector", "radii of the sphere"),
+    "sliver": ("Slivers: triangles in a flat sheet", "length of a triangle / its height"),
+    "grazing": ("Grazing: rays along a flat sheet", "angle between ray and sheet, degrees"),
+}
+
+
+def worst(rows, line, condition):
+    values = [float(r["wrong_per_million"]) for r in rows if r["generator"] == condition and r["method"] in line.members]
+    return max(values) if values else None
+
+
+def draw_sweep(axes, axis, sweep, rows, lines):
+    conditions = in_order(rows, "generator")
+    values = [condition.split("=")[1] for condition in conditions]
+    axis.dress(axes, vertical=True)
+    axes.grid(True, axis="y", color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    if sweep == "aim":
+        xs = list(range(len(values)))
+        axes.set_xticks(xs, [AIMS[v] for v in values])
+    else:
+        xs = [float(v) for v in values]
+        positive = [x for x in xs if x > 0]
+        if min(xs) == 0:  # a place for 0 on a logarithmic axis
+            xs = [x if x > 0 else min(positive) / 10 for x in xs]
+        axes.set_xscale("log")
+        axes.xaxis.set_minor_locator(NullLocator())
+        if min(float(v) for v in values) == 0:
+            ticks = [min(xs)] + [10.0 ** e for e in range(0, 8)]
+            axes.set_xticks(ticks, ["0"] + [f"$10^{e}$" if e > 1 else str(10 ** e) for e in range(0, 8)])
+        if sweep == "grazing":
+            axes.invert_xaxis()
+    for number, line in enumerate(lines):
+        share = number / max(1, len(lines) - 1)
+        points = [(x, worst(rows, line, c)) for x, c in zip(xs, conditions)]
+        points = [(x, axis.place(y, share)) for x, y in points if y is not None]
+        offset = (number - 0.5 * (len(lines) - 1)) * 0.085 if sweep == "aim" else 0
+        axes.plot([x + offset for x, _ in points], [y for _, y in points], marker=line.mark or "*", color=line.colour,
+                  linestyle="" if sweep == "aim" else line.dash, linewidth=line.width,
+                  markersize=(11 if line.mark is None else 6) if sweep == "aim" else 3.5 if line.mark else 0,
+                  zorder=5 if line.mark is None else 3)
+    title, label = SWEEPS[sweep]
+    axes.set_title(title, fontsize=11)
+    axes.set_xlabel(label or "")
+    axes.tick_params(labelsize=8.5)
+
+
+def draw_stability(rows, path):
+    sweeps = [s for s in SWEEPS if any(row["generator"].startswith(s + "=") for row in rows)]
+    lines = [line for line in LINES if any(row["method"] in line.members for row in rows)]
+    axis = WrongAxis([int(row["rays"]) for row in rows])
+    columns = min(3, len(sweeps))
+    figure, grid = plt.subplots(math.ceil(len(sweeps) / columns), columns, squeeze=False, figsize=(15, 9.6))
+    cells = [axes for row in grid for axes in row]
+    for axes, sweep in zip(cells, sweeps):
+        draw_sweep(axes, axis, sweep, [row for row in rows if row["generator"].startswith(sweep + "=")], lines)
+    for axes in cells[len(sweeps):]:
+        axes.axis("off")
+    for row in grid:
+        row[0].set_ylabel("wrong decisions per million rays")
+    handles = [Line2D([], [], color=l.colour, linestyle=l.dash, linewidth=l.width, marker=l.mark, markersize=5,
+                      label=l.title) for l in lines]
+    figure.legend(handles=handles, loc="lower center", ncol=5, frameon=False, fontsize=9.5)
+    count = thousands(int(rows[0]["rays"]))
+    figure.suptitle(f"Where methods start to fail: {count} rays per value. Grey band: no wrong decision at all",
+                    fontsize=13)
+    figure.tight_layout(rect=(0, 0.065, 1, 0.99))
+    finish(figure, path)
+
+
+# ---- stages ----------------------------------------------------------------------------------------------------------
+
+STAGES = [
+    ("float", "float filter", SKY),
+    ("tie", "exact tie, recognised cheaply", GREEN),
+    ("double", "double with a bound", ORANGE),
+    ("exact", "exact integers", RED),
+]
+
+
+def draw_stages(rows, path):
+    groups = [(row["scene"], row["generator"]) for row in rows]
+    figure, axes = plt.subplots(figsize=(10, 1.6 + 0.95 * len(rows)))
+    height = 0.8 / len(STAGES)
+    for i, row in enumerate(rows):
+        total = sum(float(row[stage]) for stage, _, _ in STAGES) or 1
+        for s, (stage, _, colour) in enumerate(STAGES):
+            share = 1e6 * float(row[stage]) / total
+            y = i + (s - 1.5) * height
+            if share > 0:
+                axes.barh(y, share, height * 0.92, color=colour, left=0)
+            axes.text(max(share, 1e-2) * 1.15, y, f"{share:,.0f}" if share >= 10 else f"{share:.2g}", va="center",
+                      fontsize=8)
+    axes.set_yticks(range(len(rows)), [f"{scene}\n{generator}" for scene, generator in groups])
+    axes.invert_yaxis()
+    axes.set_xscale("log")
+    axes.set_xlim(1e-2, 1e7)
+    axes.set_xlabel("of a million (ray, triangle) decisions, this many by each stage")
+    handles = [Line2D([], [], color=colour, linewidth=8, label=title) for _, title, colour in STAGES]
+    figure.legend(handles=handles, loc="lower center", ncol=4, frameon=False, fontsize=9.5)
+    figure.suptitle("Which stage of the library decides (multi-level)", fontsize=12)
+    figure.tight_layout(rect=(0, 0.6 / figure.get_figheight(), 1, 0.99))
+    finish(figure, path)
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    data, output = sys.argv[1:]
+    for name, draw, chart in (("methods", draw_speed, "speed"), ("stability", draw_stability, "stability"),
+                              ("stages", draw_stages, "stages")):
+        rows = read(os.path.join(data, name + ".csv"))
+        if rows:
+            draw(rows, os.path.join(output, f"accuracy-{chart}.png"))
+
+
+if __name__ == "__main__":
+    main()
