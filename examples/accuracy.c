@@ -195,7 +195,7 @@ static int select_generators(struct settings *settings)
 static int read_settings(struct settings *s, int argc, char **argv, int *exit_code)
 {
     static const struct word_list procedural = {5, {"room", "office", "building", "scan", "sphere"}};
-    static const uint32_t default_rays[] = {1u << 20, 1u << 16};
+    static const uint32_t default_rays[] = {1u << 20, 1u << 14};
     const struct option options[] = {
         {OPTION_CHOICE, "--study", &s->study, "methods|stability",
          "methods on scenes, or swept parameters on small meshes (default: methods)", 0, 0},
@@ -211,7 +211,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
          "what --study stability sweeps: aim, shift, scale, length, sliver, grazing\n(default: all)", 0, 0},
         {OPTION_LIST, "--method", &s->methods, "NAME,...", "methods, by their names in CSV (default: all)", 0, 0},
         {OPTION_COUNT, "--rays", &s->rays, "N",
-         "rays of each generator or value (default: 1048576, for stability 65536)", 16, 1u << 26},
+         "rays of each generator or value (default: 1048576, for stability 16384)", 16, 1u << 26},
         {OPTION_COUNT, "--runs", &s->runs, "N", "speeds of scenes are medians of this many runs (default: 5)", 1, 1000},
         {OPTION_FLAG, "--csv", &s->csv, NULL, "print scene,generator,method,rays,wrong_per_million,mrays", 0, 0},
     };

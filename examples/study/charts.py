@@ -23,7 +23,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, NullLocator, ScalarFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 BLUE, ORANGE, GREEN, PURPLE, SKY, BLACK, GREY = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000", "#777777"
 RED = "#D55E00"
@@ -120,7 +120,7 @@ def draw_speed(rows, path):
     scenes, generators = in_order(rows, "scene"), in_order(rows, "generator")
     present = [name for name in METHODS if any(row["method"] == name for row in rows)]
     figure, grid = plt.subplots(len(generators), len(scenes), squeeze=False, sharex="row", sharey="row",
-                                figsize=(max(12, 2.75 * len(scenes) + 1.2), 3.4 * len(generators) + 2.1))
+                                figsize=(max(12, 2.75 * len(scenes) + 1.2), 3.4 * len(generators) + 1.5))
     for i, generator in enumerate(generators):
         of_row = [row for row in rows if row["generator"] == generator]
         axis = WrongAxis([int(row["rays"]) for row in of_row])
@@ -128,7 +128,9 @@ def draw_speed(rows, path):
             axes = grid[i][j]
             axis.dress(axes, vertical=False)
             axes.set_yscale("log")
+            axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
             axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
+            axes.yaxis.set_minor_formatter(NullFormatter())
             axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
             axes.set_axisbelow(True)
             for row in of_row:
@@ -151,9 +153,9 @@ def draw_speed(rows, path):
                       markerfacecolor=METHODS[m].colour if METHODS[m].filled else "white",
                       markersize=METHODS[m].size, label=METHODS[m].title) for m in present]
     figure.legend(handles=handles, loc="lower center", ncol=5 if len(scenes) > 4 else 4, frameon=False, fontsize=9)
-    figure.suptitle("Speed against wrong decisions (one thread). Better is up and to the left; "
-                    "grey band: no wrong decision at all", fontsize=12)
-    figure.tight_layout(rect=(0, 1.35 / figure.get_figheight(), 1, 0.99))
+    figure.suptitle("Speed against wrong decisions, one thread. Better is up and to the left. "
+                    "Grey band: not one wrong decision (places within it mean nothing)", fontsize=12)
+    figure.tight_layout(rect=(0, 0.95 / figure.get_figheight(), 1, 0.99))
     finish(figure, path)
 
 
@@ -245,7 +247,7 @@ def draw_stability(rows, path):
                       label=l.title) for l in lines]
     figure.legend(handles=handles, loc="lower center", ncol=5, frameon=False, fontsize=9.5)
     count = thousands(int(rows[0]["rays"]))
-    figure.suptitle(f"Where methods start to fail: {count} rays per value. Grey band: no wrong decision at all",
+    figure.suptitle(f"Where methods start to fail: {count} rays per value. Grey band: not one wrong decision (places within it mean nothing)",
                     fontsize=13)
     figure.tight_layout(rect=(0, 0.065, 1, 0.99))
     finish(figure, path)

@@ -154,6 +154,17 @@ int allocate_rays(size_t count, struct ray_set *rays)
     return 1;
 }
 
+float largest_component(const struct ray_set *rays)
+{
+    float largest = 0;
+    for (size_t i = 0; i < rays->count; i++) {
+        for (int k = 0; k < 3; k++) {
+            largest = fmaxf(largest, fmaxf(fabsf(rays->origins[i][k]), fabsf(rays->directions[i][k])));
+        }
+    }
+    return largest;
+}
+
 void free_rays(struct ray_set *rays)
 {
     free(rays->origins);

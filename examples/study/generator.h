@@ -52,6 +52,9 @@ int generate_rays(enum generator generator, const struct subject *subject, size_
 /* An empty set becomes one of `count` rays that are not set yet. Returns as generate_rays does. */
 int allocate_rays(size_t count, struct ray_set *rays);
 
+/* The greatest magnitude of a component of an origin or direction. */
+float largest_component(const struct ray_set *rays);
+
 void free_rays(struct ray_set *rays);
 
 #endif

@@ -31,14 +31,16 @@ static int can_trace(const struct method *method, const struct ray_set *rays)
     return rays->is_picture || !method->needs_camera;
 }
 
-static void measure_set(struct subject *subject, const struct ray_set *rays, const struct method_run *method_runs,
+static void measure_set(struct subject *subject, const struct ray_set *rays, struct method_run *method_runs,
                         size_t method_count, uint32_t runs, const struct buffers *buffers,
                         struct measurement *measurements)
 {
+    float largest = largest_component(rays);
     ask_oracle(subject, rays, buffers->right);
     for (size_t i = 0; i < method_count; i++) {
         const struct method *method = method_runs[i].method;
         memset(&measurements[i], 0, sizeof measurements[i]);
+        method_runs[i].largest = largest;
         if (!can_trace(method, rays)) continue;
         memset(buffers->answers, 0, rays->count * sizeof *buffers->answers);
         measurements[i].mrays = in_mrays(rays, time_run(&method_runs[i], rays, buffers->answers));
@@ -69,7 +71,7 @@ int measure_methods(struct subject *subject, const struct ray_set *sets, size_t 
     if (failed) fprintf(stderr, "not enough memory for %zu rays\n", most);
     while (created < selection->count && !failed) {
         struct method_run *run = &method_runs[created];
-        *run = (struct method_run){selection->methods[created], subject, NULL};
+        *run = (struct method_run){selection->methods[created], subject, NULL, 0};
         created++;
         failed = run->method->create && run->method->create(run);
     }

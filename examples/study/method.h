@@ -35,6 +35,7 @@ struct method_run {
     const struct method *method;
     const struct subject *subject;
     void *state;
+    float largest; // magnitude of a component of an origin or direction among the rays that come next
 };
 
 /* All methods, in the order in which results are listed. Embree's are missing where it was not there to build with. */
