@@ -183,7 +183,7 @@ SWEEPS = {
     "aim": ("Aim: what the rays of a sphere are aimed at", None),
     "shift": ("Shift: distance from the origin", "radii of the sphere, along each axis"),
     "scale": ("Scale: size of sphere, origins and directions", "radius of the sphere"),
-    "length": ("Length of the direction vector", "radii of the sphere"),
+    "length": ("Length of the direction vector", "length / radius of the sphere"),
     "sliver": ("Slivers: triangles in a flat sheet", "length of a triangle / its height"),
     "grazing": ("Grazing: rays along a flat sheet", "angle between ray and sheet, degrees"),
 }
@@ -213,6 +213,10 @@ def draw_sweep(axes, axis, sweep, rows, lines):
         if min(float(v) for v in values) == 0:
             ticks = [min(xs)] + [10.0 ** e for e in range(0, 8)]
             axes.set_xticks(ticks, ["0"] + [f"$10^{e}$" if e > 1 else str(10 ** e) for e in range(0, 8)])
+        elif max(xs) / min(xs) > 1e20:
+            axes.set_xticks([10.0 ** e for e in range(-30, 31, 10)])
+        else:
+            axes.set_xticks([10.0 ** e for e in range(math.ceil(math.log10(min(xs)) - 1e-9), int(math.log10(max(xs))) + 1)])
         if sweep == "grazing":
             axes.invert_xaxis()
     for number, line in enumerate(lines):
