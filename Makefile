@@ -173,6 +173,8 @@ charts: | $(AFTER_DEPS)
 	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,edge --rays $(STUDY_RAYS) > docs/data/methods.csv
 	$(ACCURACY) --study stability --rays $(SWEEP_RAYS) > docs/data/stability.csv
+	$(ACCURACY) --study stages $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
+	    --generator camera,random,edge --rays $(STUDY_RAYS) > docs/data/stages.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
 
 # ---- tests ---------------------------------------------------------------------------------------------------------

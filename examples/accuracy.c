@@ -11,14 +11,16 @@
 #include "common/options.h"
 #include "study/measure.h"
 #include "study/stability.h"
+#include "study/stages.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define LENGTH(array) (sizeof(array) / sizeof *(array))
 
-enum study { STUDY_METHODS, STUDY_STABILITY };
+enum study { STUDY_METHODS, STUDY_STABILITY, STUDY_STAGES };
 
 struct settings {
     struct word_list scenes, generators, methods, sweeps;
@@ -91,6 +93,43 @@ static void explain_table(void)
         puts("Embree's rows are missing: it was not there to build with (make deps-study).");
 }
 
+static const char *csv_head(int32_t study)
+{
+    return study == STUDY_STAGES ? "scene,generator,method,rays,float,tie,double,exact"
+                                 : "scene,generator,method,rays,wrong_per_million,mrays";
+}
+
+static void explain_stages(void)
+{
+    puts("Of a million (ray, triangle) pairs, this many were decided by: the float filter; as an exact tie that is "
+         "cheap\n"
+         "to recognise; double precision; exact integers. Last: per cent of the (packet, triangle) tests where the "
+         "filter\n"
+         "left at least one ray undecided.\n");
+    printf("%-20s %-12s %12s %12s %12s %12s %10s\n", "scene", "rays", "float", "tie", "double", "exact", "undecided");
+}
+
+static double share_of(uint64_t part, uint64_t whole, double unit)
+{
+    return whole ? unit * (double)part / (double)whole : 0;
+}
+
+static void print_stages(const struct settings *settings, const char *scene, enum generator generator,
+                         const struct ray_set *rays, const struct stages *s)
+{
+    const char *name = generator_name(generator);
+    uint64_t all = s->float_count + s->tie_count + s->double_count + s->exact_count;
+    if (settings->csv)
+        printf("%s,%s,%s,%zu,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%" PRIu64 "\n", scene, name,
+               rays->is_picture ? "mlrt_camera" : "mlrt_multilevel", rays->count, s->float_count, s->tie_count,
+               s->double_count, s->exact_count);
+    else
+        printf("%-20s %-12s %12.2f %12.2f %12.2f %12.2f %8.3f %%\n", scene, name, share_of(s->float_count, all, 1e6),
+               share_of(s->tie_count, all, 1e6), share_of(s->double_count, all, 1e6),
+               share_of(s->exact_count, all, 1e6), share_of(s->undecided_test_count, s->test_count, 100));
+    fflush(stdout);
+}
+
 /* ---- studies ------------------------------------------------------------------------------------------------------
  */
 
@@ -136,6 +175,36 @@ static int study_stability(const struct settings *settings, int *guilty)
     struct report report = {settings, NULL, NULL, 0};
     int failed = run_sweeps(&settings->sweeps, settings->rays, &settings->selection, take_case, &report);
     *guilty |= report.guilty;
+    return failed;
+}
+
+static int study_stages_of(const struct settings *settings, const struct subject *subject, enum generator generator)
+{
+    struct ray_set rays = {.count = 0};
+    struct stages stages;
+    int32_t status = MLRT_OK;
+    int failed = generate_rays(generator, subject, settings->rays, &rays);
+    if (!failed) status = count_stages(subject, &rays, &stages);
+    if (status != MLRT_OK) fprintf(stderr, "cannot trace: %s\n", mlrt_status_string(status));
+    failed = failed || status != MLRT_OK;
+    if (!failed) print_stages(settings, subject->name, generator, &rays, &stages);
+    free_rays(&rays);
+    return failed;
+}
+
+static int study_stages(const struct settings *settings, int *guilty)
+{
+    (void)guilty;
+    int failed = 0;
+    for (size_t i = 0; i < settings->scenes.count; i++) {
+        struct subject subject;
+        int missing = load_subject(settings->scenes.words[i], settings->views, &subject);
+        for (size_t g = 0; g < settings->generator_count && !missing; g++) {
+            failed |= study_stages_of(settings, &subject, settings->chosen[g]);
+        }
+        failed |= missing;
+        free_subject(&subject);
+    }
     return failed;
 }
 
@@ -195,10 +264,12 @@ static int select_generators(struct settings *settings)
 static int read_settings(struct settings *s, int argc, char **argv, int *exit_code)
 {
     static const struct word_list procedural = {5, {"room", "office", "building", "scan", "sphere"}};
-    static const uint32_t default_rays[] = {1u << 20, 1u << 14};
+    static const uint32_t default_rays[] = {1u << 20, 1u << 14, 1u << 20};
     const struct option options[] = {
-        {OPTION_CHOICE, "--study", &s->study, "methods|stability",
-         "methods on scenes, or swept parameters on small meshes (default: methods)", 0, 0},
+        {OPTION_CHOICE, "--study", &s->study, "methods|stability|stages",
+         "methods on scenes, swept parameters on small meshes, or which stage of the\nlibrary decides (default: "
+         "methods)",
+         0, 0},
         {OPTION_LIST, "--scene", &s->scenes, "NAME|FILE,...",
          "room, office, building, scan, scan:N (about N triangles), sphere (20,480), or\nmesh files (default: "
          "room,office,building,scan,sphere)",
@@ -226,13 +297,16 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
 
 int main(int argc, char **argv)
 {
-    static int (*const studies[])(const struct settings *settings, int *guilty) = {study_methods, study_stability};
+    static int (*const studies[])(const struct settings *settings, int *guilty) = {study_methods, study_stability,
+                                                                                   study_stages};
     struct settings settings = {.runs = 5};
     int exit_code, guilty = 0;
     if (!read_settings(&settings, argc, argv, &exit_code)) return exit_code;
     if (settings.csv) {
-        puts("scene,generator,method,rays,wrong_per_million,mrays");
+        puts(csv_head(settings.study));
         if (!embree_methods[0].name) fputs("Embree's rows are missing: make deps-study installs it\n", stderr);
+    } else if (settings.study == STUDY_STAGES) {
+        explain_stages();
     } else {
         explain_table();
     }
