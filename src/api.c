@@ -10,6 +10,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "all_hits.h"
 #include "dispatch.h"
 #include "kdtree_build.h"
 #include "offset.h"
@@ -416,6 +417,26 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     trace_directly(tree, ray, job.any, counters_of(options), hit);
     mlrt_leave_fp_environment(environment);
     return MLRT_OK;
+}
+
+static MLRT_NOINLINE int32_t make_list_source(const mlrt_tree *tree, const mlrt_rays *rays,
+                                              const mlrt_trace_options *options, struct mlrt_source *source)
+{
+    struct mlrt_job job = {.callback = NULL};
+    const int32_t status = mlrt_make_ray_source(tree, rays, source);
+    return status == MLRT_OK ? resolve_options(options, &job) : status;
+}
+
+MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
+                                     const mlrt_hit_lists *lists)
+{
+    if (!tree || !rays || !lists) return MLRT_ERROR_ARGUMENT;
+    if (rays->struct_size != sizeof *rays || lists->struct_size != sizeof *lists) return MLRT_ERROR_STRUCT_SIZE;
+    struct mlrt_source source;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int32_t status = make_list_source(tree, rays, options, &source);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_all_hits(tree, &source, lists, pool_of(options), counters_of(options)) : status;
 }
 
 static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_camera *camera,

@@ -376,6 +376,48 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
     return ray->t_max > FLT_MAX || facing * sign_beyond(ray, triangle, &crossing, ray->t_max, counters) <= 0;
 }
 
+/*
+ * An edge function moves with the origin by -((v_j - v_i) x d) . (e, e^2, e^3): where it is 0, the first component
+ * that is not decides its sign. All 0 = the ray is along the edge, D is 0, and the triangle was not hit.
+ */
+static int perturbed_edge_sign(const struct mlrt_ray_segment *ray, const float vertex_i[3], const float vertex_j[3])
+{
+    struct exact_vector edge, direction;
+    exact_vector_between(vertex_i, vertex_j, &edge);
+    exact_vector_of(ray->direction, &direction);
+    for (int k = 0; k < 3; ++k) {
+        struct mlrt_exact component;
+        exact_cross_component(&edge, &direction, k, &component);
+        if (component.sign != 0) return -component.sign;
+    }
+    return 0;
+}
+
+static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
+{
+    int sign[3], facing = 0;
+    for (int i = 0; i < 3; ++i) {
+        struct mlrt_exact edge;
+        exact_edge(ray, triangle->v[i], triangle->v[(i + 1) % 3], &edge);
+        sign[i] = edge.sign;
+        if (edge.sign != 0) facing = edge.sign;
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (sign[i] == 0 && perturbed_edge_sign(ray, triangle->v[i], triangle->v[(i + 1) % 3]) != facing) return 0;
+    }
+    return 1;
+}
+
+int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
+{
+    struct operands operands = load_operands(ray, triangle);
+    struct two_edges edges = measure_edges(&operands);
+    struct crossing crossing = measure_crossing(&operands);
+    int inside = certain_sign(edges.ab, SIGN_ERROR) != 0 && certain_sign(edges.ca, SIGN_ERROR) != 0 &&
+                 certain_sign(measure_third_edge(&edges, crossing.d), SIGN_ERROR) != 0;
+    return inside || crosses_exactly(ray, triangle);
+}
+
 /* ------------------------------------------------------------------------------------------------------------------
  * Nearer
  * ------------------------------------------------------------------------------------------------------------------ */

@@ -33,6 +33,12 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
                        mlrt_counters *counters);
 
 /*
+ * Rule R6, for a triangle that the ray hits: 1 if it would still be hit with the origin moved by (e, e^2, e^3) for
+ * every e > 0 that is small enough.
+ */
+int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle);
+
+/*
  * Rule R3: the sign of t(first) - t(second), where the ray's line crosses the planes of the two triangles; neither may
  * be parallel to the ray. t_min and t_max do not matter.
  */

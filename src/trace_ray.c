@@ -52,8 +52,9 @@ struct pending {
     struct interval part;
 };
 
+/* With a list, all hits go there and none ends the search. */
 MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
-                           mlrt_counters *counters)
+                           struct mlrt_hit_list *list, mlrt_counters *counters)
 {
     struct mlrt_nearest nearest = {MLRT_NONE, ray->t_max, ray->t_max};
     double reciprocal[3];
@@ -96,6 +97,10 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
         for (uint32_t i = 0; i < count; ++i) {
             if (entries[i] == skip) continue;
             if (counters) ++counters->triangle_test_count;
+            if (list) {
+                mlrt_gather_hit(tree, ray, entries[i], list, counters);
+                continue;
+            }
             if (mlrt_offer_triangle(tree, ray, entries[i], &nearest, counters) && any) return nearest.triangle;
         }
         do {
@@ -111,5 +116,13 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
 uint32_t mlrt_trace_segment(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
                             mlrt_counters *counters)
 {
-    return counters ? trace(tree, ray, skip, any, counters) : trace(tree, ray, skip, any, NULL);
+    return counters ? trace(tree, ray, skip, any, NULL, counters) : trace(tree, ray, skip, any, NULL, NULL);
+}
+
+void mlrt_gather_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip,
+                      struct mlrt_hit_list *list, mlrt_counters *counters)
+{
+    list->count = 0;
+    trace(tree, ray, skip, 0, list, counters);
+    mlrt_remove_repetitions(list);
 }

@@ -6,6 +6,7 @@
 #define MLRT_TRACE_RAY_H
 
 #include "hit.h"
+#include "hit_list.h"
 
 /*
  * The number of the nearest triangle hit, or MLRT_NONE; with `any`, of some triangle hit. `skip` is the number of a
@@ -13,5 +14,10 @@
  */
 uint32_t mlrt_trace_segment(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
                             mlrt_counters *counters);
+
+/* All hits, in place of what the list held, each once and in no particular order; list->failed says if one is missing.
+ */
+void mlrt_gather_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip,
+                      struct mlrt_hit_list *list, mlrt_counters *counters);
 
 #endif

@@ -31,10 +31,11 @@ int32_t count_stages(const struct subject *subject, const struct ray_set *rays, 
 {
     mlrt_counters counters = {.struct_size = sizeof counters};
     int32_t status = trace_counting(subject, rays, &counters);
+    const uint64_t exact_count = counters.exact_edge_count + counters.exact_range_count + counters.exact_order_count;
     stages->float_count = rest_of(counters.lane_test_count, counters.judged_lane_count + counters.tie_lane_count);
     stages->tie_count = counters.tie_lane_count;
-    stages->double_count = rest_of(counters.judged_lane_count, counters.exact_count);
-    stages->exact_count = counters.exact_count;
+    stages->double_count = rest_of(counters.judged_lane_count, exact_count);
+    stages->exact_count = exact_count;
     stages->test_count = counters.triangle_test_count;
     stages->undecided_test_count = counters.undecided_test_count;
     return status;

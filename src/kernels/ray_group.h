@@ -13,8 +13,8 @@
 
 /*
  * And origins of a group differ by at most this share of the scene's extent, along each axis. Chosen on parallel rays
- * from anywhere (axis-parallel, at a sphere of 20,480 triangles), where groups of rays that have only their direction in
- * common were 200 times slower than single rays; a camera's parallel rays are far below it.
+ * from anywhere (axis-parallel, at a sphere of 20,480 triangles), where groups of rays that have only their direction
+ * in common were 200 times slower than single rays; a camera's parallel rays are far below it.
  */
 #define GROUP_EXTENT 0.03125f
 
@@ -142,7 +142,8 @@ static uint32_t near_lanes(const struct mlrt_packet *packet, uint32_t lanes, con
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf difference = v_set1(0);
         for (int k = 0; k < 3; ++k) {
-            difference = v_max(v_abs(v_sub(v_load(packet->origin[k] + v), v_set1(packet->origin[k][seed]))), difference);
+            difference =
+                v_max(v_abs(v_sub(v_load(packet->origin[k] + v), v_set1(packet->origin[k][seed]))), difference);
         }
         near &= ~((~m_bits(v_le(difference, v_set1(GROUP_EXTENT * 0.5f * extent))) & ALL_LANES) << v);
     }

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Gathering and ordering the hits of one ray. A triangle lies in several leaves and comes once from each; whenever the
+ * list is full, repetitions are taken out before it grows, so it stays within twice the number of different hits.
+ */
+#include "hit_list.h"
+
+#include <stdlib.h>
+
+#define FIRST_CAPACITY 64
+
+void mlrt_free_hit_list(struct mlrt_hit_list *list)
+{
+    free(list->hits);
+    *list = (struct mlrt_hit_list){NULL, 0, 0, 0};
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const struct mlrt_nearest *first = a, *second = b;
+    return (first->triangle > second->triangle) - (first->triangle < second->triangle);
+}
+
+void mlrt_remove_repetitions(struct mlrt_hit_list *list)
+{
+    if (list->count < 2) return;
+    qsort(list->hits, list->count, sizeof *list->hits, compare_numbers);
+    uint32_t kept = 1;
+    for (uint32_t i = 1; i < list->count; ++i) {
+        if (list->hits[i].triangle != list->hits[kept - 1].triangle) list->hits[kept++] = list->hits[i];
+    }
+    list->count = kept;
+}
+
+/* Room for one more hit: 0 if there is none. */
+static int make_room(struct mlrt_hit_list *list)
+{
+    if (list->count < list->capacity) return 1;
+    mlrt_remove_repetitions(list);
+    if (list->count < list->capacity / 2) return 1;
+    const uint32_t capacity = list->capacity ? 2 * list->capacity : FIRST_CAPACITY;
+    struct mlrt_nearest *hits = realloc(list->hits, (size_t)capacity * sizeof *hits);
+    if (!hits) return 0;
+    list->hits = hits;
+    list->capacity = capacity;
+    return 1;
+}
+
+void mlrt_gather_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number,
+                     struct mlrt_hit_list *list, mlrt_counters *counters)
+{
+    if (!mlrt_hits_triangle(ray, &tree->triangles[number], counters)) return;
+    if (!make_room(list)) {
+        list->failed = 1;
+        return;
+    }
+    struct mlrt_nearest *hit = &list->hits[list->count++];
+    hit->triangle = number;
+    mlrt_bound_distance(ray, &tree->triangles[number], &hit->lo, &hit->hi);
+}
+
+/* What hits are compared with: the ray, and where its counts go. */
+struct order {
+    const struct mlrt_tree *tree;
+    const struct mlrt_ray_segment *ray;
+    mlrt_counters *counters;
+};
+
+static int is_before(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second)
+{
+    if (first->hi < second->lo) return 1;
+    if (second->hi < first->lo) return 0;
+    const struct mlrt_triangle *triangles = order->tree->triangles;
+    const int sign =
+        mlrt_compare_distance(order->ray, &triangles[first->triangle], &triangles[second->triangle], order->counters);
+    return sign < 0 || (sign == 0 && first->triangle < second->triangle);
+}
+
+/* In a heap each hit comes before its two children, 2 i + 1 and 2 i + 2. Lets hit i of `count` sink to its place. */
+static void sink(const struct order *order, struct mlrt_nearest *heap, uint32_t i, uint32_t count)
+{
+    const struct mlrt_nearest sinking = heap[i];
+    for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
+        if (child + 1 < count && is_before(order, &heap[child + 1], &heap[child])) ++child;
+        if (!is_before(order, &heap[child], &sinking)) break;
+        heap[i] = heap[child];
+    }
+    heap[i] = sinking;
+}
+
+static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
+{
+    const struct mlrt_nearest kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+void mlrt_order_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t wanted,
+                     struct mlrt_hit_list *list, mlrt_counters *counters)
+{
+    const struct order order = {tree, ray, counters};
+    if (wanted > list->count) wanted = list->count;
+    if (wanted == 0) return;
+    for (uint32_t i = list->count / 2; i-- > 0;) sink(&order, list->hits, i, list->count);
+    // The nearest is swapped to the end, in front of those before it; so the wanted ones end up there, backwards.
+    uint32_t left = list->count;
+    for (uint32_t i = 0; i < wanted; ++i) {
+        swap(&list->hits[0], &list->hits[--left]);
+        if (left > 1) sink(&order, list->hits, 0, left);
+    }
+    for (uint32_t i = 0; i < list->count / 2; ++i) swap(&list->hits[i], &list->hits[list->count - 1 - i]);
+}
