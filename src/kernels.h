@@ -46,6 +46,7 @@ struct mlrt_triangle_setup {
     uint32_t number;    /* of the triangle; MLRT_NONE = empty entry */
     uint32_t main_axis; /* of the outline, with its sign: axis | negative << 2 */
     int has_terms;
+    int in_plane; /* with terms: the apex lies in the triangle's plane, so no ray hits it at t > 0 */
     struct mlrt_outline outline;
     float distance;
     float distance_bound;

@@ -50,6 +50,12 @@ MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
     return count;
 }
 
+#if defined(__SIZEOF_INT128__)
+#define MLRT_HAVE_INT128 1
+#else
+#define MLRT_HAVE_INT128 0
+#endif
+
 #if defined(__SSE2__) || defined(__x86_64__)
 #define MLRT_HAVE_SSE 1
 #else

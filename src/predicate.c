@@ -54,6 +54,7 @@
 #include <string.h>
 
 #include "exact.h"
+#include "grid.h"
 #include "platform.h"
 #include "rounding.h"
 
@@ -227,6 +228,18 @@ static void exact_edge(const struct mlrt_ray_segment *ray, const float vertex_i[
     exact_dot(&moment, &edge, result);
 }
 
+/* The signs of e_ab, e_bc, e_ca: fills in those that are 0. */
+static void exact_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
+{
+    if (MLRT_LIKELY(mlrt_grid_edge_signs(ray, triangle, sign))) return;
+    for (int i = 0; i < 3; ++i) {
+        struct mlrt_exact edge;
+        if (sign[i] != 0) continue;
+        exact_edge(ray, triangle->v[i], triangle->v[(i + 1) % 3], &edge);
+        sign[i] = edge.sign;
+    }
+}
+
 static void exact_normal(const struct mlrt_triangle *triangle, struct exact_vector *result)
 {
     struct exact_vector ab, ac;
@@ -286,6 +299,8 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
 
 static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *triangle, const float point[3])
 {
+    int sign;
+    if (MLRT_LIKELY(mlrt_grid_distance_sign(triangle, point, &sign))) return -sign;
     struct exact_vector normal;
     struct mlrt_exact n;
     exact_normal(triangle, &normal);
@@ -309,23 +324,18 @@ int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * The sign that no edge contradicts, which is that of D; 0 = there is none, a miss. `sign` holds the signs of e_ab,
+ * The sign that no edge contradicts, which is that of D; 0 = there is none, a miss. `known` holds the signs of e_ab,
  * e_bc, e_ca as far as they are known, else 0. D is their sum: it needs no arithmetic of its own.
  */
 static MLRT_NOINLINE int facing_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                                        const int sign[3], mlrt_counters *counters)
+                                        const int known[3], mlrt_counters *counters)
 {
-    int facing = 0;
+    int sign[3] = {known[0], known[1], known[2]}, facing = 0;
     if (counters) ++counters->exact_edge_count;
+    exact_edge_signs(ray, triangle, sign);
     for (int i = 0; i < 3; ++i) {
-        if (facing == 0) facing = sign[i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        if (sign[i] != 0) continue;
-        struct mlrt_exact edge;
-        exact_edge(ray, triangle->v[i], triangle->v[(i + 1) % 3], &edge);
-        if (edge.sign * facing < 0) return 0;
-        if (edge.sign != 0) facing = edge.sign;
+        if (sign[i] * facing < 0) return 0;
+        if (sign[i] != 0) facing = sign[i];
     }
     return facing;
 }
@@ -335,6 +345,8 @@ static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray,
                                              float t, mlrt_counters *counters)
 {
     if (counters) ++counters->exact_range_count;
+    int sign;
+    if (t == 0 && MLRT_LIKELY(mlrt_grid_distance_sign(triangle, ray->origin, &sign))) return sign;
     struct exact_vector normal;
     struct mlrt_exact n, d, exact_t, product, difference;
     exact_normal(triangle, &normal);
@@ -395,13 +407,9 @@ static int perturbed_edge_sign(const struct mlrt_ray_segment *ray, const float v
 
 static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
 {
-    int sign[3], facing = 0;
-    for (int i = 0; i < 3; ++i) {
-        struct mlrt_exact edge;
-        exact_edge(ray, triangle->v[i], triangle->v[(i + 1) % 3], &edge);
-        sign[i] = edge.sign;
-        if (edge.sign != 0) facing = edge.sign;
-    }
+    int sign[3] = {0, 0, 0};
+    exact_edge_signs(ray, triangle, sign);
+    const int facing = sign[0] ? sign[0] : sign[1] ? sign[1] : sign[2];
     for (int i = 0; i < 3; ++i) {
         if (sign[i] == 0 && perturbed_edge_sign(ray, triangle->v[i], triangle->v[(i + 1) % 3]) != facing) return 0;
     }
@@ -447,6 +455,8 @@ static int is_across(const struct mlrt_triangle *triangle, int axis)
 static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                                                   const struct mlrt_triangle *second)
 {
+    int sign;
+    if (MLRT_LIKELY(mlrt_grid_order(ray, first, second, &sign))) return sign;
     struct exact_vector normal;
     struct mlrt_exact n1, d1, n2, d2;
     exact_normal(first, &normal);
@@ -458,9 +468,25 @@ static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment 
     return d1.sign * d2.sign * exact_sign_of_difference(&n1, &d2, &n2, &d1);
 }
 
+/* 1 if the ray goes through a corner that both triangles have: then it meets both planes there. */
+static int meet_at_corner(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
+                          const struct mlrt_triangle *second)
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const float *v = first->v[i], *w = second->v[j];
+            int meets;
+            if (v[0] != w[0] || v[1] != w[1] || v[2] != w[2]) continue;
+            if (mlrt_grid_meets_point(ray, v, &meets) && meets) return 1;
+        }
+    }
+    return 0;
+}
+
 /*
- * What double cannot tell apart is mostly not merely close but equal, and of two kinds that need no arithmetic: a
- * triangle that is in the input twice, and walls that share a plane across an axis. For the latter t = (w - o_k) / d_k,
+ * What double cannot tell apart is mostly not merely close but equal, and of kinds that need little arithmetic: a
+ * triangle that is in the input twice, triangles with a common corner that the ray goes through, and walls that share a
+ * plane across an axis. For these t = (w - o_k) / d_k,
  * so planes w1, w2 across the same axis compare as sgn(d_k) (w1 - w2).
  */
 static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
@@ -474,6 +500,7 @@ static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *r
     }
     if (same_vertices(first, second)) return 0;
     if (counters) ++counters->exact_order_count;
+    if (meet_at_corner(ray, first, second)) return 0;
     return compare_distance_exactly(ray, first, second);
 }
 
@@ -584,9 +611,34 @@ static float round_quotient_exactly(const struct mlrt_exact *x, const struct mlr
     return low_bits % 2 == 0 ? low : high;
 }
 
+/* The float that all within 2^-49 of a quotient round to; 0 if there is none. */
+static int round_close_quotient(double quotient, float *result)
+{
+    *result = (float)(quotient * (1 + 0x1p-48));
+    return (float)(quotient * (1 - 0x1p-48)) == *result;
+}
+
+/* Takes the outputs that it can settle out of the set given. */
+static uint32_t report_hit_on_grid(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                                   uint32_t outputs, struct mlrt_hit_report *report)
+{
+    double quotient[3];
+    float u, v;
+    if (!(outputs & (MLRT_OUTPUT_T | MLRT_OUTPUT_UV)) || !mlrt_grid_quotients(ray, triangle, quotient)) return outputs;
+    if (outputs & MLRT_OUTPUT_T && round_close_quotient(quotient[0], &report->t)) outputs &= ~(uint32_t)MLRT_OUTPUT_T;
+    if (outputs & MLRT_OUTPUT_UV && round_close_quotient(quotient[1], &u) && round_close_quotient(quotient[2], &v)) {
+        report->u = u;
+        report->v = v;
+        outputs &= ~(uint32_t)MLRT_OUTPUT_UV;
+    }
+    return outputs;
+}
+
 static MLRT_NOINLINE void report_hit_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                                              uint32_t outputs, struct mlrt_hit_report *report)
 {
+    outputs = report_hit_on_grid(ray, triangle, outputs, report);
+    if (!outputs) return;
     struct exact_vector normal;
     struct mlrt_exact x, d;
     exact_normal(triangle, &normal);

@@ -97,6 +97,7 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
             touched = touched_lanes(group, &setup->outline, *farthest);
             if (!touched) continue;
             if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->apex, setup);
+            if (setup->in_plane) continue;
         }
         COUNT(&worker->counters, triangle_test_count, 1);
         changed |= setup ? test_triangle_from_apex(tree, number, setup, group, touched, packet, worker)

@@ -133,6 +133,7 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
                     setup->main_axis = group.axis_code;
                     set_up_terms(&tree->triangles[entries[i]], packet->apex, setup);
                 }
+                if (setup->in_plane) continue;
             }
             COUNT(counters, triangle_test_count, 1);
             const uint32_t changed =

@@ -30,6 +30,11 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
     return setup;
 }
 
+static MLRT_NOINLINE int is_in_plane(const struct mlrt_triangle *triangle, const float point[3])
+{
+    return mlrt_side_of_plane(triangle, point) == 0;
+}
+
 /* Works out the terms of an entry, four edges at a time; triangle_filter.h says what they are. */
 MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
                               struct mlrt_triangle_setup *setup)
@@ -60,4 +65,6 @@ MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float 
     const float other = larger_of(fabsf(vertex[j]), fabsf(vertex[l]));
     setup->distance_bound = larger_of(fabsf(vertex[a]), 2 * other) * DISTANCE_BOUND + DISTANCE_FLOOR;
     setup->has_terms = 1;
+    setup->in_plane =
+        !MLRT_GUESS && MLRT_UNLIKELY(fabsf(setup->distance) <= setup->distance_bound) && is_in_plane(triangle, apex);
 }
