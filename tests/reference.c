@@ -42,6 +42,10 @@ struct reference_scene {
     struct exact_vector origin, direction, corner[3], p, q, normal;
     struct exact_pair candidate, best;
     mpz_t left, right;
+    const struct reference_ray *ray; /* of the search under way */
+    int ray_is_loaded;               /* into origin and direction */
+    size_t candidate_position;       /* whose numbers `candidate` and `best` hold, for this ray; or NOTHING */
+    size_t best_position;
 };
 
 /* The best hit so far. t_lo and t_hi enclose its exact t. */
@@ -373,11 +377,34 @@ enum verdict { MISS, HIT, DOUBTFUL };
 struct double_ray {
     double origin[3];
     double direction[3];
+    double inverse[3]; /* 1 / direction */
     double t_min;
     double t_max;
 };
 
-/* Encloses N / D; what lies below zero is cut off, as only hits ask. The factors cover four roundings each. */
+/* Differences of floats, rounded to double. */
+struct double_triangle {
+    double from_origin[3][3]; /* corner - o */
+    double ab[3];             /* b - a */
+    double ac[3];
+};
+
+static void widen_triangle(const struct double_ray *ray, const struct reference_triangle *triangle,
+                           struct double_triangle *out)
+{
+    for (int k = 0; k < 3; k++) {
+        double a = (double)triangle->corner[0][k], b = (double)triangle->corner[1][k],
+               c = (double)triangle->corner[2][k];
+        out->from_origin[0][k] = a - ray->origin[k];
+        out->from_origin[1][k] = b - ray->origin[k];
+        out->from_origin[2][k] = c - ray->origin[k];
+        out->ab[k] = b - a;
+        out->ac[k] = c - a;
+    }
+}
+
+/* Encloses |N / D|, or any quotient of such estimates; what lies below zero is cut off, as only hits ask. The factors
+ * cover four roundings each. */
 static void enclose_distance(struct estimate n, struct estimate d, double *t_lo, double *t_hi)
 {
     double n_size = fabs(n.value), d_size = fabs(d.value);
@@ -390,23 +417,17 @@ static void enclose_distance(struct estimate n, struct estimate d, double *t_lo,
 static enum verdict filter(const struct double_ray *ray, const struct reference_triangle *triangle, double *t_lo,
                            double *t_hi)
 {
-    double v[3][3];
-    for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++) v[i][k] = (double)triangle->corner[i][k] - ray->origin[k];
-    }
+    struct double_triangle numbers;
+    widen_triangle(ray, triangle, &numbers);
+    const double(*v)[3] = (const double(*)[3])numbers.from_origin;
     int ab = certain_sign(estimate_triple(ray->direction, v[0], v[1]));
     int bc = certain_sign(estimate_triple(ray->direction, v[1], v[2]));
     if (ab * bc < 0) return MISS;
     int ca = certain_sign(estimate_triple(ray->direction, v[2], v[0]));
     if (ab * ca < 0 || bc * ca < 0) return MISS;
 
-    double ab_edge[3], ac_edge[3];
-    for (int k = 0; k < 3; k++) {
-        ab_edge[k] = (double)triangle->corner[1][k] - (double)triangle->corner[0][k];
-        ac_edge[k] = (double)triangle->corner[2][k] - (double)triangle->corner[0][k];
-    }
-    struct estimate d = estimate_triple(ray->direction, ab_edge, ac_edge);
-    struct estimate n = estimate_triple(v[0], ab_edge, ac_edge);
+    struct estimate d = estimate_triple(ray->direction, numbers.ab, numbers.ac);
+    struct estimate n = estimate_triple(v[0], numbers.ab, numbers.ac);
     int inside = ab && bc && ca;
     int facing = inside ? ab : certain_sign(d); // D is the sum of the three
     enclose_distance(n, d, t_lo, t_hi);
@@ -417,18 +438,67 @@ static enum verdict filter(const struct double_ray *ray, const struct reference_
     return inside && after && before ? HIT : DOUBTFUL;
 }
 
+/* A quotient that is known not to be negative, if both ends of its enclosure round to the same float. */
+static int round_enclosed(struct estimate numerator, struct estimate denominator, float *quotient)
+{
+    double lo, hi;
+    enclose_distance(numerator, denominator, &lo, &hi);
+    *quotient = (float)lo;
+    return *quotient == (float)hi;
+}
+
 /* ---- one triangle after the other -------------------------------------------------------------------------------- */
+
+/* The integers are worked out when they are first needed: most rays can do without. */
+static void begin_search(struct reference_scene *scene, const struct reference_ray *ray)
+{
+    scene->ray = ray;
+    scene->ray_is_loaded = 0;
+    scene->candidate_position = NOTHING;
+    scene->best_position = NOTHING;
+}
+
+static void evaluate_at(struct reference_scene *scene, size_t position, struct exact_pair *pair, size_t *pair_position)
+{
+    if (*pair_position == position) return;
+    if (!scene->ray_is_loaded) load_ray(scene, scene->ray);
+    scene->ray_is_loaded = 1;
+    evaluate(scene, &scene->triangles[position], pair);
+    *pair_position = position;
+}
+
+static void evaluate_candidate(struct reference_scene *scene, size_t position)
+{
+    evaluate_at(scene, position, &scene->candidate, &scene->candidate_position);
+}
+
+static void evaluate_best(struct reference_scene *scene, size_t position)
+{
+    evaluate_at(scene, position, &scene->best, &scene->best_position);
+}
+
+/* The candidate's numbers become those of the best. */
+static void keep_candidate(struct reference_scene *scene)
+{
+    struct exact_pair old = scene->best;
+    scene->best = scene->candidate;
+    scene->candidate = old;
+    scene->best_position = scene->candidate_position;
+    scene->candidate_position = NOTHING;
+}
 
 static int exact_is_hit(struct reference_scene *scene, size_t position, float t_min, float t_max)
 {
-    evaluate(scene, &scene->triangles[position], &scene->candidate);
+    evaluate_candidate(scene, position);
     return pair_is_hit(scene, &scene->candidate, t_min, t_max);
 }
 
 static int exact_is_first(struct reference_scene *scene, size_t position, size_t rival)
 {
-    evaluate(scene, &scene->triangles[position], &scene->candidate);
-    evaluate(scene, &scene->triangles[rival], &scene->best);
+    const struct reference_triangle *one = &scene->triangles[position], *other = &scene->triangles[rival];
+    if (memcmp(one->corner, other->corner, sizeof one->corner) == 0) return position < rival; // the same t
+    evaluate_candidate(scene, position);
+    evaluate_best(scene, rival);
     int order = compare_pairs(scene, &scene->candidate, &scene->best);
     return order < 0 || (order == 0 && position < rival);
 }
@@ -447,6 +517,7 @@ static void try_triangle(struct reference_scene *scene, const struct reference_r
     closest->position = position;
     closest->t_lo = t_lo;
     closest->t_hi = t_hi;
+    if (scene->candidate_position == position) keep_candidate(scene);
 }
 
 /* 0 = the ray hits nothing. */
@@ -458,25 +529,43 @@ static int start(struct reference_scene *scene, const struct reference_ray *ray,
     for (int k = 0; k < 3; k++) {
         wide->origin[k] = (double)ray->origin[k];
         wide->direction[k] = (double)ray->direction[k];
+        wide->inverse[k] = ray->direction[k] == 0 ? 0 : 1 / (double)ray->direction[k];
     }
     wide->t_min = (double)t_min;
     wide->t_max = (double)t_max;
     closest->position = NOTHING;
     closest->t_lo = INFINITY;
     closest->t_hi = INFINITY;
-    load_ray(scene, ray);
+    begin_search(scene, ray);
     return 1;
 }
 
-static void finish(struct reference_scene *scene, const struct closest *closest, struct reference_hit *hit)
+/* R5 of a hit: in double where that settles the rounding, else in integers. */
+static void report_at(struct reference_scene *scene, const struct double_ray *wide, size_t position,
+                      struct reference_hit *hit)
 {
-    if (closest->position == NOTHING) {
-        report_miss(hit);
+    const struct reference_triangle *triangle = &scene->triangles[position];
+    struct double_triangle numbers;
+    widen_triangle(wide, triangle, &numbers);
+    struct estimate d = estimate_triple(wide->direction, numbers.ab, numbers.ac);
+    struct estimate n = estimate_triple(numbers.from_origin[0], numbers.ab, numbers.ac);
+    struct estimate ab = estimate_triple(wide->direction, numbers.from_origin[0], numbers.from_origin[1]);
+    struct estimate ca = estimate_triple(wide->direction, numbers.from_origin[2], numbers.from_origin[0]);
+    hit->mesh = triangle->mesh;
+    hit->triangle = triangle->triangle;
+    hit->facing = certain_sign(d);
+    if (hit->facing && round_enclosed(n, d, &hit->t) && round_enclosed(ca, d, &hit->u) &&
+        round_enclosed(ab, d, &hit->v)) {
         return;
     }
-    const struct reference_triangle *triangle = &scene->triangles[closest->position];
-    evaluate(scene, triangle, &scene->candidate);
-    report(triangle, &scene->candidate, hit);
+    evaluate_best(scene, position);
+    report(triangle, &scene->best, hit);
+}
+
+static void finish(struct reference_scene *scene, const struct double_ray *wide, const struct closest *closest,
+                   struct reference_hit *hit)
+{
+    if (closest->position != NOTHING) report_at(scene, wide, closest->position, hit);
 }
 
 void reference_trace_plain(struct reference_scene *scene, const struct reference_ray *ray, struct reference_hit *hit)
@@ -484,14 +573,14 @@ void reference_trace_plain(struct reference_scene *scene, const struct reference
     float t_min, t_max;
     report_miss(hit);
     if (!ray_is_valid(ray, &t_min, &t_max)) return;
-    load_ray(scene, ray);
+    begin_search(scene, ray);
     size_t best = NOTHING;
     for (size_t i = 0; i < scene->count; i++) {
         if (!scene->usable[i] || is_skipped(ray, &scene->triangles[i])) continue;
         if (!exact_is_hit(scene, i, t_min, t_max)) continue;
         if (best != NOTHING && compare_pairs(scene, &scene->candidate, &scene->best) >= 0) continue;
         best = i;
-        evaluate(scene, &scene->triangles[i], &scene->best);
+        keep_candidate(scene);
     }
     if (best != NOTHING) report(&scene->triangles[best], &scene->best, hit);
 }
@@ -503,7 +592,7 @@ void reference_trace_filtered(struct reference_scene *scene, const struct refere
     report_miss(hit);
     if (!start(scene, ray, &wide, &closest)) return;
     for (size_t i = 0; i < scene->count; i++) try_triangle(scene, ray, &wide, i, &closest);
-    finish(scene, &closest, hit);
+    finish(scene, &wide, &closest, hit);
 }
 
 /* ---- a tree of boxes --------------------------------------------------------------------------------------------- */
@@ -605,8 +694,8 @@ static void build_boxes(struct reference_scene *scene)
  * Where the ray may be in the box: *entry is a lower bound of the t of all points in it. 0 = nowhere.
  *
  * A point of the ray inside the box has, on an axis with d = 0, o within the slab, and on another a t between (lo - o)
- * / d and (hi - o) / d. Those have two roundings each and can neither overflow nor underflow (2^-277 .. 2^278):
- * widening them by 4 w of their size covers both.
+ * / d and (hi - o) / d. Those have three roundings each (difference, reciprocal, product) and can neither overflow nor
+ * underflow (2^-277 .. 2^278): widening them by 8 w of their size covers them.
  */
 static int enter_box(const struct box_node *node, const struct double_ray *ray, double *entry)
 {
@@ -617,10 +706,10 @@ static int enter_box(const struct box_node *node, const struct double_ray *ray, 
             if (from > 0 || to < 0) return 0;
             continue;
         }
-        double near = (ray->direction[k] > 0 ? from : to) / ray->direction[k];
-        double far = (ray->direction[k] > 0 ? to : from) / ray->direction[k];
-        near -= 4 * ROUNDING * fabs(near);
-        far += 4 * ROUNDING * fabs(far);
+        double near = (ray->direction[k] > 0 ? from : to) * ray->inverse[k];
+        double far = (ray->direction[k] > 0 ? to : from) * ray->inverse[k];
+        near -= 8 * ROUNDING * fabs(near);
+        far += 8 * ROUNDING * fabs(far);
         if (near > t_lo) t_lo = near;
         if (far < t_hi) t_hi = far;
     }
@@ -657,7 +746,7 @@ void reference_trace(struct reference_scene *scene, const struct reference_ray *
         if (in0) stack[height++] = child[0];
         if (in1 && !second) stack[height++] = child[1];
     }
-    finish(scene, &closest, hit);
+    finish(scene, &wide, &closest, hit);
 }
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
