@@ -745,7 +745,7 @@ mlrt_pool *shared_pool(uint32_t threads)
     return pools[i].pool;
 }
 
-static void describe(const char *call, const mlrt_trace_options *o, uint32_t threads, char *text, size_t size)
+void describe(const char *call, const mlrt_trace_options *o, uint32_t threads, char *text, size_t size)
 {
     static const char *const methods[] = {"default", "ray", "packet2", "packet4", "multilevel"};
     static const char *const isas[] = {"auto", "scalar", "sse"};
@@ -783,22 +783,28 @@ static void print_ray(const struct fixture *fixture, const char *what, size_t in
                 (unsigned)ray->skip[1]);
 }
 
-static int same_hit(const struct reference_hit *a, const struct reference_hit *b)
+int same_hit(const struct reference_hit *a, const struct reference_hit *b)
 {
     return bits_of_float(a->t) == bits_of_float(b->t) && bits_of_float(a->u) == bits_of_float(b->u) &&
            bits_of_float(a->v) == bits_of_float(b->v) && a->mesh == b->mesh && a->triangle == b->triangle &&
            a->facing == b->facing;
 }
 
-void check_hit(const struct fixture *fixture, const char *what, size_t index, const struct reference_ray *ray,
-               const struct reference_hit *expected, const struct reference_hit *got)
+void print_difference(const struct fixture *fixture, const char *what, size_t index, const struct reference_ray *ray,
+                      const struct reference_hit *expected, const struct reference_hit *got)
 {
-    if (same_hit(expected, got)) return;
     print_ray(fixture, what, index, ray);
     print_hit("expected", expected);
     print_hit("got     ", got);
     print_triangle(fixture, "expected", expected->mesh, expected->triangle);
     print_triangle(fixture, "got", got->mesh, got->triangle);
+}
+
+void check_hit(const struct fixture *fixture, const char *what, size_t index, const struct reference_ray *ray,
+               const struct reference_hit *expected, const struct reference_hit *got)
+{
+    if (same_hit(expected, got)) return;
+    print_difference(fixture, what, index, ray, expected, got);
     fail();
 }
 
@@ -818,7 +824,7 @@ void trace_reference(const struct fixture *fixture, const struct ray_list *list,
     for (size_t i = 0; i < list->count; i++) reference_trace(fixture->reference, &list->rays[i], &hits[i]);
 }
 
-static mlrt_hits public_hits(struct reference_hit *hits, size_t row)
+mlrt_hits public_hits(struct reference_hit *hits, size_t row)
 {
     size_t stride = sizeof *hits, rows = row * stride;
     mlrt_hits out = {.struct_size = sizeof out,
@@ -1102,7 +1108,7 @@ void check_camera_quickly(const struct fixture *fixture, const mlrt_camera *came
 
 /* ---- points and lights ------------------------------------------------------------------------------------------- */
 
-static void add_shadow_ray(struct ray_list *list, const float point[3], const uint32_t *skip, const mlrt_light *light)
+void add_shadow_ray(struct ray_list *list, const float point[3], const uint32_t *skip, const mlrt_light *light)
 {
     struct reference_ray *ray;
     if (light->kind == MLRT_LIGHT_POINT) {

@@ -96,11 +96,15 @@ void add_random_rays(struct ray_list *list, struct random *random, size_t count,
 void add_axis_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t count);
 /* From vertices and points on edges, in random directions and along edges. */
 void add_surface_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t count);
+/* The ray of mlrt_occluded_points for a point. */
+void add_shadow_ray(struct ray_list *list, const float point[3], const uint32_t *skip, const mlrt_light *light);
 /* Everything above, a few hundred of each, and then some with t ranges and skips. The box of the rays is [lo, hi]^3. */
 void add_mixed_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t count, float lo,
                     float hi);
 void free_rays(struct ray_list *list);
 mlrt_rays public_rays(const struct ray_list *list);
+/* Results into an array of reference_hits, with `row` of them per row of pixels (0 = plain). */
+mlrt_hits public_hits(struct reference_hit *hits, size_t row);
 
 /* ---- ways of tracing --------------------------------------------------------------------------------------------- */
 
@@ -149,6 +153,16 @@ mlrt_camera look_along(const float centre[3], const float direction[3], float ex
 /* One hit against another, for tests that trace by themselves. `what` tells the ways of tracing apart. */
 void check_hit(const struct fixture *fixture, const char *what, size_t index, const struct reference_ray *ray,
                const struct reference_hit *expected, const struct reference_hit *got);
+
+/* All six fields, bit for bit. */
+int same_hit(const struct reference_hit *a, const struct reference_hit *b);
+
+/* What check_hit says before it ends the test. */
+void print_difference(const struct fixture *fixture, const char *what, size_t index, const struct reference_ray *ray,
+                      const struct reference_hit *expected, const struct reference_hit *got);
+
+/* A way of tracing in words. */
+void describe(const char *call, const mlrt_trace_options *options, uint32_t threads, char *text, size_t size);
 
 /* mlrt_trace_ray with default options, as a reference_hit. */
 struct reference_hit trace_one(const mlrt_tree *tree, const struct reference_ray *ray,

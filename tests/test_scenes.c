@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whole scenes against the exact reference: random pixels of a picture, the closest hit and the shadow ray of each, by
- * every method and instruction set.
+ * Whole scenes against the exact reference, by every method and instruction set: random pixels of a picture, the
+ * closest hit and the shadow ray of each; then hostile rays, made from the scene's own vertices, planes and surfaces.
  *
- * Without arguments it runs on procedural scenes, as one of the tests. For any other scene:
+ * Without arguments it runs on procedural scenes, as one of the tests. For any other scene, with so many pixels (at
+ * most 100,000) and so many hostile rays:
  *
- *     test_scenes PIXELS FILE [VIEWS.json:SCENE/VIEW]
+ *     test_scenes RAYS FILE [VIEWS.json:SCENE/VIEW]
  */
 #include <math.h>
 #include <setjmp.h>
@@ -22,8 +23,9 @@
 #include "common/scene.h"
 #include "common/view.h"
 #include "reference.h"
+#include "tally.h"
 
-enum { SIDE = 1024 };
+enum { SIDE = 1024, PIXEL_LIMIT = 100000 };
 
 /* The pictures of one scene, and what the reference says of them. */
 struct subject {
@@ -149,22 +151,21 @@ static void compare_methods(struct subject *subject, const float light[3])
 {
     mlrt_pool *pool = NULL;
     mlrt_create_pool(2, &pool);
-    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_SSE; isa++) {
-        for (int32_t method = MLRT_METHOD_RAY; method <= MLRT_METHOD_MULTILEVEL; method++) {
-            mlrt_trace_options options = {.struct_size = sizeof options, .isa = isa, .method = method, .pool = pool};
-            compare(subject, light, &options);
-            if (method != MLRT_METHOD_MULTILEVEL) continue;
-            options.shortcuts_off = 7;
-            options.minimum_tile_size = 4;
-            compare(subject, light, &options);
-        }
+    for (size_t v = 0; v < variant_count(); v++) {
+        mlrt_trace_options options = variant_at(v)->options;
+        if (!variant_at(v)->probe && options.method != MLRT_METHOD_RAY) continue;
+        options.pool = pool;
+        compare(subject, light, &options);
     }
     mlrt_destroy_pool(pool);
 }
 
-/* Answers of all methods that differ from the reference on random pixels of a scene; SIZE_MAX if it cannot be loaded.
+/*
+ * Answers of all methods that differ from the reference on random pixels of a scene and on hostile rays; SIZE_MAX if it
+ * cannot be loaded.
  */
-static size_t count_differences(const char *name, const char *view, uint32_t pixel_count)
+static size_t count_differences(const char *name, const char *view, uint32_t pixel_count, uint64_t ray_count,
+                                struct tally *tally)
 {
     struct subject subject = {.pixel_count = pixel_count};
     if (load_scene(name, &subject.scene) || (view && read_view(view, &subject.scene.view)) ||
@@ -189,6 +190,9 @@ static size_t count_differences(const char *name, const char *view, uint32_t pix
 
     find_answers(&subject, light);
     compare_methods(&subject, light);
+    const struct fixture fixture = {name, 1, subject.tree, subject.reference};
+    tally_hostile(tally, &fixture, ray_count);
+    subject.difference_count += (size_t)tally->difference_count;
 
     reference_destroy(subject.reference);
     mlrt_destroy_tree(subject.tree);
@@ -201,25 +205,41 @@ static size_t count_differences(const char *name, const char *view, uint32_t pix
     return subject.difference_count;
 }
 
-static void pixels_of_room(void **state)
+static void check_scene(const char *name, uint32_t pixel_count, uint64_t ray_count)
 {
-    (void)state;
-    assert_int_equal(count_differences("room", NULL, 2000), 0);
+    struct tally tally = {0};
+    assert_int_equal(count_differences(name, NULL, pixel_count, ray_count, &tally), 0);
 }
 
-static void pixels_of_scan(void **state)
+static void room(void **state)
 {
     (void)state;
-    assert_int_equal(count_differences("scan:20000", NULL, 500), 0);
+    check_scene("room", 2000, scaled(3000));
+}
+
+static void scan(void **state)
+{
+    (void)state;
+    check_scene("scan:20000", 500, scaled(3000));
+}
+
+static int run_on_file(const char *ray_text, const char *name, const char *view)
+{
+    struct tally tally = {0};
+    const uint64_t ray_count = strtoull(ray_text, NULL, 10);
+    const uint32_t pixel_count = ray_count < PIXEL_LIMIT ? (uint32_t)ray_count : PIXEL_LIMIT;
+    const size_t different = count_differences(name, view, pixel_count, ray_count, &tally);
+    if (different == SIZE_MAX) return 2;
+    printf("%s: %u pixels with shadow rays, %llu hostile rays, %llu answers of %zu ways, differences: %zu; reference "
+           "%.3f us per ray\n",
+           name, (unsigned)pixel_count, (unsigned long long)tally.ray_count, (unsigned long long)tally.answer_count,
+           tally_way_count(), different, 1e6 * tally.reference_seconds / (double)tally.ray_count);
+    return different != 0;
 }
 
 int main(int argc, char **argv)
 {
-    if (argc >= 3) {
-        const size_t different = count_differences(argv[2], argc > 3 ? argv[3] : NULL, (uint32_t)atoi(argv[1]));
-        printf("%s: %s pixels, differences: %zd\n", argv[2], argv[1], (ptrdiff_t)different);
-        return different != 0;
-    }
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pixels_of_room), cmocka_unit_test(pixels_of_scan)};
+    if (argc >= 3) return run_on_file(argv[1], argv[2], argc > 3 ? argv[3] : NULL);
+    const struct CMUnitTest tests[] = {cmocka_unit_test(room), cmocka_unit_test(scan)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

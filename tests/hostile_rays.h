@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays that hurt, for any scene of any scale: each kind takes its coordinates from the scene's own vertices and box.
+ * The same seed gives the same rays.
+ */
+#ifndef TESTS_HOSTILE_RAYS_H
+#define TESTS_HOSTILE_RAYS_H
+
+#include "support.h"
+
+/* A kind of ray, and which of the hard cases (numbers as in hard_scenes.h) it brings to every scene. */
+struct hostile_kind {
+    const char *name;
+    const char *cases;
+    uint32_t weight; /* how often it is drawn, relative to the others */
+};
+
+size_t hostile_kind_count(void);
+const struct hostile_kind *hostile_kind_at(size_t kind);
+
+/* A kind, by weight. */
+size_t draw_hostile_kind(struct random *random);
+
+/* Adds `count` rays (or up to 255 more, to fill a bundle) of one kind. */
+void add_hostile_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t kind,
+                      size_t count);
+
+/* A pinhole or a parallel camera of `size` squared pixels near the scene, one of whose pixels goes through a vertex. */
+mlrt_camera draw_hostile_camera(struct random *random, const struct fixture *fixture, uint32_t size);
+
+/* A light, and `count` points: vertices, points of triangles, offset points with their `skip`, points at the light. */
+mlrt_light draw_hostile_light(struct random *random, const struct fixture *fixture);
+void draw_hostile_points(struct random *random, const struct fixture *fixture, const mlrt_light *light, size_t count,
+                         float *points, uint32_t *skip);
+
+#endif
