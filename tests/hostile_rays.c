@@ -101,6 +101,8 @@ static float signed_zero(struct random *random)
     return draw_below(random, 2) ? 0.0f : -0.0f;
 }
 
+#define SCATTERED_LIMIT 2000
+
 /* ---- kinds of rays ----------------------------------------------------------------------------------------------- */
 
 typedef void add_function(struct ray_list *list, struct random *random, const struct fixture *fixture);
@@ -154,24 +156,31 @@ static void add_bundle(struct ray_list *list, struct random *random, const struc
     }
 }
 
+/*
+ * A block of one direction. Its origins are about one triangle, or anywhere in scenes that are small: packets of such
+ * rays visit most of the tree.
+ */
 static void add_axis_parallel(struct ray_list *list, struct random *random, const struct fixture *fixture)
 {
-    float origin[3], other[3];
-    draw_vertex(random, fixture, origin);
+    const struct reference_triangle *triangle = draw_triangle(random, fixture);
+    float other[3], direction[3];
     draw_origin(random, fixture, other);
     int axis = (int)draw_below(random, 3), back = (int)draw_below(random, 2);
-    for (int i = 0; i < 16; i++) { // a block of one direction
-        float from[3], direction[3];
+    int scattered = reference_triangle_count(fixture->reference) <= SCATTERED_LIMIT && draw_below(random, 16) == 0;
+    for (int i = 0; i < 16 && triangle; i++) {
+        float from[3];
+        if (scattered)
+            draw_vertex(random, fixture, from);
+        else
+            memcpy(from, triangle->corner[i % 3], sizeof from);
+        int moved = (int)draw_below(random, 3);
+        from[moved] = next_float(from[moved], (int)draw_below(random, 3) - 1);
+        from[axis] = i % 4 ? other[axis] : triangle->corner[i % 3][axis];
         for (int k = 0; k < 3; k++) direction[k] = signed_zero(random);
         direction[axis] = back ? -1.0f : 1.0f;
-        memcpy(from, origin, sizeof from);
-        from[axis] = other[axis];
-        if (i % 2) draw_vertex(random, fixture, from);
-        if (i % 4 == 1) from[axis] = other[axis];
-        if (i % 4 == 2) from[(axis + 1) % 3] = other[(axis + 1) % 3];
-        if (i % 8 == 3) draw_origin(random, fixture, from);
         add_ray(list, from, direction);
     }
+    if (!triangle) add_random(list, random, fixture);
 }
 
 /* The coordinates of vertices are where split planes are. */

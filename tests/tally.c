@@ -215,22 +215,24 @@ void tally_points(struct tally *tally, const struct fixture *fixture, const floa
 
 /* ---- everything, in batches -------------------------------------------------------------------------------------- */
 
-#define BATCH_SIZE   4096
-#define PICTURE_SIDE 48
-#define POINT_COUNT  512
+#define BATCH_SIZE  4096
+#define BATCH_COUNT 16 /* at least */
+#define POINT_COUNT 512
 
-static void tally_lights(struct tally *tally, const struct fixture *fixture, struct random *random)
+static void tally_lights(struct tally *tally, const struct fixture *fixture, struct random *random, size_t count)
 {
     float points[3 * POINT_COUNT];
     uint32_t skip[2 * POINT_COUNT];
     mlrt_light light = draw_hostile_light(random, fixture);
-    draw_hostile_points(random, fixture, &light, POINT_COUNT, points, skip);
-    tally_points(tally, fixture, points, skip, POINT_COUNT, &light);
+    if (count > POINT_COUNT) count = POINT_COUNT;
+    draw_hostile_points(random, fixture, &light, count, points, skip);
+    tally_points(tally, fixture, points, skip, count, &light);
 }
 
-static void tally_camera_if_good(struct tally *tally, const struct fixture *fixture, struct random *random)
+static void tally_camera_if_good(struct tally *tally, const struct fixture *fixture, struct random *random,
+                                 uint32_t side)
 {
-    mlrt_camera camera = draw_hostile_camera(random, fixture, PICTURE_SIDE);
+    mlrt_camera camera = draw_hostile_camera(random, fixture, side);
     mlrt_array nowhere = {NULL, 0, 0};
     if (mlrt_camera_rays(&camera, &nowhere, &nowhere) == MLRT_OK) tally_camera(tally, fixture, &camera);
 }
@@ -240,8 +242,8 @@ static void tally_batch(struct tally *tally, const struct fixture *fixture, size
     struct random random = {fixture->seed};
     struct ray_list list = {0};
     uint32_t choice = draw_below(&random, 32);
-    if (choice < 3) tally_camera_if_good(tally, fixture, &random);
-    if (choice == 3) tally_lights(tally, fixture, &random);
+    if (choice < 3) tally_camera_if_good(tally, fixture, &random, size < 1024 ? 7 : 1 + draw_below(&random, 96));
+    if (choice == 3) tally_lights(tally, fixture, &random, size);
     add_hostile_rays(&list, &random, fixture, draw_hostile_kind(&random), size);
     tally_rays(tally, fixture, &list, draw_below(&random, 4) == 0);
     free_rays(&list);
@@ -251,6 +253,6 @@ void tally_hostile(struct tally *tally, const struct fixture *fixture, uint64_t 
 {
     uint64_t end = tally->ray_count + ray_count;
     struct fixture batch = *fixture;
-    size_t size = ray_count < 64 * BATCH_SIZE ? (size_t)(ray_count / 64 + 1) : BATCH_SIZE;
+    size_t size = ray_count < BATCH_COUNT * BATCH_SIZE ? (size_t)(ray_count / BATCH_COUNT + 1) : BATCH_SIZE;
     for (; tally->ray_count < end; batch.seed++) tally_batch(tally, &batch, size);
 }
