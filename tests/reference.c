@@ -44,6 +44,9 @@ struct reference_scene {
     mpz_t left, right;
     const struct reference_ray *ray; /* of the search under way */
     int ray_is_loaded;               /* into origin and direction */
+    struct found *found; /* all hits of a ray, in order */
+    size_t found_count;
+    size_t found_capacity;
     size_t candidate_position;       /* whose numbers `candidate` and `best` hold, for this ray; or NOTHING */
     size_t best_position;
 };
@@ -56,6 +59,14 @@ struct closest {
 };
 
 #define NOTHING ((size_t)-1)
+
+/* One of all hits of a ray. */
+struct found {
+    size_t position;
+    int crossing;
+    double t_lo; /* as in struct closest */
+    double t_hi;
+};
 
 static void *allocate(size_t count, size_t size)
 {
@@ -493,14 +504,20 @@ static int exact_is_hit(struct reference_scene *scene, size_t position, float t_
     return pair_is_hit(scene, &scene->candidate, t_min, t_max);
 }
 
-static int exact_is_first(struct reference_scene *scene, size_t position, size_t rival)
+/* R3 without any short cut. */
+static int plain_is_first(struct reference_scene *scene, size_t position, size_t rival)
 {
-    const struct reference_triangle *one = &scene->triangles[position], *other = &scene->triangles[rival];
-    if (memcmp(one->corner, other->corner, sizeof one->corner) == 0) return position < rival; // the same t
     evaluate_candidate(scene, position);
     evaluate_best(scene, rival);
     int order = compare_pairs(scene, &scene->candidate, &scene->best);
     return order < 0 || (order == 0 && position < rival);
+}
+
+static int exact_is_first(struct reference_scene *scene, size_t position, size_t rival)
+{
+    const struct reference_triangle *one = &scene->triangles[position], *other = &scene->triangles[rival];
+    if (memcmp(one->corner, other->corner, sizeof one->corner) == 0) return position < rival; // the same t
+    return plain_is_first(scene, position, rival);
 }
 
 static void try_triangle(struct reference_scene *scene, const struct reference_ray *ray, const struct double_ray *wide,
@@ -749,6 +766,134 @@ void reference_trace(struct reference_scene *scene, const struct reference_ray *
     finish(scene, &wide, &closest, hit);
 }
 
+/* ---- all hits ---------------------------------------------------------------------------------------------------- */
+
+/*
+ * The sign of e_ij once o has moved by (eps, eps^2, eps^3): of e_ij itself, or, if that is 0, of the first component of
+ * -((v_j - v_i) x d) that is not 0. For the ray last loaded, whose `candidate` is this triangle.
+ */
+static int moved_edge_sign(struct reference_scene *scene, const struct reference_triangle *triangle, int edge)
+{
+    int sign = mpz_sgn(scene->candidate.edge[edge]);
+    if (sign) return sign;
+    set_vector(&scene->corner[0], triangle->corner[edge]);
+    set_vector(&scene->corner[1], triangle->corner[(edge + 1) % 3]);
+    subtract(&scene->p, &scene->corner[1], &scene->corner[0]);
+    cross(&scene->q, &scene->p, &scene->direction);
+    for (int k = 0; k < 3 && !sign; k++) sign = -mpz_sgn(scene->q.k[k]);
+    return sign;
+}
+
+/* R6, of a triangle that is hit. */
+static int exact_is_crossing(struct reference_scene *scene, size_t position)
+{
+    evaluate_candidate(scene, position);
+    for (int edge = 0; edge < 3; edge++) {
+        if (moved_edge_sign(scene, &scene->triangles[position], edge) != mpz_sgn(scene->candidate.d)) return 0;
+    }
+    return 1;
+}
+
+static int found_is_first(struct reference_scene *scene, const struct found *one, const struct found *other, int plain)
+{
+    if (plain) return plain_is_first(scene, one->position, other->position);
+    if (one->t_hi < other->t_lo) return 1;
+    if (other->t_hi < one->t_lo) return 0;
+    return exact_is_first(scene, one->position, other->position);
+}
+
+/* Into its place among the others. */
+static void insert_found(struct reference_scene *scene, struct found found, int plain)
+{
+    if (scene->found_count == scene->found_capacity) {
+        struct found *larger = allocate(2 * scene->found_capacity + 16, sizeof *larger);
+        if (scene->found_count) memcpy(larger, scene->found, scene->found_count * sizeof *larger);
+        free(scene->found);
+        scene->found = larger;
+        scene->found_capacity = 2 * scene->found_capacity + 16;
+    }
+    size_t lo = 0, hi = scene->found_count;
+    while (lo < hi) {
+        size_t middle = lo + (hi - lo) / 2;
+        if (found_is_first(scene, &found, &scene->found[middle], plain)) hi = middle;
+        else lo = middle + 1;
+    }
+    memmove(scene->found + lo + 1, scene->found + lo, (scene->found_count - lo) * sizeof found);
+    scene->found[lo] = found;
+    scene->found_count++;
+}
+
+static struct reference_totals report_found(struct reference_scene *scene, const struct double_ray *wide,
+                                            struct reference_list_hit *hits, size_t capacity)
+{
+    struct reference_totals totals = {scene->found_count, 0};
+    for (size_t i = 0; i < scene->found_count; i++) {
+        const struct found *found = &scene->found[i];
+        totals.crossing_count += found->crossing != 0;
+        if (i >= capacity) continue;
+        hits[i].crossing = found->crossing;
+        if (wide) {
+            report_at(scene, wide, found->position, &hits[i].hit);
+            continue;
+        }
+        evaluate_candidate(scene, found->position);
+        report(&scene->triangles[found->position], &scene->candidate, &hits[i].hit);
+    }
+    return totals;
+}
+
+struct reference_totals reference_trace_all_plain(struct reference_scene *scene, const struct reference_ray *ray,
+                                                  struct reference_list_hit *hits, size_t capacity)
+{
+    const struct reference_totals none = {0, 0};
+    float t_min, t_max;
+    if (!ray_is_valid(ray, &t_min, &t_max)) return none;
+    begin_search(scene, ray);
+    scene->found_count = 0;
+    for (size_t i = 0; i < scene->count; i++) {
+        if (!scene->usable[i] || is_skipped(ray, &scene->triangles[i])) continue;
+        if (!exact_is_hit(scene, i, t_min, t_max)) continue;
+        insert_found(scene, (struct found){i, exact_is_crossing(scene, i), 0, INFINITY}, 1);
+    }
+    return report_found(scene, NULL, hits, capacity);
+}
+
+static void find_triangle(struct reference_scene *scene, const struct reference_ray *ray, const struct double_ray *wide,
+                          size_t position)
+{
+    struct found found = {position, 1, 0, 0};
+    if (is_skipped(ray, &scene->triangles[position])) return;
+    enum verdict verdict = filter(wide, &scene->triangles[position], &found.t_lo, &found.t_hi);
+    if (verdict == MISS) return;
+    if (verdict == DOUBTFUL) {
+        if (!exact_is_hit(scene, position, (float)wide->t_min, (float)wide->t_max)) return;
+        found.crossing = exact_is_crossing(scene, position);
+    }
+    insert_found(scene, found, 0);
+}
+
+struct reference_totals reference_trace_all(struct reference_scene *scene, const struct reference_ray *ray,
+                                            struct reference_list_hit *hits, size_t capacity)
+{
+    const struct reference_totals none = {0, 0};
+    struct double_ray wide;
+    struct closest closest;
+    uint32_t stack[72];
+    int height = 0;
+    double entry;
+    if (!start(scene, ray, &wide, &closest) || scene->node_count == 0) return none;
+    scene->found_count = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        const struct box_node *node = &scene->nodes[stack[--height]];
+        for (uint32_t i = 0; i < node->count; i++) find_triangle(scene, ray, &wide, scene->order[node->first + i]);
+        for (uint32_t child = 0; child < 2 && node->count == 0; child++) {
+            if (enter_box(&scene->nodes[node->first + child], &wide, &entry)) stack[height++] = node->first + child;
+        }
+    }
+    return report_found(scene, &wide, hits, capacity);
+}
+
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 struct reference_scene *reference_create(const struct reference_triangle *triangles, size_t count)
@@ -772,6 +917,7 @@ void reference_destroy(struct reference_scene *scene)
     free(scene->usable);
     free(scene->order);
     free(scene->nodes);
+    free(scene->found);
     free(scene);
 }
 

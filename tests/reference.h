@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The oracle: the hit rule of the library decided in exact integer arithmetic (GMP), by code that shares nothing with
- * src/, not even a header. The rules R1 to R5 and R7 are those of mlrt.h, "Answers" and struct mlrt_camera.
+ * src/, not even a header. The rules R1 to R7 are those of mlrt.h, "Answers" and struct mlrt_camera.
  *
  * Three ways to the same answer, each checked against the one before it in test_reference.c:
  *
@@ -54,6 +54,26 @@ void reference_trace_plain(struct reference_scene *scene, const struct reference
 void reference_trace_filtered(struct reference_scene *scene, const struct reference_ray *ray,
                               struct reference_hit *hit);
 void reference_trace(struct reference_scene *scene, const struct reference_ray *ray, struct reference_hit *hit);
+
+/* One of all hits of a ray. */
+struct reference_list_hit {
+    struct reference_hit hit;
+    int crossing; /* 1 = hit too by the ray whose origin has moved by (eps, eps^2, eps^3), eps > 0 as small as need be */
+};
+
+struct reference_totals {
+    size_t hit_count;
+    size_t crossing_count; /* of these: odd if o is inside a closed mesh */
+};
+
+/*
+ * All hits of the ray, nearest first and ties in the order of the input: rule R6. The first `capacity` of them go to
+ * hits[]. The first function does it with integers only, triangle by triangle; the second has filter and tree.
+ */
+struct reference_totals reference_trace_all_plain(struct reference_scene *scene, const struct reference_ray *ray,
+                                                  struct reference_list_hit *hits, size_t capacity);
+struct reference_totals reference_trace_all(struct reference_scene *scene, const struct reference_ray *ray,
+                                            struct reference_list_hit *hits, size_t capacity);
 
 size_t reference_triangle_count(const struct reference_scene *scene);
 const struct reference_triangle *reference_triangle_at(const struct reference_scene *scene, size_t position);

@@ -228,6 +228,66 @@ static void quotients_overflow_to_infinity(void **state)
     assert_true(isinf(quotient_of(-1, 1, 500)) && quotient_of(-1, 1, 500) < 0);
 }
 
+/* ---- all hits ---------------------------------------------------------------------------------------------------- */
+
+static struct reference_totals count_all(const struct fixture *fixture, float ox, float oy, float oz, float dx,
+                                         float dy, float dz)
+{
+    struct reference_ray ray = {{ox, oy, oz}, {dx, dy, dz}, 0, INFINITY, {REFERENCE_NONE, REFERENCE_NONE}};
+    struct reference_totals plain = reference_trace_all_plain(fixture->reference, &ray, NULL, 0);
+    struct reference_totals searched = reference_trace_all(fixture->reference, &ray, NULL, 0);
+    assert_int_equal(plain.hit_count, searched.hit_count);
+    assert_int_equal(plain.crossing_count, searched.crossing_count);
+    return plain;
+}
+
+/* A cube, through the inside of faces, an edge, a diagonal of a face, a corner: what belongs to several is crossed once. */
+static void crossings_of_a_cube(void **state)
+{
+    (void)state;
+    const float lo[3] = {0, 0, 0}, hi[3] = {4, 4, 4};
+    struct soup soup = {0};
+    soup_add_box(&soup, lo, hi);
+    struct fixture fixture = fixture_of_soup("cube", 0, &soup);
+    struct reference_totals face = count_all(&fixture, 1, 2, 2, 1, 0.25f, 0.125f);
+    assert_int_equal(face.hit_count, 1);
+    assert_int_equal(face.crossing_count, 1);
+    struct reference_totals diagonal = count_all(&fixture, 2, 2, 2, 1, 0, 0);
+    assert_int_equal(diagonal.hit_count, 2);
+    assert_int_equal(diagonal.crossing_count, 1);
+    struct reference_totals edge = count_all(&fixture, 2, 2, 1, 1, 1, 0);
+    assert_int_equal(edge.crossing_count, 1);
+    assert_true(edge.hit_count >= 2);
+    struct reference_totals corner = count_all(&fixture, 2, 2, 2, -1, 1, 1);
+    assert_int_equal(corner.crossing_count, 1);
+    assert_true(corner.hit_count >= 3);
+    assert_int_equal(count_all(&fixture, -1, 2, 2, 1, 0, 0).crossing_count, 2);
+    assert_int_equal(count_all(&fixture, -1, -1, -1, 1, 1, 1).crossing_count, 2);
+    // It touches an edge from outside.
+    assert_int_equal(count_all(&fixture, -2, 2, 1, 1, 1, 0).crossing_count % 2, 0);
+    assert_true(count_all(&fixture, -2, 2, 1, 1, 1, 0).hit_count > 0);
+    // In the plane of a face, and along an edge.
+    assert_int_equal(count_all(&fixture, -1, 2, 4, 1, 0, 0).crossing_count % 2, 0);
+    assert_int_equal(count_all(&fixture, -1, 0, 0, 1, 0, 0).crossing_count % 2, 0);
+    free_fixture(&fixture);
+}
+
+static void all_hits_are_in_order(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    struct reference_list_hit hits[8];
+    for (int i = 0; i < 4; i++) soup_add_grid(&soup, 2, (float)(i < 2 ? 3 - i : 2), 1); // at 3, 2, 2, 2
+    struct fixture fixture = fixture_of_soup("levels", 0, &soup);
+    struct reference_ray ray = {{0.75f, 0.5f, 0}, {0, 0, 1}, 0, 2.5f, {REFERENCE_NONE, REFERENCE_NONE}};
+    assert_int_equal(reference_trace_all(fixture.reference, &ray, hits, 8).hit_count, 3);
+    for (int i = 0; i < 3; i++) assert_int_equal(hits[i].hit.triangle, 2 + 2 * i);
+    ray.t_max = INFINITY;
+    assert_int_equal(reference_trace_all(fixture.reference, &ray, hits, 2).hit_count, 4);
+    assert_int_equal(hits[1].hit.triangle, 4);
+    free_fixture(&fixture);
+}
+
 /* ---- one way against the other ----------------------------------------------------------------------------------- */
 
 static void assert_all_ways_agree(const struct fixture *fixture, const struct ray_list *list)
@@ -242,6 +302,31 @@ static void assert_all_ways_agree(const struct fixture *fixture, const struct ra
     }
 }
 
+enum { LIST_CAPACITY = 400 };
+
+static void assert_lists_agree(const struct fixture *fixture, const struct ray_list *list)
+{
+    struct reference_list_hit plain[LIST_CAPACITY], searched[LIST_CAPACITY];
+    for (size_t i = 0; i < list->count; i++) {
+        const struct reference_ray *ray = &list->rays[i];
+        struct reference_hit closest;
+        struct reference_totals all = reference_trace_all_plain(fixture->reference, ray, plain, LIST_CAPACITY);
+        struct reference_totals same = reference_trace_all(fixture->reference, ray, searched, LIST_CAPACITY);
+        if (all.hit_count != same.hit_count || all.crossing_count != same.crossing_count)
+            fail_msg("%s, ray %zu: %zu hits and %zu crossings, or %zu and %zu", fixture->name, i, all.hit_count,
+                     all.crossing_count, same.hit_count, same.crossing_count);
+        assert_true(all.crossing_count <= all.hit_count && all.hit_count <= LIST_CAPACITY);
+        for (size_t j = 0; j < all.hit_count; j++) {
+            check_hit(fixture, "reference, all hits", i, ray, &plain[j].hit, &searched[j].hit);
+            assert_int_equal(plain[j].crossing, searched[j].crossing);
+            assert_true(j == 0 || plain[j - 1].hit.t <= plain[j].hit.t);
+        }
+        reference_trace_plain(fixture->reference, ray, &closest);
+        if (all.hit_count) check_hit(fixture, "reference, first of all", i, ray, &closest, &plain[0].hit);
+        else assert_miss(closest);
+    }
+}
+
 static void compare_ways(const char *name, struct soup *soup, float lo, float hi)
 {
     struct random random = {21};
@@ -249,6 +334,8 @@ static void compare_ways(const char *name, struct soup *soup, float lo, float hi
     struct fixture fixture = fixture_of_soup(name, 21, soup);
     add_mixed_rays(&list, &random, &fixture, scaled(300), lo, hi);
     assert_all_ways_agree(&fixture, &list);
+    if (list.count > 120) list.count = 120;
+    assert_lists_agree(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
 }
@@ -324,6 +411,7 @@ static void all_ways_agree_on_arbitrary_bits(void **state)
     }
     add_aimed_rays(&list, &random, &fixture, scaled(300), -1e38f, 1e38f);
     assert_all_ways_agree(&fixture, &list);
+    assert_lists_agree(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
 }
@@ -382,6 +470,8 @@ int main(void)
         cmocka_unit_test(quotients_halfway_go_to_even),
         cmocka_unit_test(quotients_reach_denormals_and_zero),
         cmocka_unit_test(quotients_overflow_to_infinity),
+        cmocka_unit_test(crossings_of_a_cube),
+        cmocka_unit_test(all_hits_are_in_order),
         cmocka_unit_test(all_ways_agree_on_random_triangles),
         cmocka_unit_test(all_ways_agree_on_needles),
         cmocka_unit_test(all_ways_agree_on_coplanar_grids),
