@@ -748,7 +748,7 @@ mlrt_pool *shared_pool(uint32_t threads)
 void describe(const char *call, const mlrt_trace_options *o, uint32_t threads, char *text, size_t size)
 {
     static const char *const methods[] = {"default", "ray", "packet2", "packet4", "multilevel"};
-    static const char *const isas[] = {"auto", "scalar", "sse"};
+    static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512"};
     snprintf(text, size, "%s, method %s, isa %s, culling %s%s, tiles %u/%u/%u, %u threads", call, methods[o->method],
              isas[o->isa], o->culling ? "direct" : "inverse", o->culling_check ? " with check" : "",
              (unsigned)o->initial_tile_size, (unsigned)o->minimum_tile_size, (unsigned)o->split_factor,
