@@ -3,6 +3,7 @@
  * The contract at the border: what is an error and which one, what is left behind after it, that nothing is printed,
  * and that the caller's floating-point environment neither matters nor changes.
  */
+#define _GNU_SOURCE 1 /* feenableexcept, where there is one */
 #define _POSIX_C_SOURCE 200809L
 
 #include <fcntl.h>
@@ -880,9 +881,13 @@ static void nothing_is_printed(void **state)
 
 /* Everything that the library computes, as bytes. */
 struct answers {
+    struct reference_hit packet[64];
     struct reference_hit single[64];
-    float picture[20 * 20];
+    struct reference_hit picture[20 * 20];
+    uint8_t any[64];
+    uint8_t any_pixel[20 * 20];
     uint8_t shadow[64];
+    uint8_t directional[64];
     float rays[3 * 20 * 20];
     float point[3];
     uint64_t tree_hash;
@@ -913,8 +918,25 @@ static void make_environment(struct environment *e)
         draw_point(&random, -2 * scale, 2 * scale, e->origins[i]);
         draw_point(&random, -scale, scale, e->directions[i]);
     }
+    // Rays that raise an exception wherever somebody computes with them.
+    e->origins[60][1] = float_of_bits(0x7FA00000); // a signalling NaN
+    e->directions[61][2] = INFINITY;
+    memset(e->directions[62], 0, sizeof e->directions[62]);
+    for (int k = 0; k < 3; k++) e->directions[63][k] = 3e38f, e->origins[63][k] = -3e38f;
     e->camera = look_at(eye, target, 1, 20, 20);
     e->camera.dx[0] = 1e-40f;
+}
+
+static int32_t compute_single(const struct environment *e, const mlrt_tree *tree, const mlrt_trace_options *options,
+                              int i, struct reference_hit *out)
+{
+    mlrt_ray ray = {.struct_size = sizeof ray, .t_min = i % 8 ? 0 : 1e-40f};
+    mlrt_hit hit = {.struct_size = sizeof hit};
+    memcpy(ray.origin, e->origins[i], sizeof ray.origin);
+    memcpy(ray.direction, e->directions[i], sizeof ray.direction);
+    int32_t status = mlrt_trace_ray(tree, &ray, options, &hit);
+    *out = (struct reference_hit){hit.t, hit.u, hit.v, hit.mesh, hit.triangle, hit.facing};
+    return status;
 }
 
 /* Returns the sum of all statuses. */
@@ -929,24 +951,25 @@ static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_
     status += mlrt_get_tree_info(tree, &info);
     a->tree_hash = info.tree_hash;
     a->zero_area_count = info.zero_area_count;
-    mlrt_rays rays = {
-        .struct_size = sizeof rays, .count = 64, .origins = {e->origins, 0}, .directions = {e->directions, 0}};
-    size_t stride = sizeof a->single[0];
-    mlrt_hits hits = {.struct_size = sizeof hits,
-                      .t = {&a->single[0].t, stride, 0},
-                      .u = {&a->single[0].u, stride, 0},
-                      .v = {&a->single[0].v, stride, 0},
-                      .mesh = {&a->single[0].mesh, stride, 0},
-                      .triangle = {&a->single[0].triangle, stride, 0},
-                      .facing = {&a->single[0].facing, stride, 0}};
+    mlrt_rays rays = {.struct_size = sizeof rays, .count = 64, .origins = {e->origins, 0}, .directions = {e->directions, 0}};
+    mlrt_hits hits = public_hits(a->packet, 0);
+    mlrt_hits any = {.struct_size = sizeof any, .occluded = {a->any, 0, 0}};
+    mlrt_hits frame = public_hits(a->picture, 20);
+    mlrt_hits any_pixel = {.struct_size = sizeof any_pixel, .occluded = {a->any_pixel, 0, 0}};
     status += mlrt_trace_packet(tree, &rays, &options, &hits);
-    mlrt_hits frame = {.struct_size = sizeof frame, .t = {a->picture, 0, 0}};
     status += mlrt_render_tiles(tree, &e->camera, &options, &frame, NULL, NULL);
+    for (int i = 0; i < 64; i++) status += compute_single(e, tree, &options, i, &a->single[i]);
+    options.query = MLRT_QUERY_ANY;
+    status += mlrt_trace_packet(tree, &rays, &options, &any);
+    status += mlrt_render_tiles(tree, &e->camera, &options, &any_pixel, NULL, NULL);
     mlrt_array directions = {a->rays, 0, 0}, none = {NULL, 0, 0}, shadow = {a->shadow, 0, 0};
     status += mlrt_camera_rays(&e->camera, &none, &directions);
     mlrt_points points = {.struct_size = sizeof points, .count = 64, .positions = {e->origins, 0}};
     mlrt_light light = {.struct_size = sizeof light, .position = {1e-39f, 2e-39f, -1e-39f}};
+    mlrt_light sun = {.struct_size = sizeof sun, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {1e-39f, 1, 1e38f}};
+    mlrt_array directional = {a->directional, 0, 0};
     status += mlrt_occluded_points(tree, &points, &light, &options, &shadow);
+    status += mlrt_occluded_points(tree, &points, &sun, &options, &directional);
     for (uint32_t i = 0; i < 150; i += 149) status += mlrt_offset_point(tree, 0, 150 + i, 0.3f, 0.3f, 1, a->point);
     mlrt_destroy_tree(tree);
     return status;
@@ -1036,6 +1059,32 @@ static void callers_with_unmasked_exceptions(void **state)
 static void callers_that_round_by_fenv(void **state)
 {
     (void)state;
+    static const int modes[] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
+    static struct answers plain, strange;
+    mlrt_trace_options options = {.struct_size = sizeof options};
+    struct environment e;
+    make_environment(&e);
+    memset(&plain, 0, sizeof plain);
+    assert_int_equal(compute(&e, NULL, &options, &plain), 0);
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        memset(&strange, 0, sizeof strange);
+        int before = fegetround();
+        assert_int_equal(fesetround(modes[i]), 0);
+        int32_t status = compute(&e, shared_pool(i ? 3 : 0), &options, &strange);
+        int after = fegetround();
+        fesetround(before);
+        assert_int_equal(status, 0);
+        assert_int_equal(after, modes[i]);
+        assert_memory_equal(&plain, &strange, sizeof plain);
+    }
+    free_soup(&e.soup);
+}
+
+/* Exceptions as signals by the system's own function, which knows of every control word there is. */
+static void callers_that_trap_by_fenv(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
     static struct answers plain, strange;
     mlrt_trace_options options = {.struct_size = sizeof options};
     struct environment e;
@@ -1043,15 +1092,22 @@ static void callers_that_round_by_fenv(void **state)
     memset(&plain, 0, sizeof plain);
     memset(&strange, 0, sizeof strange);
     assert_int_equal(compute(&e, NULL, &options, &plain), 0);
-    int before = fegetround();
-    assert_int_equal(fesetround(FE_UPWARD), 0);
+    fexcept_t flags;
+    fegetexceptflag(&flags, FE_ALL_EXCEPT);
+    feclearexcept(FE_ALL_EXCEPT);
+    if (feenableexcept(FE_ALL_EXCEPT) == -1) skip(); // a processor without traps
     int32_t status = compute(&e, NULL, &options, &strange);
-    int after = fegetround();
-    fesetround(before);
+    int traps = fegetexcept(), raised = fetestexcept(FE_ALL_EXCEPT);
+    fedisableexcept(FE_ALL_EXCEPT);
+    fesetexceptflag(&flags, FE_ALL_EXCEPT);
     assert_int_equal(status, 0);
-    assert_int_equal(after, FE_UPWARD);
+    assert_int_equal(traps, FE_ALL_EXCEPT);
+    assert_int_equal(raised, 0);
     assert_memory_equal(&plain, &strange, sizeof plain);
     free_soup(&e.soup);
+#else
+    skip();
+#endif
 }
 
 #if HAS_MXCSR
@@ -1148,6 +1204,7 @@ int main(void)
         cmocka_unit_test(callers_that_round_down),
         cmocka_unit_test(callers_with_unmasked_exceptions),
         cmocka_unit_test(callers_that_round_by_fenv),
+        cmocka_unit_test(callers_that_trap_by_fenv),
         cmocka_unit_test(callbacks_run_in_the_callers_environment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
