@@ -25,7 +25,7 @@
 #include "reference.h"
 #include "tally.h"
 
-enum { SIDE = 1024, PIXEL_LIMIT = 100000 };
+enum { SIDE = 512, PIXEL_LIMIT = 100000 };
 
 /* The pictures of one scene, and what the reference says of them. */
 struct subject {
@@ -88,7 +88,7 @@ static void find_answers(struct subject *subject, const float light[3])
     uint32_t state = 12345;
     for (uint32_t i = 0; i < subject->pixel_count; i++) {
         state = state * 1664525u + 1013904223u;
-        const uint32_t pixel = state >> 12;
+        const uint32_t pixel = (state >> 8) % (SIDE * SIDE);
         subject->pixels[i] = pixel;
         const struct reference_ray ray = pixel_ray(&subject->camera, pixel);
         struct reference_hit *hit = &subject->hits[i], shadow;
