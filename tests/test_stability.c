@@ -299,6 +299,7 @@ static size_t run_column(const struct column *column, uint32_t step, int verbose
         printf("%-24s %7zu %7zu %7zu rays, %zu ways x 3: misses %zu / %zu / %zu; %u pixels: %zu\n", column->name,
                kinds[0].count, kinds[1].count, kinds[2].count, way_count, misses[0], misses[1], misses[2],
                (unsigned)(6 * side * side), misses[3]);
+    fflush(stdout);
     for (int kind = 0; kind < 3; kind++) free_rays(&kinds[kind]);
     mlrt_destroy_tree(tree);
     free(sphere);
