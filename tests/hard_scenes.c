@@ -280,7 +280,7 @@ static void two_flat_sheets(struct soup *soup, struct random *random)
 /* Flat in one axis, of triangles over one another. */
 static void flat_heap(struct soup *soup, struct random *random)
 {
-    soup_add_random(soup, random, TRIANGLE_LIMIT, 1, 0.2f);
+    soup_add_random(soup, random, TRIANGLE_LIMIT / 2, 1, 0.2f);
     for (size_t i = 0; i < 3 * soup->count; i++) soup->corners[3 * i + 2] = 0.1f;
 }
 
@@ -348,7 +348,7 @@ static void a_single_triangle(struct soup *soup, struct random *random)
 
 static void every_scale_at_once(struct soup *soup, struct random *random)
 {
-    while (soup->count < TRIANGLE_LIMIT / 4) {
+    while (soup->count < TRIANGLE_LIMIT / 8) {
         struct soup one = {0};
         soup_add_random(&one, random, 1, 1, 1);
         move_soup(&one, power_of_ten(random, -37, 37), zero);

@@ -52,7 +52,7 @@ static void every_hard_scene(void **state)
     for (size_t i = 0; i < hard_scene_count(); i++) {
         struct fixture fixture = make_hard_scene(i);
         struct tally tally = {0};
-        tally_hostile(&tally, &fixture, scaled(320));
+        tally_hostile(&tally, &fixture, scaled(200));
         free_fixture(&fixture);
         if (tally.difference_count)
             fail_msg("%s: %llu differences", hard_scene_at(i)->name, (unsigned long long)tally.difference_count);
@@ -310,7 +310,7 @@ static void no_ray_leaves_the_sphere(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
-        size_t misses = run_column(&columns[i], scaled(1) == scaled(8) ? 512 : 128, 0);
+        size_t misses = run_column(&columns[i], scaled(1) == scaled(8) ? 512 : 256, 0);
         if (misses) fail_msg("sphere, %s: %zu misses (test_stability --sphere says more)", columns[i].name, misses);
     }
 }
