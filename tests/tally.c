@@ -249,10 +249,12 @@ static void tally_batch(struct tally *tally, const struct fixture *fixture, size
     free_rays(&list);
 }
 
-void tally_hostile(struct tally *tally, const struct fixture *fixture, uint64_t ray_count)
+void tally_hostile(struct tally *tally, const struct fixture *fixture, uint64_t ray_count, double seconds)
 {
+    double start = processor_seconds();
     uint64_t end = tally->ray_count + ray_count;
     struct fixture batch = *fixture;
     size_t size = ray_count < BATCH_COUNT * BATCH_SIZE ? (size_t)(ray_count / BATCH_COUNT + 1) : BATCH_SIZE;
-    for (; tally->ray_count < end; batch.seed++) tally_batch(tally, &batch, size);
+    for (; tally->ray_count < end && processor_seconds() - start < seconds; batch.seed++)
+        tally_batch(tally, &batch, size);
 }

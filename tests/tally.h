@@ -30,9 +30,10 @@ void tally_points(struct tally *tally, const struct fixture *fixture, const floa
                   size_t count, const mlrt_light *light);
 
 /*
- * At least `ray_count` rays of all hostile kinds, with pictures, lights and any-hit among them, in batches. Batch n has
- * the seed fixture->seed + n, which differences are printed with: as `seed` it gives them again, first.
+ * At least `ray_count` rays of all hostile kinds, with pictures, lights and any-hit among them, in batches, or as many
+ * as `seconds` of processor time allow. Batch n has the seed fixture->seed + n, which differences are printed with: as
+ * `seed` it gives them again, first.
  */
-void tally_hostile(struct tally *tally, const struct fixture *fixture, uint64_t ray_count);
+void tally_hostile(struct tally *tally, const struct fixture *fixture, uint64_t ray_count, double seconds);
 
 #endif

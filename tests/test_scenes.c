@@ -191,7 +191,7 @@ static size_t count_differences(const char *name, const char *view, uint32_t pix
     find_answers(&subject, light);
     compare_methods(&subject, light);
     const struct fixture fixture = {name, 1, subject.tree, subject.reference};
-    tally_hostile(tally, &fixture, ray_count);
+    tally_hostile(tally, &fixture, ray_count, INFINITY);
     subject.difference_count += (size_t)tally->difference_count;
 
     reference_destroy(subject.reference);

@@ -23,7 +23,6 @@
 /* ---- hard scenes ------------------------------------------------------------------------------------------------- */
 
 #define CASE_COUNT 46
-#define PART_SIZE  100000
 
 /* Marks the numbers in a text like "1 19 45". */
 static void mark_cases(const char *text, int marked[CASE_COUNT + 1])
@@ -52,7 +51,7 @@ static void every_hard_scene(void **state)
     for (size_t i = 0; i < hard_scene_count(); i++) {
         struct fixture fixture = make_hard_scene(i);
         struct tally tally = {0};
-        tally_hostile(&tally, &fixture, scaled(200));
+        tally_hostile(&tally, &fixture, scaled(200), INFINITY);
         free_fixture(&fixture);
         if (tally.difference_count)
             fail_msg("%s: %llu differences", hard_scene_at(i)->name, (unsigned long long)tally.difference_count);
@@ -89,17 +88,6 @@ static void add_tally(struct tally *sum, const struct tally *tally)
     sum->library_seconds += tally->library_seconds;
 }
 
-/* In parts, so that the time can run out; each has seeds of its own. */
-static void run_scene(struct tally *tally, const struct fixture *fixture, uint64_t ray_count, double seconds)
-{
-    struct fixture part = *fixture;
-    while (tally->ray_count < ray_count && tally->reference_seconds + tally->library_seconds < seconds) {
-        uint64_t left = ray_count - tally->ray_count;
-        tally_hostile(tally, &part, left < PART_SIZE ? left : PART_SIZE);
-        part.seed += 1000;
-    }
-}
-
 static int run_scenes(double product, double seconds, const char *only)
 {
     struct tally sum = {0};
@@ -111,7 +99,7 @@ static int run_scenes(double product, double seconds, const char *only)
         struct fixture fixture = make_hard_scene(i);
         struct tally tally = {0};
         size_t count = reference_triangle_count(fixture.reference);
-        run_scene(&tally, &fixture, (uint64_t)(product / (double)(count < 500 ? 500 : count)), seconds);
+        tally_hostile(&tally, &fixture, (uint64_t)(product / (double)(count < 500 ? 500 : count)), seconds);
         double done = (double)tally.ray_count * (double)count;
         print_row(fixture.name, count, &tally, done);
         add_tally(&sum, &tally);
@@ -328,7 +316,7 @@ static int run_sphere(void)
 static int run_scenes_by_arguments(int argc, char **argv)
 {
     const char *only = NULL;
-    double product = 1e9, seconds = 1e9;
+    double product = 1e9, seconds = INFINITY;
     for (int i = 2; i < argc; i++) {
         if (strcmp(argv[i], "--only") == 0 && i + 1 < argc)
             only = argv[++i];
