@@ -44,10 +44,10 @@ struct reference_scene {
     mpz_t left, right;
     const struct reference_ray *ray; /* of the search under way */
     int ray_is_loaded;               /* into origin and direction */
-    struct found *found; /* all hits of a ray, in order */
+    struct found *found;             /* all hits of a ray, in order */
     size_t found_count;
     size_t found_capacity;
-    size_t candidate_position;       /* whose numbers `candidate` and `best` hold, for this ray; or NOTHING */
+    size_t candidate_position; /* whose numbers `candidate` and `best` hold, for this ray; or NOTHING */
     size_t best_position;
 };
 
@@ -815,8 +815,10 @@ static void insert_found(struct reference_scene *scene, struct found found, int 
     size_t lo = 0, hi = scene->found_count;
     while (lo < hi) {
         size_t middle = lo + (hi - lo) / 2;
-        if (found_is_first(scene, &found, &scene->found[middle], plain)) hi = middle;
-        else lo = middle + 1;
+        if (found_is_first(scene, &found, &scene->found[middle], plain))
+            hi = middle;
+        else
+            lo = middle + 1;
     }
     memmove(scene->found + lo + 1, scene->found + lo, (scene->found_count - lo) * sizeof found);
     scene->found[lo] = found;

@@ -3,7 +3,7 @@
  * The contract at the border: what is an error and which one, what is left behind after it, that nothing is printed,
  * and that the caller's floating-point environment neither matters nor changes.
  */
-#define _GNU_SOURCE 1 /* feenableexcept, where there is one */
+#define _GNU_SOURCE     1 /* feenableexcept, where there is one */
 #define _POSIX_C_SOURCE 200809L
 
 #include <fcntl.h>
@@ -951,7 +951,8 @@ static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_
     status += mlrt_get_tree_info(tree, &info);
     a->tree_hash = info.tree_hash;
     a->zero_area_count = info.zero_area_count;
-    mlrt_rays rays = {.struct_size = sizeof rays, .count = 64, .origins = {e->origins, 0}, .directions = {e->directions, 0}};
+    mlrt_rays rays = {
+        .struct_size = sizeof rays, .count = 64, .origins = {e->origins, 0}, .directions = {e->directions, 0}};
     mlrt_hits hits = public_hits(a->packet, 0);
     mlrt_hits any = {.struct_size = sizeof any, .occluded = {a->any, 0, 0}};
     mlrt_hits frame = public_hits(a->picture, 20);

@@ -241,7 +241,8 @@ static struct reference_totals count_all(const struct fixture *fixture, float ox
     return plain;
 }
 
-/* A cube, through the inside of faces, an edge, a diagonal of a face, a corner: what belongs to several is crossed once. */
+/* A cube, through the inside of faces, an edge, a diagonal of a face, a corner: what belongs to several is crossed
+ * once. */
 static void crossings_of_a_cube(void **state)
 {
     (void)state;
@@ -322,8 +323,10 @@ static void assert_lists_agree(const struct fixture *fixture, const struct ray_l
             assert_true(j == 0 || plain[j - 1].hit.t <= plain[j].hit.t);
         }
         reference_trace_plain(fixture->reference, ray, &closest);
-        if (all.hit_count) check_hit(fixture, "reference, first of all", i, ray, &closest, &plain[0].hit);
-        else assert_miss(closest);
+        if (all.hit_count)
+            check_hit(fixture, "reference, first of all", i, ray, &closest, &plain[0].hit);
+        else
+            assert_miss(closest);
     }
 }
 
