@@ -888,6 +888,9 @@ struct answers {
     uint8_t any_pixel[20 * 20];
     uint8_t shadow[64];
     uint8_t directional[64];
+    float list_t[4 * 64];
+    uint8_t list_crossing[4 * 64];
+    uint32_t list_total[64];
     float rays[3 * 20 * 20];
     float point[3];
     uint64_t tree_hash;
@@ -959,6 +962,12 @@ static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_
     mlrt_hits any_pixel = {.struct_size = sizeof any_pixel, .occluded = {a->any_pixel, 0, 0}};
     status += mlrt_trace_packet(tree, &rays, &options, &hits);
     status += mlrt_render_tiles(tree, &e->camera, &options, &frame, NULL, NULL);
+    mlrt_hit_lists lists = {.struct_size = sizeof lists,
+                            .capacity = 4,
+                            .t = {a->list_t, 0, 0},
+                            .crossing = {a->list_crossing, 0, 0},
+                            .total = {a->list_total, 0, 0}};
+    status += mlrt_trace_all_hits(tree, &rays, &options, &lists);
     for (int i = 0; i < 64; i++) status += compute_single(e, tree, &options, i, &a->single[i]);
     options.query = MLRT_QUERY_ANY;
     status += mlrt_trace_packet(tree, &rays, &options, &any);
