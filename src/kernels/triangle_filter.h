@@ -12,28 +12,30 @@
  *
  * where size belongs to the cross product. With M_k the sum of the magnitudes of the two products in its component k,
  * |a| + |b| in place of |a + b|, it is M_main + (M_j + M_l) / 2, where the main axis is that along which the rays go.
- * (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this does not: its error shrinks with
- * the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled, and scaled like this they have one
- * bound for all triangles.
+ * |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, so of what is there already, but for 2 u of itself; for n
+ * something larger does no harm. (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this
+ * does not: its error shrinks with the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled,
+ * and scaled like this they have one bound for all triangles.
  *
  * EDGES, with u = 2^-24 and R the largest of |d_main|, 2 |d_j|, 2 |d_l| of the rays at hand. Roundings of a component
  * of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be
- * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, the division 1; in the dot
- * product the products have 1 and the sums 2. That makes 9, relative to the sum of |d_k| M_k / size, which is at most R
- * for the size without rounding. As computed it is less by at most 7 roundings. So |e' - exact| <= 9.001 u R.
+ * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, 1 / size 1, the product with
+ * it 1; in the dot product the products have 1 and the sums 2. That makes 10, relative to the sum of |d_k| M_k / size,
+ * which is at most R for the size without rounding. As computed it is less by at most 8 roundings. So
+ * |e' - exact| <= 10.001 u R.
  *
  * Underflow: float sums have none. A product in the cross product may lose 2^-150; since size is made at least 2^-100,
- * the three components lose no more than 2^-47 R in all. The division may lose 2^-150 and so may the products with d:
- * nothing beside u R, since R >= 2^-60 (packet.h). So EDGE_BOUND R = 10 u R is a bound. Overflow: magnitudes up to 2^60
- * make sizes below 2^127.
+ * the three components lose no more than 2^-47 R in all. The product with 1 / size may lose 2^-150 and so may those
+ * with d: nothing beside u R, since R >= 2^-60 (packet.h). So EDGE_BOUND R = 11 u R is a bound. Overflow: magnitudes up
+ * to 2^60 make sizes of at most 2^125, whose reciprocals are no denormals.
  *
- * DISTANCES. D' has 8 roundings, so it is off by 8.001 u R, and |D'| < 1.001 R. N' has 9; with A made of a as R is of d
- * it is off by 9.001 u A, |N'| < 1.001 A, and for underflow of its products 2^-82 is added, also for what follows. In
- * signs that make D' positive, N' -+ E with E = 12 u A + 2^-82 are bounds on either side even after they are rounded,
- * and D' -+ 16 u R are with 6 u R to spare: for their own rounding, and for that of one product or quotient of them. So
- * t < x if N' + E < x (D' - W), t > x if N' - E > x (D' + W), and t lies between (N' - E) / (D' + W) and (N' + E) / (D'
- * - W), as long as D' - W is positive. A product or quotient may lose 2^-150, which is nothing beside 2^-82 / R; an
- * infinite one decides nothing wrong.
+ * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10; with A made of a as R is of
+ * d it is off by 10.001 u A, |N'| < 1.001 A, and for underflow of its products 2^-82 is added, also for what follows.
+ * In signs that make D' positive, N' -+ E with E = 12 u A + 2^-82 are bounds on either side even after they are
+ * rounded, and with W = 16 u R, D' -+ W are with 5 u R to spare: for their own rounding, and for that of one product of
+ * them. So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W). Let D' > 2 W. Then t lies between (N' - E) /
+ * D' (1 - s) and (N' + E) / D' (1 + 2 s) with s = W / D', and what W has to spare pays for the four roundings of each.
+ * A product may lose 2^-150, which is nothing beside 2^-82 / R; an infinite one decides nothing wrong.
  */
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
@@ -56,25 +58,29 @@ MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
     return v_add(v_add(v_mul(a[0], b[0]), v_mul(a[1], b[1])), v_mul(a[2], b[2]));
 }
 
-/* Scales a cross product by its size; first has no signs. */
-MLRT_INLINE void scale_terms(const vf first[3], const vf second[3], uint32_t main_axis, vf cross[3])
+/* The cross product of what stands for a vertex and an edge, scaled by its size. */
+MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_t main_axis, vf cross[3])
 {
+    cross_product(sum, edge, cross);
     if (MLRT_GUESS) return;
-    vf sizes[3];
+    const uint32_t a = main_axis, j = (a + 1) % 3, l = (a + 2) % 3;
+    vf reach[3], length[3];
     for (int k = 0; k < 3; ++k) {
-        const int p = (k + 1) % 3, q = (k + 2) % 3;
-        sizes[k] = v_add(v_mul(first[p], v_abs(second[q])), v_mul(first[q], v_abs(second[p])));
+        length[k] = v_abs(edge[k]);
+        reach[k] = v_max(v_abs(sum[k]), length[k]);
     }
-    const vf others = v_add(sizes[(main_axis + 1) % 3], sizes[(main_axis + 2) % 3]);
-    const vf size = v_max(v_add(v_mul(others, v_set1(0.5f)), sizes[main_axis]), v_set1(SMALLEST_SIZE));
-    for (int k = 0; k < 3; ++k) cross[k] = v_div(cross[k], size);
+    const vf main = v_add(v_mul(reach[j], length[l]), v_mul(reach[l], length[j]));
+    const vf others = v_add(v_mul(reach[a], v_add(length[j], length[l])), v_mul(length[a], v_add(reach[j], reach[l])));
+    const vf size = v_add(main, v_mul(others, v_set1(0.5f)));
+    const vf scale = v_div(v_set1(1), v_max(size, v_set1(SMALLEST_SIZE)));
+    for (int k = 0; k < 3; ++k) cross[k] = v_mul(cross[k], scale);
 }
 
 /* Terms for rays of different origins, lane by lane. */
 MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], uint32_t main_axis,
                            struct triangle_terms *terms)
 {
-    vf vertex[3][3], edge[3][3], sum[3], reach[3];
+    vf vertex[3][3], edge[3][3], sum[3];
     for (int k = 0; k < 3; ++k) {
         for (int i = 0; i < 3; ++i) {
             const float from = triangle->v[i][k], to = triangle->v[(i + 1) % 3][k];
@@ -83,18 +89,11 @@ MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin
         }
     }
     for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3;
-        for (int k = 0; k < 3; ++k) {
-            sum[k] = v_add(vertex[i][k], vertex[j][k]);
-            reach[k] = v_add(v_abs(vertex[i][k]), v_abs(vertex[j][k]));
-        }
-        cross_product(sum, edge[i], terms->cross[i]);
-        scale_terms(reach, edge[i], main_axis, terms->cross[i]);
+        for (int k = 0; k < 3; ++k) sum[k] = v_add(vertex[i][k], vertex[(i + 1) % 3][k]);
+        scaled_cross_product(sum, edge[i], main_axis, terms->cross[i]);
     }
     /* n = (b - a) x (c - a) = (a - c) x (b - a) */
-    for (int k = 0; k < 3; ++k) reach[k] = v_abs(edge[2][k]);
-    cross_product(edge[2], edge[0], terms->cross[3]);
-    scale_terms(reach, edge[0], main_axis, terms->cross[3]);
+    scaled_cross_product(edge[2], edge[0], main_axis, terms->cross[3]);
     terms->distance = dot_product(vertex[0], terms->cross[3]);
     const vf other = v_max(v_abs(vertex[0][(main_axis + 1) % 3]), v_abs(vertex[0][(main_axis + 2) % 3]));
     const vf farthest = v_max(v_abs(vertex[0][main_axis]), v_mul(other, v_set1(2)));
@@ -164,15 +163,16 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
     const vf least_d = v_sub(size, v_set1(PLANE_BOUND * reach)), greatest_d = v_add(size, v_set1(PLANE_BOUND * reach));
     const vf least_n = v_sub(distance, terms->distance_bound), greatest_n = v_add(distance, terms->distance_bound);
     const vf t_min = v_load(packet->t_min + v), lo = v_load(packet->lo + v), hi = v_load(packet->hi + v);
-    const vm certain = m_and(candidates, v_gt(least_d, v_set1(0)));
+    const vm certain = m_and(candidates, v_gt(least_d, v_set1(PLANE_BOUND * reach)));
     const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_le(greatest_n, v_mul(t_min, least_d)));
     const vm nearer = m_and(v_lt(greatest_n, v_mul(lo, least_d)), v_gt(least_n, v_mul(t_min, greatest_d)));
     verdict.inside = m_and(certain, m_or(v_gt(least, above), v_lt(greatest, below)));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
     if (!m_bits(verdict.nearer)) return verdict;
-    verdict.lo = v_div(least_n, greatest_d);
-    verdict.hi = v_div(greatest_n, least_d);
+    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, v_set1(PLANE_BOUND * reach));
+    verdict.lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
+    verdict.hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
     return verdict;
 }
 

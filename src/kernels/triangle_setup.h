@@ -5,7 +5,7 @@
  */
 
 /* triangle_filter.h derives these. */
-#define EDGE_BOUND     (10 * 0x1p-24f)
+#define EDGE_BOUND     (11 * 0x1p-24f)
 #define PLANE_BOUND    (16 * 0x1p-24f)
 #define DISTANCE_BOUND (12 * 0x1p-24f)
 #define DISTANCE_FLOOR 0x1p-82f
@@ -30,6 +30,9 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
     return setup;
 }
 
+/* Of components, by main axis. */
+static const float axis_weights[3][3] = {{1, 0.5f, 0.5f}, {0.5f, 1, 0.5f}, {0.5f, 0.5f, 1}};
+
 static MLRT_NOINLINE int is_in_plane(const struct mlrt_triangle *triangle, const float point[3])
 {
     return mlrt_side_of_plane(triangle, point) == 0;
@@ -39,31 +42,38 @@ static MLRT_NOINLINE int is_in_plane(const struct mlrt_triangle *triangle, const
 MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
                               struct mlrt_triangle_setup *setup)
 {
-    const uint32_t a = setup->main_axis & 3, j = (a + 1) % 3, l = (a + 2) % 3;
-    f4 corner[3], sum[3], edge[3], reach[3], length[3], cross[3], sizes[3];
+    const float *weight = axis_weights[setup->main_axis & 3];
+    f4 corner[3], sum[3], edge[3], reach[3], length[3], scale = f4_set1(1);
     f4_corners(triangle->v, corner);
     float vertex[3];
     for (int k = 0; k < 3; ++k) {
-        const f4 to = f4_sub(corner[k], f4_set1(apex[k])), next = f4_next(to);
-        edge[k] = f4_sub(f4_next(corner[k]), corner[k]); /* b - a, c - b, a - c, b - a */
-        sum[k] = f4_join(f4_add(to, next), edge[k]);     /* the normal is (a - c) x (b - a) */
+        const f4 to = f4_sub(corner[k], f4_set1(apex[k]));
+        edge[k] = f4_sub(f4_next(corner[k]), corner[k]);    /* b - a, c - b, a - c, b - a */
+        sum[k] = f4_join(f4_add(to, f4_next(to)), edge[k]); /* the normal is (a - c) x (b - a) */
         length[k] = f4_abs(edge[k]);
-        reach[k] = f4_join(f4_add(f4_abs(to), f4_abs(next)), length[k]);
+        reach[k] = f4_join(f4_max(f4_abs(sum[k]), length[k]), length[k]);
         vertex[k] = f4_last(to);
     }
+    if (!MLRT_GUESS) {
+        f4 size = f4_set1(SMALLEST_SIZE);
+        for (int k = 0; k < 3; ++k) {
+            const int p = (k + 1) % 3, q = (k + 2) % 3;
+            const f4 products = f4_add(f4_mul(reach[p], length[q]), f4_mul(reach[q], length[p]));
+            size = f4_add(size, f4_mul(products, f4_set1(weight[k])));
+        }
+        scale = f4_div(f4_set1(1), size);
+    }
+    f4 cross[3];
     for (int k = 0; k < 3; ++k) {
         const int p = (k + 1) % 3, q = (k + 2) % 3;
         cross[k] = f4_sub(f4_mul(sum[p], edge[q]), f4_mul(sum[q], edge[p]));
-        sizes[k] = f4_add(f4_mul(reach[p], length[q]), f4_mul(reach[q], length[p]));
-    }
-    const f4 size = f4_max(f4_add(f4_mul(f4_add(sizes[j], sizes[l]), f4_set1(0.5f)), sizes[a]), f4_set1(SMALLEST_SIZE));
-    for (int k = 0; k < 3; ++k) {
-        if (!MLRT_GUESS) cross[k] = f4_div(cross[k], size);
+        if (!MLRT_GUESS) cross[k] = f4_mul(cross[k], scale);
         f4_store(setup->cross[k], cross[k]);
     }
     setup->distance = vertex[0] * f4_last(cross[0]) + vertex[1] * f4_last(cross[1]) + vertex[2] * f4_last(cross[2]);
-    const float other = larger_of(fabsf(vertex[j]), fabsf(vertex[l]));
-    setup->distance_bound = larger_of(fabsf(vertex[a]), 2 * other) * DISTANCE_BOUND + DISTANCE_FLOOR;
+    float farthest = 0;
+    for (int k = 0; k < 3; ++k) farthest = larger_of(fabsf(vertex[k]) * (1.5f - weight[k]), farthest);
+    setup->distance_bound = farthest * (2 * DISTANCE_BOUND) + DISTANCE_FLOOR;
     setup->has_terms = 1;
     setup->in_plane =
         !MLRT_GUESS && MLRT_UNLIKELY(fabsf(setup->distance) <= setup->distance_bound) && is_in_plane(triangle, apex);
