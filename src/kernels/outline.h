@@ -13,10 +13,6 @@
 
 #define SLOPE_SLACK 0x1p-20f
 
-/* Squares of 2x2 rays in a packet, padded to whole vectors. */
-#define SQUARE_COUNT (MLRT_PACKET_RAYS / 4)
-#define SQUARE_LANES (VW > SQUARE_COUNT ? VW : SQUARE_COUNT)
-
 /* An axis and its sign in one number. */
 MLRT_INLINE uint32_t axis_code(int axis, int negative)
 {
@@ -58,24 +54,22 @@ MLRT_INLINE void set_box_outline(const struct mlrt_box *box, uint32_t code, cons
     }
 }
 
-/* Bounds of d_j / |d_main| over the rays of each square of a packet, moved apart by SLOPE_SLACK of themselves. */
-struct square_slopes {
-    MLRT_ALIGNED(64) float lo[2][SQUARE_LANES];
-    MLRT_ALIGNED(64) float hi[2][SQUARE_LANES];
+/* Bounds of d_j / |d_main| of each ray of a packet, SLOPE_SLACK of itself apart. */
+struct ray_slopes {
+    MLRT_ALIGNED(64) float lo[2][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float hi[2][MLRT_PACKET_RAYS];
 };
 
-/* Lanes of the squares whose rays overlap an outline. */
-MLRT_INLINE uint32_t overlapping_lanes(const struct square_slopes *slopes, const struct mlrt_outline *outline)
+/* Lanes whose rays overlap an outline. */
+MLRT_INLINE uint32_t overlapping_lanes(const struct ray_slopes *slopes, const struct mlrt_outline *outline)
 {
-    uint32_t squares = 0;
-    for (int v = 0; v < SQUARE_COUNT; v += VW) {
+    uint32_t lanes = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm wide = m_and(v_le(v_load(slopes->lo[0] + v), v_set1(outline->slope_hi[0])),
                               v_ge(v_load(slopes->hi[0] + v), v_set1(outline->slope_lo[0])));
         const vm high = m_and(v_le(v_load(slopes->lo[1] + v), v_set1(outline->slope_hi[1])),
                               v_ge(v_load(slopes->hi[1] + v), v_set1(outline->slope_lo[1])));
-        squares |= m_bits(m_and(wide, high)) << v;
+        lanes |= m_bits(m_and(wide, high)) << v;
     }
-    static const uint16_t lanes[16] = {0x0000, 0x000F, 0x00F0, 0x00FF, 0x0F00, 0x0F0F, 0x0FF0, 0x0FFF,
-                                       0xF000, 0xF00F, 0xF0F0, 0xF0FF, 0xFF00, 0xFF0F, 0xFFF0, 0xFFFF};
-    return lanes[squares & 15];
+    return lanes;
 }

@@ -34,11 +34,11 @@ struct group_axis {
 struct ray_group {
     uint32_t lanes;
     struct group_axis axis[3];
-    uint32_t axis_code;          /* the main axis, where the directions are largest, and its sign (outline.h) */
-    float reach;                 /* the larger of |d_main| and twice any other |d_k| (triangle_filter.h) */
-    int has_frustum;             /* a common origin; only then what follows is set */
-    struct square_slopes slopes; /* against the main axis */
-    uint32_t seen[SEEN_COUNT];   /* triangles tested lately: entry number % SEEN_COUNT */
+    uint32_t axis_code;        /* the main axis, where the directions are largest, and its sign (outline.h) */
+    float reach;               /* the larger of |d_main| and twice any other |d_k| (triangle_filter.h) */
+    int has_frustum;           /* a common origin; only then what follows is set */
+    struct ray_slopes slopes;  /* against the main axis */
+    uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
 #define RECIPROCAL_SLACK 0x1p-21f
@@ -167,21 +167,14 @@ MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes
     }
 }
 
-/* Bounds of the slopes of each square over one axis. A square without rays is nowhere. */
-MLRT_INLINE void set_square_slopes(const struct mlrt_packet *packet, uint32_t lanes, int main_axis, int axis,
-                                   float lo[SQUARE_LANES], float hi[SQUARE_LANES])
+MLRT_INLINE void set_ray_slopes(const struct mlrt_packet *packet, int main_axis, int axis, float lo[MLRT_PACKET_RAYS],
+                                float hi[MLRT_PACKET_RAYS])
 {
-    MLRT_ALIGNED(64) float least[MLRT_PACKET_RAYS], greatest[MLRT_PACKET_RAYS];
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm inside = m_from_bits(lanes >> v);
         const vf slope = v_div(v_load(packet->direction[axis] + v), v_abs(v_load(packet->direction[main_axis] + v)));
         const vf slack = v_mul(v_abs(slope), v_set1(SLOPE_SLACK));
-        v_store(least + v, v_select(inside, v_sub(slope, slack), v_set1(INFINITY)));
-        v_store(greatest + v, v_select(inside, v_add(slope, slack), v_set1(-INFINITY)));
-    }
-    for (int square = 0; square < SQUARE_LANES; ++square) {
-        lo[square] = square < SQUARE_COUNT ? f4_hmin(f4_load(least + 4 * square)) : INFINITY;
-        hi[square] = square < SQUARE_COUNT ? f4_hmax(f4_load(greatest + 4 * square)) : -INFINITY;
+        v_store(lo + v, v_sub(slope, slack));
+        v_store(hi + v, v_add(slope, slack));
     }
 }
 
@@ -200,7 +193,7 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
     if (!group->has_frustum) return;
     const int a = (int)(group->axis_code & 3);
     for (int side = 0; side < 2; ++side) {
-        set_square_slopes(packet, group->lanes, a, (a + 1 + side) % 3, group->slopes.lo[side], group->slopes.hi[side]);
+        set_ray_slopes(packet, a, (a + 1 + side) % 3, group->slopes.lo[side], group->slopes.hi[side]);
     }
 }
 
