@@ -12,7 +12,7 @@
  *
  * where size belongs to the cross product. With M_k the sum of the magnitudes of the two products in its component k,
  * |a| + |b| in place of |a + b|, it is M_main + (M_j + M_l) / 2, where the main axis is that along which the rays go.
- * |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, so of what is there already, but for 2 u of itself; for n
+ * |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, so of what is there already, but for 3 u of itself; for n
  * something larger does no harm. (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this
  * does not: its error shrinks with the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled,
  * and scaled like this they have one bound for all triangles.
