@@ -208,6 +208,182 @@ static void wrong_arguments(void **state)
     free_fixture(&fixture);
 }
 
+/* Each array by itself; strides, addresses and sizes that it cannot have. */
+static void arrays_that_cannot_be(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    struct ray_list list = {0};
+    struct element element;
+    struct totals totals;
+    const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, 1};
+    soup_add_icosphere(&soup, 0, 1);
+    struct fixture fixture = fixture_of_soup("icosahedron", 6, &soup);
+    add_ray(&list, origin, direction);
+    mlrt_rays rays = public_rays(&list);
+    memset(&element, 0xA5, sizeof element);
+    memset(&totals, 0xA5, sizeof totals);
+    const struct element untouched = element;
+    const struct totals untouched_totals = totals;
+    for (int a = 0; a < 9; a++) {
+        mlrt_hit_lists lists = lists_of(&element, &totals, 1);
+        mlrt_array *const arrays[] = {&lists.t,        &lists.u,        &lists.v,
+                                      &lists.mesh,     &lists.triangle, &lists.facing,
+                                      &lists.crossing, &lists.total,    &lists.crossing_total};
+        const mlrt_array good = *arrays[a];
+        if (a != 6) { // bytes may be anywhere
+            for (size_t wrong = 1; wrong < 4; wrong++) {
+                arrays[a]->stride = wrong;
+                assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+                arrays[a]->stride = 4 + wrong;
+                assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+                *arrays[a] = good;
+                arrays[a]->data = (unsigned char *)good.data + wrong;
+                assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+                *arrays[a] = good;
+            }
+        }
+        lists.capacity = 0;
+        for (int other = 0; other < 7; other++) {
+            if (other != a) arrays[other]->data = NULL;
+        }
+        if (a < 7) assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+    }
+    assert_memory_equal(&element, &untouched, sizeof element);
+    assert_memory_equal(&totals, &untouched_totals, sizeof totals);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+static void rays_and_options_that_cannot_be(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    struct ray_list list = {0};
+    struct totals totals;
+    const float origin[3] = {0, 0, 0}, direction[3] = {0, 0, 1};
+    soup_add_icosphere(&soup, 0, 1);
+    struct fixture fixture = fixture_of_soup("icosahedron", 7, &soup);
+    add_ray(&list, origin, direction);
+    const mlrt_rays good = public_rays(&list);
+    const mlrt_hit_lists lists = lists_of(NULL, &totals, 0);
+    mlrt_rays rays = good;
+    rays.struct_size--;
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_STRUCT_SIZE);
+    rays = good;
+    rays.origins.data = NULL;
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+    rays = good;
+    rays.directions.stride = 2;
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+    rays = good;
+    rays.count = (size_t)INT32_MAX + 1;
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_ERROR_TOO_LARGE);
+    mlrt_counters counters = {.struct_size = 1};
+    mlrt_trace_options options = {.struct_size = sizeof options - 1};
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &good, &options, &lists), MLRT_ERROR_STRUCT_SIZE);
+    options.struct_size = sizeof options;
+    options.counters = &counters;
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &good, &options, &lists), MLRT_ERROR_STRUCT_SIZE);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+/* No rays: nothing is read or written, whatever the capacity. */
+static void no_rays_at_all(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    soup_add_icosphere(&soup, 0, 1);
+    struct fixture fixture = fixture_of_soup("icosahedron", 8, &soup);
+    struct element element;
+    struct totals totals;
+    memset(&totals, 0xA5, sizeof totals);
+    const struct totals untouched = totals;
+    const mlrt_rays rays = {.struct_size = sizeof rays};
+    const mlrt_hit_lists lists = lists_of(&element, &totals, UINT32_MAX);
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_OK);
+    assert_memory_equal(&totals, &untouched, sizeof totals);
+    free_fixture(&fixture);
+}
+
+/* Packed arrays that end at the end of a page: hit j of ray i is element i * capacity + j, and nothing else is written.
+ */
+static void packed_arrays(void **state)
+{
+    (void)state;
+    const uint32_t capacity = 3;
+    struct random random = {9};
+    struct soup soup = {0};
+    struct ray_list list = {0};
+    soup_add_random(&soup, &random, 100, 1, 0.7f);
+    struct fixture fixture = fixture_of_soup("random", 9, &soup);
+    add_mixed_rays(&list, &random, &fixture, 300, -2, 2);
+    struct element *elements = allocate_or_fail(list.count * capacity, sizeof *elements);
+    struct totals *totals = allocate_or_fail(list.count, sizeof *totals);
+    const mlrt_rays rays = public_rays(&list);
+    const mlrt_hit_lists whole = lists_of(elements, totals, capacity);
+    assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &whole), MLRT_OK);
+    const mlrt_array *const wholes[] = {&whole.t,        &whole.u,        &whole.v,
+                                        &whole.mesh,     &whole.triangle, &whole.facing,
+                                        &whole.crossing, &whole.total,    &whole.crossing_total};
+    for (int a = 0; a < 9; a++) {
+        const size_t size = a == 6 ? 1 : 4, count = list.count * (a < 7 ? capacity : 1);
+        unsigned char *const packed = allocate_guarded(count * size);
+        mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = a < 7 ? capacity : 0};
+        mlrt_array *const arrays[] = {&lists.t,        &lists.u,        &lists.v,
+                                      &lists.mesh,     &lists.triangle, &lists.facing,
+                                      &lists.crossing, &lists.total,    &lists.crossing_total};
+        arrays[a]->data = packed;
+        assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &lists), MLRT_OK);
+        for (size_t i = 0; i < count; i++)
+            assert_memory_equal(packed + i * size, (unsigned char *)wholes[a]->data + i * wholes[a]->stride, size);
+        free_guarded(packed, count * size);
+    }
+    free(elements);
+    free(totals);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+/* More hits than lists begin with room for, each met in many leaves: lists are cleaned and grow, over and over. */
+static void many_hits_in_many_leaves(void **state)
+{
+    (void)state;
+    static const size_t layers[] = {1, 31, 32, 33, 63, 64, 65, 127, 128, 129, 500};
+    const float direction[3] = {0.125f, 0.0625f, -1};
+    for (size_t n = 0; n < sizeof layers / sizeof layers[0]; n++) {
+        struct random random = {20 + n};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        for (size_t i = 0; i < layers[n]; i++) { // around the axis, some of them equal
+            const float z = (float)(i / 2), a[3] = {-9, -9, z}, b[3] = {9, -9, z + 0.5f}, c[3] = {0, 9, z - 0.5f};
+            soup_add_triangle(&soup, a, b, c);
+        }
+        for (int i = 0; i < 300; i++) { // what makes leaves small
+            float p[3][3], at[3];
+            draw_point(&random, -4, 4, at);
+            at[2] = draw_range(&random, 0, (float)layers[n] / 2);
+            for (int corner = 0; corner < 3; corner++) {
+                draw_point(&random, -0.25f, 0.25f, p[corner]);
+                for (int k = 0; k < 3; k++) p[corner][k] += at[k];
+            }
+            soup_add_triangle(&soup, p[0], p[1], p[2]);
+        }
+        struct fixture fixture = fixture_of_soup("layers", 20 + n, &soup);
+        for (int i = 0; i < 12; i++) {
+            const float origin[3] = {(float)(i % 4 - 2), (float)(i / 4 - 1), (float)layers[n] + 5};
+            const float level[3] = {1, 0.25f, i % 2 ? 0 : -0.03125f};
+            add_ray(&list, origin, direction);
+            if (i == 0) add_ray(&list, origin, level);
+        }
+        check_lists(&fixture, &list, (uint32_t)layers[n], 0);
+        check_lists(&fixture, &list, 7, 0);
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
+}
+
 /* ---- inside and outside ------------------------------------------------------------------------------------------ */
 
 /* Rays from the point that meet vertices, middles of edges and planes of faces exactly; along axes; and any others. */
@@ -349,6 +525,11 @@ int main(void)
         cmocka_unit_test(the_first_of_all_is_the_closest),
         cmocka_unit_test(arrays_that_are_not_wanted),
         cmocka_unit_test(wrong_arguments),
+        cmocka_unit_test(arrays_that_cannot_be),
+        cmocka_unit_test(rays_and_options_that_cannot_be),
+        cmocka_unit_test(no_rays_at_all),
+        cmocka_unit_test(packed_arrays),
+        cmocka_unit_test(many_hits_in_many_leaves),
         cmocka_unit_test(inside_and_outside_of_a_cube),
         cmocka_unit_test(inside_and_outside_of_a_sphere),
         cmocka_unit_test(inside_and_outside_of_a_torus),
