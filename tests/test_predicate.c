@@ -194,6 +194,38 @@ static void make_axis_parallel(struct test_case *test)
     }
 }
 
+/* A point of the plane x + y + z = 0, of any size. */
+static void any_point_in_plane(float point[3])
+{
+    uint32_t zero = next_random() % 3;
+    float size = any_finite_float();
+    point[zero] = 0;
+    point[(zero + 1) % 3] = size;
+    point[(zero + 2) % 3] = -size;
+}
+
+/* Nearly all points in one plane, and sizes too different for any grid: exact zeros that only exact.h can tell. */
+static void make_wide_plane(struct test_case *test)
+{
+    fill(test, any_finite_float);
+    uint32_t outside = next_random() % 8; // 0..2 a vertex, 3 the origin, 4 the direction
+    for (uint32_t i = 0; i < 3; ++i) {
+        if (i != outside) any_point_in_plane(test->triangle.v[i]);
+    }
+    if (outside != 3) any_point_in_plane(test->ray.origin);
+    if (outside != 4) any_point_in_plane(test->ray.direction);
+}
+
+/* From 0 through a vertex, with vertices of any size. */
+static void make_wide_corner(struct test_case *test)
+{
+    fill(test, any_finite_float);
+    for (int k = 0; k < 3; ++k) {
+        test->ray.origin[k] = 0;
+        test->ray.direction[k] = test->triangle.v[0][k];
+    }
+}
+
 /* Moves a coordinate or two by a few steps, so that what was equal is now close. */
 static void disturb(struct test_case *test)
 {
@@ -534,6 +566,18 @@ static void axis_parallel_rays(void **state)
     check_kind(make_axis_parallel, 10, CASES_PER_KIND / 50);
 }
 
+static void planes_too_wide_for_a_grid(void **state)
+{
+    (void)state;
+    check_kind(make_wide_plane, 11, CASES_PER_KIND / 500);
+}
+
+static void corners_too_far_for_a_grid(void **state)
+{
+    (void)state;
+    check_kind(make_wide_corner, 12, CASES_PER_KIND / 5);
+}
+
 /* ------------------------------------------------------------------------------------------------------------------
  * Two triangles
  * ------------------------------------------------------------------------------------------------------------------ */
@@ -632,6 +676,32 @@ static void triangles_in_one_plane(void **state)
         check_pair(&test, &second);
     }
     assert_true(equal_count > CASES_PER_KIND / 3);
+}
+
+static void ties_too_wide_for_a_grid(void **state)
+{
+    (void)state;
+    random_state = 25;
+    int equal_count = 0;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test;
+        struct mlrt_triangle second;
+        make_wide_corner(&test);
+        for (int j = 0; j < 9; ++j) second.v[j / 3][j % 3] = any_finite_float();
+        if (i % 2) {
+            for (int j = 0; j < 3; ++j) {
+                any_point_in_plane(test.triangle.v[j]);
+                any_point_in_plane(second.v[j]);
+                test.ray.origin[j] = any_finite_float();
+            }
+        } else {
+            memcpy(second.v[i / 2 % 3], test.triangle.v[0], sizeof test.triangle.v[0]);
+        }
+        equal_count += check_pair(&test, &second);
+        disturb_triangle(&second);
+        check_pair(&test, &second);
+    }
+    assert_true(equal_count > CASES_PER_KIND / 2);
 }
 
 static void walls_across_one_axis(void **state)
@@ -1061,10 +1131,13 @@ int main(void)
         cmocka_unit_test(rays_at_edges),
         cmocka_unit_test(rays_in_the_plane),
         cmocka_unit_test(axis_parallel_rays),
+        cmocka_unit_test(planes_too_wide_for_a_grid),
+        cmocka_unit_test(corners_too_far_for_a_grid),
         cmocka_unit_test(unrelated_triangles),
         cmocka_unit_test(the_same_triangle_twice),
         cmocka_unit_test(the_same_vertices_in_any_order),
         cmocka_unit_test(triangles_in_one_plane),
+        cmocka_unit_test(ties_too_wide_for_a_grid),
         cmocka_unit_test(walls_across_one_axis),
         cmocka_unit_test(triangles_that_meet_where_the_ray_hits),
         cmocka_unit_test(ties_of_t_go_to_even),
