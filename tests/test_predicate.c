@@ -582,6 +582,25 @@ static void corners_too_far_for_a_grid(void **state)
  * Two triangles
  * ------------------------------------------------------------------------------------------------------------------ */
 
+static int has_area_in_integers(const struct integers *z)
+{
+    return mpz_sgn(z->normal[0]) != 0 || mpz_sgn(z->normal[1]) != 0 || mpz_sgn(z->normal[2]) != 0;
+}
+
+/* The vertices of the second triangle are in the plane of the first. */
+static int expected_share(struct integers *first, const struct integers *second)
+{
+    for (int i = 0; i < 3; ++i) {
+        mpz_set_ui(first->x, 0);
+        for (int k = 0; k < 3; ++k) {
+            mpz_sub(first->y, second->vertex[i][k], first->vertex[0][k]);
+            mpz_addmul(first->x, first->y, first->normal[k]);
+        }
+        if (mpz_sgn(first->x) != 0) return 0;
+    }
+    return 1;
+}
+
 /* Compares in both directions, fast and exactly. 1 if the distances are equal. */
 static int check_pair(const struct test_case *test, const struct mlrt_triangle *second)
 {
@@ -589,6 +608,11 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
     other.triangle = *second;
     set_integers(&first_integers, test);
     set_integers(&second_integers, &other);
+    if (has_area_in_integers(&first_integers) && has_area_in_integers(&second_integers)) {
+        int share = expected_share(&first_integers, &second_integers);
+        check(mlrt_share_plane(&test->triangle, second) == share, "share_plane", test);
+        check(mlrt_share_plane(second, &test->triangle) == share, "share_plane, swapped", test);
+    }
     if (mpz_sgn(first_integers.d) == 0 || mpz_sgn(second_integers.d) == 0) return 0;
     int order = sign_of_int(expected_order(&first_integers, &second_integers));
     const struct mlrt_ray_segment *ray = &test->ray;
@@ -769,6 +793,63 @@ static void ties_of_t_go_to_even(void **state)
     assert_t(-0x1p24f, 3, 1, 0x1p24f + 4);
     assert_t(-0x1p24f, 0x1.000002p0f, 1, 0x1p24f + 2);
     assert_t(-0x1p24f, 0x1.fffffep-1f, 1, 0x1p24f);
+}
+
+/* x and y with a x + b y = gcd(a, b), which is returned. */
+static int64_t find_combination(int64_t a, int64_t b, int64_t *x, int64_t *y)
+{
+    int64_t u = 0, v = 1;
+    for (*x = 1, *y = 0; b != 0;) {
+        int64_t quotient = a / b, next_a = b, next_u = *x - quotient * u, next_v = *y - quotient * v;
+        b = a - quotient * b;
+        a = next_a;
+        *x = u, *y = v;
+        u = next_u, v = next_v;
+    }
+    return a;
+}
+
+/*
+ * t = M / 2 + 1 / (2 D), M odd: nearer to the middle between two floats than any double can tell. With integers n =
+ * normal, n . (2 A - M d) = 1 for a vertex at A = a - o, and A is split into a, a multiple of `unit`, and o.
+ */
+static void quotients_beside_a_middle(void **state)
+{
+    (void)state;
+    random_state = 30;
+    const int64_t unit = 1 << 22;
+    int count = 0;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test = {.ray = {.t_max = INFINITY}};
+        int64_t ab[3], ac[3], n[3], b[3];
+        for (int k = 0; k < 3; ++k) {
+            ab[k] = (int64_t)(next_random() % 0x20000) - 0x10000;
+            ac[k] = (int64_t)(next_random() % 0x20000) - 0x10000;
+        }
+        for (int k = 0; k < 3; ++k) n[k] = ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3];
+        b[2] = 0;
+        int64_t gcd = find_combination(n[0], n[1], &b[0], &b[1]);
+        if (gcd != 1 && gcd != -1) continue;
+        int64_t middle = 0x1000001 + 2 * (int64_t)(next_random() % 0x800000);
+        for (int k = 0; k < 3; ++k) {
+            int64_t direction = 2 * (int64_t)(next_random() % 0x80000) + (b[k] & 1);
+            int64_t to_a = (b[k] + middle * direction) / 2, a = (to_a + unit / 2) / unit;
+            test.ray.direction[k] = (float)direction;
+            test.ray.origin[k] = (float)(a * unit - to_a);
+            test.triangle.v[0][k] = (float)(a * unit);
+            test.triangle.v[1][k] = (float)((a + ab[k]) * unit);
+            test.triangle.v[2][k] = (float)((a + ac[k]) * unit);
+        }
+        struct integers *z = &first_integers;
+        set_integers(z, &test);
+        if (mpz_sgn(z->d) * mpz_sgn(z->n) <= 0) continue;
+        struct mlrt_hit_report report;
+        mlrt_report_hit(&test.ray, &test.triangle, MLRT_OUTPUT_T, &report);
+        check(is_rounded_quotient(z, z->n, report.t), "t beside a middle", &test);
+        check(fabs((double)report.t - (double)middle / 2) <= 0.5, "t is where it should be", &test);
+        ++count;
+    }
+    assert_true(count > CASES_PER_KIND / 4);
 }
 
 static void ties_of_u_and_v_go_to_even(void **state)
@@ -1141,6 +1222,7 @@ int main(void)
         cmocka_unit_test(walls_across_one_axis),
         cmocka_unit_test(triangles_that_meet_where_the_ray_hits),
         cmocka_unit_test(ties_of_t_go_to_even),
+        cmocka_unit_test(quotients_beside_a_middle),
         cmocka_unit_test(ties_of_u_and_v_go_to_even),
         cmocka_unit_test(t_can_be_denormal_or_vanish),
         cmocka_unit_test(t_can_overflow),
