@@ -28,7 +28,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAXIMUM_RUNS = 101, PATH_SIZE = 4096 };
+enum { MAXIMUM_RUNS = 101 };
 
 struct settings {
     struct word_list scenes;
@@ -302,22 +302,6 @@ static void measure_worst_cases(const char *name, const struct scene *scene, con
 /* ---- command line --------------------------------------------------------------------------------------------------
  */
 
-/* A word of a list as a scene: its mesh, and the camera of its view. Returns 0, or 1 after saying what is wrong. */
-static int open_scene(const char *word, const struct settings *settings, char name[PATH_SIZE], struct scene *scene,
-                      mlrt_camera *camera)
-{
-    char path[PATH_SIZE], view[PATH_SIZE];
-    snprintf(path, sizeof path, "%.*s", (int)strcspn(word, ","), word);
-    if (load_scene(path, scene)) return 1;
-    const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    snprintf(name, PATH_SIZE, "%.*s", (int)strcspn(file, "."), file);
-    if (settings->views && strchr(path, '.')) {
-        snprintf(view, sizeof view, "%s:%.200s", settings->views, name);
-        if (read_view(view, &scene->view)) return 1;
-    }
-    return camera_of_view(&scene->view, settings->size, settings->size, camera);
-}
-
 static int run(const struct settings *settings)
 {
     struct library guess = {NULL, NULL, NULL, NULL};
@@ -331,8 +315,9 @@ static int run(const struct settings *settings)
     for (size_t i = 0; i < settings->scenes.count; i++) {
         struct scene scene = {NULL};
         mlrt_camera camera;
-        char name[PATH_SIZE];
-        if (open_scene(settings->scenes.words[i], settings, name, &scene, &camera)) {
+        char name[SCENE_NAME_SIZE];
+        if (load_scene_and_view(settings->scenes.words[i], settings->views, name, &scene) ||
+            camera_of_view(&scene.view, settings->size, settings->size, &camera)) {
             free_scene(&scene);
             return 1;
         }

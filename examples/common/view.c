@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* view.c - from a look-at view to the library's camera: see view.h */
+/* view.c - views, and the library's camera: see view.h */
 #include "view.h"
 
 #include <math.h>
@@ -49,4 +49,17 @@ int camera_of_view(const struct view *view, uint32_t width, uint32_t height, mlr
         camera->dy[k] = (float)(-pixel * up[k]);
     }
     return 0;
+}
+
+int load_scene_and_view(const char *word, const char *views, char name[SCENE_NAME_SIZE], struct scene *scene)
+{
+    enum { PATH_SIZE = 4096 };
+    char path[PATH_SIZE], view[PATH_SIZE + SCENE_NAME_SIZE + 2];
+    snprintf(path, sizeof path, "%.*s", (int)strcspn(word, ","), word);
+    if (load_scene(path, scene)) return 1;
+    const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    snprintf(name, SCENE_NAME_SIZE, "%.*s", (int)strcspn(file, "."), file);
+    if (!views || !strchr(path, '.')) return 0;
+    snprintf(view, sizeof view, "%.*s:%s", PATH_SIZE - 1, views, name);
+    return read_view(view, &scene->view);
 }

@@ -27,4 +27,13 @@ int camera_of_view(const struct view *view, uint32_t width, uint32_t height, mlr
  */
 int read_view(const char *specification, struct view *view);
 
+enum { SCENE_NAME_SIZE = 64 };
+
+/*
+ * Loads the scene that a word of a list names, which ends at a comma or at its 0. Its name becomes that of the file,
+ * without folder and extension. If it is a file and `views` is not NULL, its view is the first one that the file
+ * `views` has for that name. Returns as load_scene does.
+ */
+int load_scene_and_view(const char *word, const char *views, char name[SCENE_NAME_SIZE], struct scene *scene);
+
 #endif
