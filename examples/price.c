@@ -313,7 +313,7 @@ static int run(const struct settings *settings)
                "undecided%", "double %", "ties %", "exact %");
     }
     for (size_t i = 0; i < settings->scenes.count; i++) {
-        struct scene scene = {NULL};
+        struct scene scene = {.vertices = NULL};
         mlrt_camera camera;
         char name[SCENE_NAME_SIZE];
         if (load_scene_and_view(settings->scenes.words[i], settings->views, name, &scene) ||
