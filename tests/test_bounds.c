@@ -1,0 +1,1077 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The float bounds of docs/accuracy.md, attacked: for each, a search for the input whose error comes closest to the
+ * bound. Random inputs of several kinds (near 1, spread exponents, near the limits 2^-60 and 2^60, so small that
+ * products underflow, nearly equal), then hill climbing on mantissas, exponents and signs. True values are GMP floats
+ * with more bits than any of these numbers needs.
+ *
+ *     test_bounds        about five seconds
+ *     test_bounds 100    100 times the search
+ *
+ * A line per bound: the largest error found, over the bound. Above 1 the test fails. Bounds of predicate.c are
+ * attacked in test_predicate.c.
+ *
+ * The kernels are included, one lane wide, and so are the files whose inner functions are needed.
+ */
+#include "support.h"
+
+#include <gmp.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "camera.c"
+#include "clip.c"
+#include "trace_ray.c"
+
+#include "kernels/simd_scalar.h"
+#define KERNELS bounds_kernels
+#include "kernels/kernels_body.h"
+
+static size_t effort = 1;
+
+/* ---- numbers without rounding ------------------------------------------------------------------------------------ */
+
+/* Determinants take under 900 bits. Quotients are rounded, but later than anything here can see. */
+#define EXACT_BITS 1280
+
+struct point {
+    mpf_t x[3];
+};
+
+static mpf_t scratch[4]; /* of the functions in this section */
+static mpf_t truth, other_truth, difference;
+static struct point true_vertex[3], true_edge[2], true_cross, true_direction;
+
+static void init_point(struct point *point)
+{
+    for (int k = 0; k < 3; ++k) mpf_init(point->x[k]);
+}
+
+static void init_numbers(void)
+{
+    mpf_set_default_prec(EXACT_BITS);
+    for (int i = 0; i < 4; ++i) mpf_init(scratch[i]);
+    mpf_inits(truth, other_truth, difference, NULL);
+    for (int i = 0; i < 3; ++i) init_point(&true_vertex[i]);
+    for (int i = 0; i < 2; ++i) init_point(&true_edge[i]);
+    init_point(&true_cross);
+    init_point(&true_direction);
+}
+
+static void clear_numbers(void)
+{
+    struct point *points[] = {&true_vertex[0], &true_vertex[1], &true_vertex[2], &true_edge[0],
+                              &true_edge[1],   &true_cross,     &true_direction};
+    for (int i = 0; i < 4; ++i) mpf_clear(scratch[i]);
+    mpf_clears(truth, other_truth, difference, NULL);
+    for (size_t i = 0; i < sizeof points / sizeof points[0]; ++i) {
+        for (int k = 0; k < 3; ++k) mpf_clear(points[i]->x[k]);
+    }
+}
+
+static void subtract_exactly(double a, double b, mpf_t result)
+{
+    mpf_set_d(result, a);
+    mpf_set_d(scratch[0], b);
+    mpf_sub(result, result, scratch[0]);
+}
+
+static void cross_exactly(const struct point *a, const struct point *b, struct point *result)
+{
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        mpf_mul(scratch[1], a->x[i], b->x[j]);
+        mpf_mul(scratch[2], a->x[j], b->x[i]);
+        mpf_sub(result->x[k], scratch[1], scratch[2]);
+    }
+}
+
+static void dot_exactly(const struct point *a, const struct point *b, mpf_t result)
+{
+    mpf_mul(result, a->x[0], b->x[0]);
+    for (int k = 1; k < 3; ++k) {
+        mpf_mul(scratch[1], a->x[k], b->x[k]);
+        mpf_add(result, result, scratch[1]);
+    }
+}
+
+/* |a| / bound; where there is an error, a bound of 0 is infinitely wrong. */
+static double over(const mpf_t a, double bound)
+{
+    long exponent;
+    int bound_exponent;
+    if (mpf_sgn(a) == 0) return 0;
+    if (!(bound > 0)) return INFINITY;
+    const double top = fabs(mpf_get_d_2exp(&exponent, a)), bottom = frexp(bound, &bound_exponent);
+    return ldexp(top / bottom, (int)exponent - bound_exponent);
+}
+
+/* |a - value| / bound */
+static double error_over(const mpf_t a, double value, double bound)
+{
+    mpf_set_d(scratch[0], value);
+    mpf_sub(difference, a, scratch[0]);
+    return over(difference, bound);
+}
+
+/* How far from the middle of [lo, hi] a number is; 1 = at an end. */
+static double place_in(const mpf_t a, double lo, double hi)
+{
+    mpf_set_d(scratch[0], lo);
+    mpf_set_d(scratch[1], hi);
+    mpf_add(scratch[2], scratch[0], scratch[1]);
+    mpf_div_ui(scratch[2], scratch[2], 2);
+    mpf_sub(difference, a, scratch[2]);
+    mpf_sub(scratch[1], scratch[1], scratch[0]);
+    mpf_div_ui(scratch[1], scratch[1], 2);
+    return over(difference, mpf_get_d(scratch[1]));
+}
+
+/* What rounding took of a bound that is |a| moved by `slack` of itself: 0 = nothing, 1 = all. `is_upper`: moved up. */
+static double slack_used(const mpf_t a, double bound, double slack, int is_upper)
+{
+    mpf_set_d(scratch[0], bound);
+    mpf_sub(difference, scratch[0], a);
+    if (!is_upper) mpf_neg(difference, difference);
+    mpf_abs(scratch[1], a);
+    mpf_div(difference, difference, scratch[1]);
+    return 1 - mpf_get_d(difference) / slack;
+}
+
+static int is_normal(const mpf_t a)
+{
+    long exponent;
+    (void)mpf_get_d_2exp(&exponent, a);
+    return mpf_sgn(a) != 0 && exponent > -125 && exponent < 128;
+}
+
+/* ---- the search -------------------------------------------------------------------------------------------------- */
+
+#define INPUT_LIMIT 16
+
+/*
+ * `attack` returns the error over the bound, or less than 0 if the input is none that it is about. The inputs in the
+ * mask `safe` are what rays are made of, 0 or of magnitude 2^-60 .. 2^60; all others are corners of triangles, up to
+ * 2^60.
+ */
+struct bound {
+    const char *name;
+    int input_count;
+    uint32_t safe;
+    double (*attack)(const float *input);
+    double needed; /* the search must get so far, or it is too weak to say anything */
+};
+
+enum kind { NEAR_ONE, SPREAD, ANY_SAFE, TINY, NEARLY_EQUAL, AT_LIMITS, MIDWAY, KIND_COUNT };
+
+static float draw_input(struct random *random, enum kind kind, int is_safe, float base)
+{
+    static const int steps[] = {0, 0, 0, -1, 1, -12, -24};
+    static const int limits[] = {-149, -126, -61, -60, -59, 0, 59, 60};
+    const uint32_t pattern = draw_below(random, 3);
+    float a = pattern == 0 ? 1 : pattern == 1 ? 1 + (float)draw_below(random, 8) * 0x1p-23f : draw_range(random, 1, 2);
+    if (draw_below(random, 2)) a = -a;
+    switch (kind) {
+    case NEAR_ONE:
+        return draw_below(random, 6) ? a : 0;
+    case SPREAD:
+        return ldexpf(a, steps[draw_below(random, 7)]);
+    case ANY_SAFE:
+        return ldexpf(a, (int)draw_below(random, 121) - 60);
+    case TINY:
+        if (is_safe) return draw_below(random, 3) ? ldexpf(a, (int)draw_below(random, 3) * 60 - 60) : 0;
+        return ldexpf(a, -(int)draw_below(random, 50) - 50);
+    case AT_LIMITS:
+        return ldexpf(a, limits[draw_below(random, 8)]);
+    default:
+        return next_float(base, (int)draw_below(random, 17) - 8);
+    }
+}
+
+static float clamp_input(float a, int is_safe)
+{
+    if (!(fabsf(a) <= MLRT_SAFE_MAX)) return copysignf(MLRT_SAFE_MAX, a);
+    return is_safe && a != 0 && fabsf(a) < MLRT_SAFE_MIN ? copysignf(MLRT_SAFE_MIN, a) : a;
+}
+
+static void draw_inputs(struct random *random, const struct bound *bound, float *input)
+{
+    const enum kind kind = (enum kind)draw_below(random, KIND_COUNT), first = (enum kind)draw_below(random, 4);
+    const int mixed = draw_below(random, 3) == 0;
+    float base = draw_input(random, first, 0, 0);
+    for (int i = 0; i < bound->input_count; ++i) {
+        const enum kind one = mixed ? (enum kind)draw_below(random, KIND_COUNT) : kind;
+        const int is_safe = (int)(bound->safe >> i & 1);
+        if (draw_below(random, 8) == 0) base = draw_input(random, first, is_safe, 0);
+        input[i] = draw_input(random, one == MIDWAY ? first : one, is_safe, base);
+    }
+    /* Triangle and origin: the origin in the middle of an edge, where a + b cancels. */
+    if (kind == MIDWAY && bound->input_count >= 12) {
+        for (int k = 0; k < 3; ++k) input[9 + k] = 0.5f * input[k] + 0.5f * input[3 + k];
+    }
+    for (int i = 0; i < bound->input_count; ++i) input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
+}
+
+/* Changes up to three inputs. */
+static void mutate(struct random *random, const struct bound *bound, float *input)
+{
+    for (uint32_t i = draw_below(random, 3); i < 3; ++i) {
+        const uint32_t n = draw_below(random, (uint32_t)bound->input_count);
+        const uint32_t m = draw_below(random, (uint32_t)bound->input_count);
+        uint32_t bits = bits_of(input[n]);
+        switch (draw_below(random, 12)) {
+        case 0:
+            bits ^= 0x80000000u;
+            break;
+        case 1:
+            bits += draw_below(random, 2) ? 0x00800000u : 0xFF800000u;
+            break;
+        case 2:
+            bits += draw_below(random, 2) ? 0x06000000u : 0xFA000000u;
+            break;
+        case 3:
+            bits = bits_of(input[m]) ^ (draw_bits(random) & 0x80000000u);
+            break;
+        case 4:
+            bits = (bits & 0xFF800000u) | draw_below(random, 16);
+            break;
+        case 5:
+        case 6:
+        case 7:
+            bits += draw_below(random, 7) - 3;
+            break;
+        default:
+            bits ^= 1u << draw_below(random, draw_below(random, 2) ? 8 : 23);
+        }
+        if ((bits & 0x7F800000u) == 0x7F800000u) continue;
+        input[n] = clamp_input(float_of(bits), (int)(bound->safe >> n & 1));
+    }
+}
+
+struct search {
+    double worst;
+    float input[INPUT_LIMIT];
+    size_t count;
+};
+
+static double try_input(const struct bound *bound, const float *input, struct search *search)
+{
+    const double ratio = bound->attack(input);
+    ++search->count;
+    if (ratio > search->worst) {
+        search->worst = ratio;
+        memcpy(search->input, input, sizeof search->input);
+    }
+    return ratio;
+}
+
+/* From the best of some random inputs uphill; at first a step may lead down a little. */
+static void climb(struct random *random, const struct bound *bound, size_t step_count, struct search *search)
+{
+    float here[INPUT_LIMIT] = {0}, next[INPUT_LIMIT] = {0};
+    double height = -1;
+    for (int i = 0; i < 60 || (i < 2000 && height < 0); ++i) {
+        draw_inputs(random, bound, next);
+        const double ratio = try_input(bound, next, search);
+        if (ratio <= height) continue;
+        height = ratio;
+        memcpy(here, next, sizeof here);
+    }
+    for (size_t i = 0; i < step_count && height >= 0; ++i) {
+        const double cooling = 0.06 * (1 - (double)i / (double)step_count);
+        memcpy(next, here, sizeof next);
+        mutate(random, bound, next);
+        const double ratio = try_input(bound, next, search);
+        if (!(ratio >= height * (1 - cooling)) || ratio < 0) continue;
+        height = ratio;
+        memcpy(here, next, sizeof here);
+    }
+}
+
+#define CLIMB_COUNT 32
+#define STEP_COUNT  4000
+
+static struct search search_for_worst(const struct bound *bound, size_t climb_count)
+{
+    struct random random = {77};
+    struct search search = {.worst = 0};
+    for (size_t i = 0; i < scaled(climb_count * effort); ++i) climb(&random, bound, STEP_COUNT, &search);
+    return search;
+}
+
+static void attack(const struct bound *bound, size_t climb_count)
+{
+    const struct search search = search_for_worst(bound, climb_count);
+    print_message("%-34s %.3f found, %zu tries\n", bound->name, search.worst, search.count);
+    if (search.worst > 1) {
+        for (int i = 0; i < bound->input_count; ++i) print_error("input %d: %a\n", i, search.input[i]);
+    }
+    assert_true(search.worst <= 1);
+    assert_true(search.worst >= bound->needed);
+}
+
+/* ---- triangles and rays ------------------------------------------------------------------------------------------ */
+
+/* Inputs: the corners a, b, c, the origin, the direction. */
+#define TRIANGLE_AND_RAY 15
+#define RAY_IS_SAFE      0x7E00u
+#define ORIGIN_IS_SAFE   0x0E00u
+
+static void load_triangle(const float *input, struct mlrt_triangle *triangle)
+{
+    memcpy(triangle->v, input, sizeof triangle->v);
+}
+
+static void load_exactly(const float *input, const double direction[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 3; ++i) subtract_exactly(input[3 * i + k], input[9 + k], true_vertex[i].x[k]);
+        for (int i = 0; i < 2; ++i) subtract_exactly(input[3 * i + 3 + k], input[k], true_edge[i].x[k]);
+        mpf_set_d(true_direction.x[k], direction[k]);
+    }
+}
+
+/* e_ij */
+static void find_edge(int i, mpf_t result)
+{
+    cross_exactly(&true_vertex[i], &true_vertex[(i + 1) % 3], &true_cross);
+    dot_exactly(&true_direction, &true_cross, result);
+}
+
+static void find_d_and_n(mpf_t d, mpf_t n)
+{
+    cross_exactly(&true_edge[0], &true_edge[1], &true_cross);
+    dot_exactly(&true_direction, &true_cross, d);
+    dot_exactly(&true_vertex[0], &true_cross, n);
+}
+
+/* ---- the float filter -------------------------------------------------------------------------------------------- */
+
+/* Both ways to the terms: of rays with different origins, and of rays with a common one. */
+static void find_terms(const float *input, int shared, struct triangle_terms *terms)
+{
+    struct mlrt_triangle triangle;
+    float origin[3], reach[3];
+    load_triangle(input, &triangle);
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = input[9 + k];
+        reach[k] = fabsf(input[12 + k]);
+    }
+    if (shared) {
+        struct mlrt_triangle_setup setup;
+        set_up_terms(&triangle, origin, &setup);
+        set_apex_terms(&setup, reach, terms);
+    } else {
+        set_terms(&triangle, origin, reach, terms);
+    }
+}
+
+static void load_direction(const float *input, double direction[3])
+{
+    for (int k = 0; k < 3; ++k) direction[k] = input[12 + k];
+}
+
+enum quantity { EDGE, D, N };
+
+/* What the filter's bound has for underflow; where there is little besides, underflow is all of the error. */
+static double underflow_size(const float *input, enum quantity quantity)
+{
+    double sum = 4;
+    for (int k = 0; k < 3; ++k) sum += quantity == N ? fabs((double)input[k] - input[9 + k]) : fabs(input[12 + k]);
+    return sum * 0x1p-146;
+}
+
+/* The larger error over its bound of the two ways. */
+static double attack_filter(const float *input, enum quantity quantity, int tiny)
+{
+    double direction[3], worst = -1;
+    load_direction(input, direction);
+    load_exactly(input, direction);
+    const double underflow = underflow_size(input, quantity);
+    for (int shared = 0; shared < 2; ++shared) {
+        struct triangle_terms terms;
+        find_terms(input, shared, &terms);
+        for (int i = 0; i < (quantity == EDGE ? 3 : 1); ++i) {
+            const int t = quantity == EDGE ? i : 3;
+            const vf d[3] = {input[12], input[13], input[14]};
+            const float bound = quantity == N ? terms.distance_bound : terms.bound[t];
+            const float value = quantity == N ? terms.distance : dot_product(d, terms.cross[t]);
+            if (!isfinite(bound)) continue;
+            assert_true(isfinite(value)); /* no finite bound beside a value that overflowed */
+            if (tiny != (bound < 1.06 * underflow)) continue;
+            if (quantity == EDGE) {
+                find_edge(i, truth);
+                mpf_mul_ui(truth, truth, 2);
+            } else if (i == 0) {
+                find_d_and_n(truth, other_truth);
+                if (quantity == N) mpf_set(truth, other_truth);
+            }
+            const double ratio = error_over(truth, value, bound);
+            if (ratio > worst) worst = ratio;
+        }
+    }
+    return worst;
+}
+
+static double attack_filter_edge(const float *input)
+{
+    return attack_filter(input, EDGE, 0);
+}
+
+static double attack_filter_d(const float *input)
+{
+    return attack_filter(input, D, 0);
+}
+
+static double attack_filter_n(const float *input)
+{
+    return attack_filter(input, N, 0);
+}
+
+static double attack_filter_edge_floor(const float *input)
+{
+    return attack_filter(input, EDGE, 1);
+}
+
+static double attack_filter_d_floor(const float *input)
+{
+    return attack_filter(input, D, 1);
+}
+
+static double attack_filter_n_floor(const float *input)
+{
+    return attack_filter(input, N, 1);
+}
+
+/* The interval of t that the filter works out, where it has one, and the quotient that it is around; 0 if not. */
+static int find_interval(const float *input, struct distance_interval *t, double *middle)
+{
+    struct triangle_terms terms;
+    struct mlrt_packet packet;
+    memset(&packet, 0, sizeof packet);
+    find_terms(input, 0, &terms);
+    for (int k = 0; k < 3; ++k) packet.direction[k][0] = input[12 + k];
+    packet.lo[0] = packet.hi[0] = packet.t_max[0] = INFINITY;
+    packet.triangle[0] = MLRT_NONE;
+    const vf d[3] = {input[12], input[13], input[14]};
+    if (!(fabsf(dot_product(d, terms.cross[3])) > terms.bound[3])) return 0;
+    for (int i = 0; i < 3; ++i) terms.bound[i] = INFINITY; /* wherever the ray crosses the plane */
+    const struct verdict verdict = filter_vector(&terms, &packet, 0, m_from_bits(1));
+    t->lo = verdict.lo;
+    t->hi = verdict.hi;
+    *middle = fabs((double)terms.distance) / fabs((double)dot_product(d, terms.cross[3]));
+    return t->lo > 0 && t->hi < INFINITY;
+}
+
+static double attack_interval(const float *input, int tiny)
+{
+    struct distance_interval t;
+    double direction[3], middle;
+    if (!find_interval(input, &t, &middle) || tiny != (t.lo < 0x1p-126f)) return -1;
+    load_direction(input, direction);
+    load_exactly(input, direction);
+    find_d_and_n(other_truth, truth);
+    mpf_div(truth, truth, other_truth);
+    const int is_above = mpf_cmp_d(truth, middle) > 0;
+    return error_over(truth, middle, is_above ? t.hi - middle : middle - t.lo);
+}
+
+static double attack_filter_t(const float *input)
+{
+    return attack_interval(input, 0);
+}
+
+static double attack_filter_t_floor(const float *input)
+{
+    return attack_interval(input, 1);
+}
+
+/* ---- two tempting bounds ----------------------------------------------------------------------------------------- */
+
+/* The filter's, but with |a + b| in place of |a| + |b|. */
+static double attack_sum_of_cancelled(const float *input)
+{
+    struct triangle_terms terms;
+    double direction[3], size = 0;
+    find_terms(input, 0, &terms);
+    load_direction(input, direction);
+    if (!isfinite(terms.bound[0]) || terms.bound[0] < 0x1p-100f) return -1;
+    for (int k = 0; k < 3; ++k) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        const double sum_p = (double)(input[p] - input[9 + p]) + (input[3 + p] - input[9 + p]);
+        const double sum_q = (double)(input[q] - input[9 + q]) + (input[3 + q] - input[9 + q]);
+        size += fabs(direction[k]) *
+                (fabs(sum_p * ((double)input[3 + q] - input[q])) + fabs(sum_q * ((double)input[3 + p] - input[p])));
+    }
+    load_exactly(input, direction);
+    find_edge(0, truth);
+    mpf_mul_ui(truth, truth, 2);
+    const vf d[3] = {input[12], input[13], input[14]};
+    return size > 0 ? error_over(truth, dot_product(d, terms.cross[0]), 0x1p-20 * size) : -1;
+}
+
+/* t as computed is within 2^-20 of itself, if only D is not 0. */
+static double attack_fixed_tolerance(const float *input)
+{
+    struct triangle_terms terms;
+    double direction[3];
+    find_terms(input, 0, &terms);
+    const vf d[3] = {input[12], input[13], input[14]};
+    const float determinant = dot_product(d, terms.cross[3]), t = terms.distance / determinant;
+    if (!isfinite(terms.bound[3]) || !(fabsf(determinant) > terms.bound[3]) || !(t > 0x1p-100f) || t > 0x1p100f)
+        return -1;
+    load_direction(input, direction);
+    load_exactly(input, direction);
+    find_d_and_n(other_truth, truth);
+    mpf_div(truth, truth, other_truth);
+    return error_over(truth, t, 0x1p-20 * t);
+}
+
+/* ---- planes ------------------------------------------------------------------------------------------------------ */
+
+static void find_plane_distance(double c, double o, double d)
+{
+    subtract_exactly(c, o, truth);
+    mpf_set_d(scratch[0], d);
+    mpf_div(truth, truth, scratch[0]);
+}
+
+/* The smallest float that is not below a, for a > 0. */
+static float round_up_exactly(const mpf_t a)
+{
+    double below = mpf_get_d(a);
+    return mlrt_float_up(mpf_cmp_d(a, below) > 0 ? nextafter(below, INFINITY) : below);
+}
+
+static float round_down_exactly(const mpf_t a)
+{
+    return mlrt_float_down(mpf_get_d(a));
+}
+
+/*
+ * Inputs: c, o, d. Where t underflows, the interval need not contain it, but no float may come between: what is beyond
+ * the interval is beyond t.
+ */
+static double attack_group_plane(const float *input)
+{
+    struct mlrt_packet packet;
+    struct group_axis axis;
+    if (input[2] == 0 || input[0] == input[1]) return -1;
+    packet.has_apex = 1;
+    packet.apex[0] = input[1];
+    set_group_axis(&packet, 1, 0, input[2], input[2], &axis);
+    const struct distance_interval t = plane_distances(&axis, input[0]);
+    find_plane_distance(input[0], input[1], input[2]);
+    if (is_normal(truth)) return place_in(truth, t.lo, t.hi);
+    const int negative = mpf_sgn(truth) < 0;
+    mpf_abs(truth, truth);
+    const float lo = negative ? -t.hi : t.lo, hi = negative ? -t.lo : t.hi;
+    return lo <= round_up_exactly(truth) && hi >= round_down_exactly(truth) ? 0 : INFINITY;
+}
+
+static double attack_ray_plane(const float *input)
+{
+    if (input[2] == 0 || input[0] == input[1]) return -1;
+    const struct interval t = plane_distance(input[0], input[1], 1.0 / input[2]);
+    find_plane_distance(input[0], input[1], input[2]);
+    return place_in(truth, t.enter, t.exit);
+}
+
+/* ---- outlines ---------------------------------------------------------------------------------------------------- */
+
+/* Inputs: a point, an apex, a direction, each over the main axis and one other. */
+static double attack_outline(const float *input)
+{
+    struct mlrt_triangle triangle;
+    struct mlrt_outline outline[2];
+    const float apex[3] = {input[2], input[3], 0};
+    struct mlrt_box box;
+    if (!(input[0] > input[2])) return -1;
+    for (int i = 0; i < 3; ++i) {
+        triangle.v[i][0] = box.lo[0] = box.hi[0] = input[0];
+        triangle.v[i][1] = box.lo[1] = box.hi[1] = input[1];
+        triangle.v[i][2] = box.lo[2] = box.hi[2] = 1;
+    }
+    set_triangle_outline(&triangle, axis_code(0, 0), apex, &outline[0]);
+    set_box_outline(&box, axis_code(0, 0), apex, &outline[1]);
+    subtract_exactly(input[1], input[3], truth);
+    subtract_exactly(input[0], input[2], other_truth);
+    mpf_div(truth, truth, other_truth);
+    double worst = -1;
+    for (int i = 0; i < 2 && is_normal(truth); ++i) {
+        worst = fmax(worst, slack_used(truth, outline[i].slope_lo[0], SLOPE_SLACK, 0));
+        worst = fmax(worst, slack_used(truth, outline[i].slope_hi[0], SLOPE_SLACK, 1));
+    }
+    return worst;
+}
+
+static double attack_ray_slope(const float *input)
+{
+    struct mlrt_packet packet;
+    float lo[SQUARE_LANES], hi[SQUARE_LANES];
+    if (input[0] == 0 || input[1] == 0) return -1;
+    memset(&packet, 0, sizeof packet);
+    packet.direction[0][0] = input[0];
+    packet.direction[1][0] = input[1];
+    set_square_slopes(&packet, 1, 0, 1, lo, hi);
+    mpf_set_d(truth, input[1]);
+    mpf_set_d(other_truth, fabs(input[0]));
+    mpf_div(truth, truth, other_truth);
+    if (!is_normal(truth)) return -1;
+    return fmax(slack_used(truth, lo[0], SLOPE_SLACK, 0), slack_used(truth, hi[0], SLOPE_SLACK, 1));
+}
+
+/* Inputs: depth of a point, of the apex, |d|. From which distance on does the group look at the point? */
+static double attack_outline_depth(const float *input)
+{
+    struct ray_group group;
+    struct mlrt_outline outline;
+    if (!(input[0] > input[1]) || input[2] == 0) return -1;
+    memset(&group, 0, sizeof group);
+    group.lanes = 1;
+    group.axis[0].reach = fabsf(input[2]);
+    outline.least_depth = input[0] - input[1];
+    outline.slope_lo[0] = outline.slope_lo[1] = -INFINITY;
+    outline.slope_hi[0] = outline.slope_hi[1] = INFINITY;
+    find_plane_distance(input[0], input[1], fabsf(input[2]));
+    float farthest = round_up_exactly(truth);
+    if (!touched_lanes(&group, &outline, farthest)) return INFINITY;
+    if (!is_normal(truth)) return 0;
+    while (touched_lanes(&group, &outline, farthest)) farthest = next_float(farthest, -1);
+    /* As if the last bit of `farthest` had been rounded away too. */
+    return slack_used(truth, next_float(farthest, 1), SLOPE_SLACK, 0);
+}
+
+/* ---- beams ------------------------------------------------------------------------------------------------------- */
+
+/* (q / r) / (q0 / r0) - 1, where q0 is `truth` and r0 is `other_truth`. */
+static double relative_error(double q, double r)
+{
+    mpf_set_d(scratch[0], q);
+    mpf_mul(scratch[0], scratch[0], other_truth);
+    mpf_set_d(scratch[1], r);
+    mpf_mul(scratch[1], scratch[1], truth);
+    mpf_div(scratch[0], scratch[0], scratch[1]);
+    mpf_sub_ui(scratch[0], scratch[0], 1);
+    return mpf_get_d(scratch[0]);
+}
+
+/*
+ * Inputs: c, o_a, d_a, h, o_j, d_j. Seen along axis a, the ray is at o_j + m x; what is compared with h - o_j must have
+ * moved away from it.
+ */
+static double attack_beam_slope(const float *input)
+{
+    struct mlrt_beam beam;
+    const float x = input[0] - input[1], r = input[3] - input[4];
+    if (input[2] == 0 || input[5] == 0 || x == 0 || r == 0) return -1;
+    const double slope = input[5] * (1.0 / input[2]);
+    mlrt_set_slope(&beam, 0, 1, slope, slope);
+    const struct distance_interval q = offset_range(&beam, 0, 1, x, x);
+    find_plane_distance(input[0], input[1], input[2]);
+    mpf_set_d(scratch[0], input[5]);
+    mpf_mul(truth, truth, scratch[0]);
+    subtract_exactly(input[3], input[4], other_truth);
+    if (!is_normal(truth) || !is_normal(other_truth)) return -1;
+    const double outward = mpf_sgn(truth) > 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK;
+    return fmax(1 + relative_error(q.lo, r) / outward, 1 - relative_error(q.hi, r) / outward);
+}
+
+/* Inputs: d00, dx, dy over two axes, sample_x, sample_y, and where the tile is. */
+static void load_view(const float *input, struct mlrt_view *view, uint32_t *x, uint32_t *y)
+{
+    memset(view, 0, sizeof *view);
+    for (int k = 0; k < 2; ++k) {
+        view->d00[k] = input[k];
+        view->dx[k] = input[2 + k];
+        view->dy[k] = input[4 + k];
+    }
+    view->sample_x = input[6];
+    view->sample_y = input[7];
+    view->t_max = INFINITY;
+    *x = bits_of(input[8]) >> 8 & (PIXEL_LIMIT - 1);
+    *y = bits_of(input[9]) >> 8 & (PIXEL_LIMIT - 1);
+}
+
+static double attack_camera_pad(const float *input)
+{
+    struct mlrt_view view;
+    struct corners corners;
+    uint32_t x, y;
+    float p[3];
+    load_view(input, &view, &x, &y);
+    find_corners(&view, x, y, 1, 1, &corners);
+    mlrt_view_point(&view, x, y, p);
+    double worst = -1;
+    for (int k = 0; k < 2; ++k) {
+        const double samples[2] = {mlrt_sample_position(0, x, view.sample_x),
+                                   mlrt_sample_position(0, y, view.sample_y)};
+        mpf_set_d(truth, view.d00[k]);
+        mpf_set_d(scratch[0], samples[0] * view.dx[k]); /* 48 bits: exact */
+        mpf_add(truth, truth, scratch[0]);
+        mpf_set_d(scratch[0], samples[1] * view.dy[k]);
+        mpf_add(truth, truth, scratch[0]);
+        if (isfinite(p[k])) worst = fmax(worst, error_over(truth, p[k], corners.pad[k]));
+    }
+    return worst;
+}
+
+/* The slope of a ray in its beam, less the part of the beam that is there for other roundings. */
+static double attack_camera_slope(const float *input)
+{
+    struct mlrt_view view;
+    struct mlrt_beam beam;
+    uint32_t x, y;
+    float p[3];
+    load_view(input, &view, &x, &y);
+    if (!mlrt_make_view_beam(&view, x, y, 1, 1, &beam)) return -1;
+    if (!isfinite(beam.slope_lo[0][1]) || !isfinite(beam.slope_hi[0][1])) return -1;
+    mlrt_view_point(&view, x, y, p);
+    mpf_set_d(truth, p[1]);
+    mpf_set_d(other_truth, p[0]);
+    mpf_div(truth, truth, other_truth);
+    const double lo = beam.slope_lo[0][1], hi = beam.slope_hi[0][1];
+    if (!is_normal(truth)) return mpf_cmp_d(truth, lo) >= 0 && mpf_cmp_d(truth, hi) <= 0 ? 0 : INFINITY;
+    return place_in(truth, lo / (1 + (lo < 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK)),
+                    hi / (1 - (hi < 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK)));
+}
+
+/* Inputs: a triangle, an apex, two slopes. */
+static void load_corner(const float *input, struct corner_terms *terms)
+{
+    struct mlrt_triangle triangle;
+    struct mlrt_beam beam;
+    memset(&beam, 0, sizeof beam);
+    load_triangle(input, &triangle);
+    memcpy(beam.origin_lo, input + 9, sizeof beam.origin_lo);
+    beam.main_axis = 2;
+    for (int j = 0; j < 2; ++j) beam.slope_lo[2][j] = beam.slope_hi[2][j] = input[12 + j];
+    set_corner_terms(&triangle, &beam, terms);
+    load_exactly(input, (const double[3]){input[12], input[13], 1});
+}
+
+static double attack_cover_edge(const float *input)
+{
+    struct corner_terms terms;
+    double worst = 0;
+    load_corner(input, &terms);
+    for (int i = 0; i < 3; ++i) {
+        find_edge(i, truth);
+        worst = fmax(worst, error_over(truth, terms.value[i][0], terms.bound[i][0]));
+    }
+    return worst;
+}
+
+static double attack_cover_d_and_n(const float *input)
+{
+    struct corner_terms terms;
+    load_corner(input, &terms);
+    find_d_and_n(truth, other_truth);
+    const double d = error_over(truth, terms.value[3][0], terms.bound[3][0]);
+    return fmax(d, error_over(other_truth, terms.distance, terms.distance_bound));
+}
+
+static double attack_cover_depth(const float *input)
+{
+    struct corner_terms terms;
+    load_corner(input, &terms);
+    const int sign = certain_sign(&terms, 3);
+    if (sign == 0 || !(sign * terms.distance > terms.distance_bound)) return -1;
+    find_d_and_n(other_truth, truth);
+    mpf_div(truth, truth, other_truth);
+    return place_in(truth, least_depth(&terms, 0), greatest_depth(&terms, 0));
+}
+
+/* ---- clipping ---------------------------------------------------------------------------------------------------- */
+
+/* Inputs: a triangle, a box, a plane. */
+#define CLIP_INPUTS 16
+
+struct exact_polygon {
+    int count;
+    struct point vertex[12];
+};
+
+static struct exact_polygon whole_polygon, cut_one, cut_two, true_half[2];
+
+/* What of `in` is above (sign = 1) or below (sign = -1) a plane. */
+static void cut_exactly(const struct exact_polygon *in, int axis, int sign, float position, struct exact_polygon *out)
+{
+    mpf_set_d(scratch[3], position);
+    out->count = 0;
+    for (int i = 0; i < in->count; ++i) {
+        const struct point *here = &in->vertex[i], *next = &in->vertex[(i + 1) % in->count];
+        mpf_sub(scratch[0], here->x[axis], scratch[3]);
+        mpf_sub(scratch[1], next->x[axis], scratch[3]);
+        const int side = sign * mpf_sgn(scratch[0]), next_side = sign * mpf_sgn(scratch[1]);
+        if (side >= 0) {
+            for (int k = 0; k < 3; ++k) mpf_set(out->vertex[out->count].x[k], here->x[k]);
+            ++out->count;
+        }
+        if (side * next_side >= 0) continue;
+        mpf_sub(scratch[1], scratch[0], scratch[1]);
+        mpf_div(scratch[0], scratch[0], scratch[1]);
+        for (int k = 0; k < 3; ++k) {
+            mpf_sub(scratch[1], next->x[k], here->x[k]);
+            mpf_mul(scratch[1], scratch[1], scratch[0]);
+            mpf_add(out->vertex[out->count].x[k], here->x[k], scratch[1]);
+        }
+        /* Exactly on the plane, in spite of the division. */
+        mpf_set(out->vertex[out->count].x[axis], scratch[3]);
+        ++out->count;
+    }
+}
+
+static int is_within(const struct exact_polygon *polygon, const struct bounds *bounds)
+{
+    for (int i = 0; i < polygon->count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            if (mpf_cmp_d(polygon->vertex[i].x[k], bounds->lo[k]) < 0) return 0;
+            if (mpf_cmp_d(polygon->vertex[i].x[k], bounds->hi[k]) > 0) return 0;
+        }
+    }
+    return 1;
+}
+
+/* 1 if clipping with this share of the margins loses nothing of the two halves. */
+static int is_enough(const struct mlrt_triangle *triangle, const struct mlrt_box *box, float position, double share)
+{
+    struct bounds whole;
+    double margin[3];
+    struct polygon polygon[2];
+    bound_triangle(triangle, &whole);
+    find_margins(&whole, margin);
+    for (int k = 0; k < 3; ++k) margin[k] *= share;
+    copy_triangle(triangle, &polygon[0]);
+    const int current = cut_by_box(&whole, margin, box, polygon);
+    for (int side = 0; side < 2; ++side) {
+        const double sign = side == 0 ? -1 : 1;
+        const struct plane plane = {0, sign, position - sign * margin[0]};
+        struct bounds bounds;
+        bound_inside(&polygon[current], &plane, margin, &bounds);
+        if (!is_within(&true_half[side], &bounds)) return 0;
+    }
+    return 1;
+}
+
+static double attack_clip(const float *input)
+{
+    struct mlrt_triangle triangle;
+    struct mlrt_box box;
+    load_triangle(input, &triangle);
+    for (int k = 0; k < 3; ++k) {
+        box.lo[k] = fminf(input[9 + k], input[12 + k]);
+        box.hi[k] = fmaxf(input[9 + k], input[12 + k]);
+    }
+    const float position = fminf(fmaxf(input[15], box.lo[0]), box.hi[0]);
+    whole_polygon.count = 3;
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) mpf_set_d(whole_polygon.vertex[i].x[k], triangle.v[i][k]);
+    }
+    struct exact_polygon *in = &whole_polygon, *out = &cut_one;
+    for (int face = 0; face < 6; ++face) {
+        cut_exactly(in, face / 2, face % 2 ? -1 : 1, face % 2 ? box.hi[face / 2] : box.lo[face / 2], out);
+        in = out;
+        out = out == &cut_one ? &cut_two : &cut_one;
+    }
+    if (in->count == 0) return -1;
+    for (int side = 0; side < 2; ++side) cut_exactly(in, 0, side ? 1 : -1, position, &true_half[side]);
+    if (!is_enough(&triangle, &box, position, 1)) return INFINITY;
+    double lo = 0, hi = 1;
+    for (int i = 0; i < 9; ++i) {
+        const double middle = 0.5 * (lo + hi);
+        *(is_enough(&triangle, &box, position, middle) ? &hi : &lo) = middle;
+    }
+    return hi;
+}
+
+static void init_polygons(void)
+{
+    struct exact_polygon *polygons[] = {&whole_polygon, &cut_one, &cut_two, &true_half[0], &true_half[1]};
+    for (int i = 0; i < 5; ++i) {
+        for (int j = 0; j < 12; ++j) init_point(&polygons[i]->vertex[j]);
+    }
+}
+
+/* ---- tests of bounds --------------------------------------------------------------------------------------------- */
+
+static void filter_bounds_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"filter: edge", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_edge, 0.05},
+        {"filter: D", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_d, 0.05},
+        {"filter: N", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_n, 0.05},
+        {"filter: edge, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_edge_floor, 0.01},
+        {"filter: D, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_d_floor, 0.01},
+        {"filter: N, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_n_floor, 0.01},
+        {"filter: t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_t, 0.05},
+        {"filter: t, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_t_floor, 0.05},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
+}
+
+static void tempting_bounds_do_not_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"no bound: 2^-20 |a + b|", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_sum_of_cancelled, 0},
+        {"no bound: 2^-20 t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_fixed_tolerance, 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) {
+        const struct search search = search_for_worst(&bounds[i], 4);
+        print_message("%-34s %g found, %zu tries\n", bounds[i].name, search.worst, search.count);
+        assert_true(search.worst > 10);
+    }
+}
+
+static void plane_bounds_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"planes, group", 3, 7, attack_group_plane, 0.05},
+        {"planes, one ray", 3, 0, attack_ray_plane, 0.05},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
+}
+
+static void outline_bounds_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"outlines: slope", 4, 0xC, attack_outline, 0.05},
+        {"outlines: slope of a ray", 2, 3, attack_ray_slope, 0.05},
+        {"outlines: depth", 3, 6, attack_outline_depth, 0.05},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
+}
+
+static void beam_bounds_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"beam: slope", 6, 0x36, attack_beam_slope, 0.05},
+        {"camera: pad", 10, 0, attack_camera_pad, 0.05},
+        {"camera: slope", 10, 0, attack_camera_slope, 0.05},
+        {"cover: edge", 14, ORIGIN_IS_SAFE, attack_cover_edge, 0.05},
+        {"cover: D and N", 14, ORIGIN_IS_SAFE, attack_cover_d_and_n, 0.05},
+        {"cover: depth", 14, ORIGIN_IS_SAFE, attack_cover_depth, 0.05},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
+}
+
+static void the_clip_margin_holds(void **state)
+{
+    static const struct bound bound = {"clip: margin", CLIP_INPUTS, 0, attack_clip, 0.01};
+    (void)state;
+    attack(&bound, CLIMB_COUNT / 3);
+}
+
+/* ---- whole traversals where a bound matters ---------------------------------------------------------------------- */
+
+/* Triangles so small that products of the filter underflow, seen from 0, among others that make the tree float-safe. */
+static void products_that_underflow_decide_nothing(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < scaled(24 * effort); ++seed) {
+        struct random random = {seed * 0x10001 + 5};
+        struct soup soup = {0};
+        struct ray_list list = {.row_length = 16};
+        const float lo[3] = {-1, -1, -1}, hi[3] = {1, 1, 1}, zero[3] = {0, 0, 0};
+        const int exponent = -66 - (int)draw_below(&random, 16);
+        soup_add_box(&soup, lo, hi);
+        for (int i = 0; i < 40; ++i) {
+            float corner[3][3];
+            for (int j = 0; j < 3; ++j) {
+                for (int k = 0; k < 3; ++k) corner[j][k] = ldexpf(draw_range(&random, -1, 1), exponent);
+            }
+            soup_add_triangle(&soup, corner[0], corner[1], corner[2]);
+        }
+        for (int i = 0; i < 128; ++i) {
+            float target[3];
+            if (i % 16 == 0) draw_point(&random, -1, 1, target); /* rays of a packet must be alike to stay together */
+            for (int k = 0; k < 3; ++k) target[k] = next_float(target[k], (int)draw_below(&random, 0x40000));
+            add_ray_towards(&list, zero, target);
+        }
+        struct fixture fixture = fixture_of_soup("underflow", seed, &soup);
+        check_rays_quickly(&fixture, &list);
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
+}
+
+/*
+ * Walls across an axis, and rays so fast that t underflows on the way from one to the next: the distance of a wall, the
+ * t at which the cells beside it end, and t_min or t_max are one float, or neighbours.
+ */
+static void rays_may_begin_and_end_in_a_split_plane(void **state)
+{
+    const mlrt_build_options build = {
+        .struct_size = sizeof build, .preset = MLRT_TREE_PAPER, .intersection_cost = 100, .traversal_cost = 0.01f};
+    (void)state;
+    for (uint64_t seed = 0; seed < scaled(40 * effort); ++seed) {
+        struct random random = {seed * 0x10001 + 9};
+        struct soup soup = {0};
+        struct ray_list list = {.row_length = 16};
+        const int axis = (int)draw_below(&random, 3), x = (axis + 1) % 3, y = (axis + 2) % 3;
+        const float start = MLRT_SAFE_MIN, sign = draw_below(&random, 2) ? 1 : -1;
+        for (int wall = 0; wall < 8; ++wall) {
+            float corner[3] = {-1, -1, -1}, side[3] = {0, 0, 0}, other_side[3] = {0, 0, 0};
+            corner[axis] = next_float(start, (int)draw_below(&random, 40));
+            side[x] = other_side[y] = 2;
+            soup_add_quad(&soup, corner, side, other_side);
+        }
+        for (int packet = 0; packet < 24; ++packet) {
+            float origin[3], direction[3] = {0, 0, 0};
+            draw_point(&random, -0.5f, 0.5f, origin);
+            const int is_up = (int)draw_below(&random, 2);
+            origin[axis] = is_up ? start : next_float(start, 40);
+            direction[axis] = (is_up ? 1 : -1) * draw_range(&random, 0.5f, 1) * MLRT_SAFE_MAX;
+            if (draw_below(&random, 2)) direction[axis] = copysignf(MLRT_SAFE_MAX, direction[axis]);
+            const float wall = soup.corners[9 * (size_t)draw_below(&random, (uint32_t)soup.count) + (size_t)axis];
+            const float t = (wall - origin[axis]) / direction[axis];
+            const float t_min = draw_below(&random, 2) ? next_float(t, (int)draw_below(&random, 3) - 1) : 0;
+            const float t_max = draw_below(&random, 2) ? next_float(t, (int)draw_below(&random, 3) - 1) : INFINITY;
+            for (int i = 0; i < 16; ++i) {
+                struct reference_ray *ray = add_ray(&list, origin, direction);
+                ray->t_min = fmaxf(t_min, 0);
+                ray->t_max = t_max;
+            }
+        }
+        for (size_t i = 0; i < 9 * soup.count; ++i) soup.corners[i] *= sign;
+        for (size_t i = 0; i < list.count; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                list.rays[i].origin[k] *= sign;
+                list.rays[i].direction[k] *= sign;
+            }
+        }
+        mlrt_mesh mesh = soup_mesh(&soup);
+        struct fixture fixture = make_fixture_with("split plane", seed, &mesh, 1, &build);
+        check_rays_quickly(&fixture, &list);
+        free_rays(&list);
+        free_fixture(&fixture);
+        free_soup(&soup);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(filter_bounds_hold),
+        cmocka_unit_test(tempting_bounds_do_not_hold),
+        cmocka_unit_test(plane_bounds_hold),
+        cmocka_unit_test(outline_bounds_hold),
+        cmocka_unit_test(beam_bounds_hold),
+        cmocka_unit_test(the_clip_margin_holds),
+        cmocka_unit_test(products_that_underflow_decide_nothing),
+        cmocka_unit_test(rays_may_begin_and_end_in_a_split_plane),
+    };
+    if (argc > 1 && atoi(argv[1]) > 0) effort = (size_t)atoi(argv[1]);
+    init_numbers();
+    init_polygons();
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    clear_numbers();
+    return failed;
+}
