@@ -980,7 +980,7 @@ static void products_that_underflow_decide_nothing(void **state)
         struct soup soup = {0};
         struct ray_list list = {.row_length = 16};
         const float lo[3] = {-1, -1, -1}, hi[3] = {1, 1, 1}, zero[3] = {0, 0, 0};
-        const int exponent = -66 - (int)draw_below(&random, 16);
+        const int exponent = -72 - (int)draw_below(&random, 6);
         soup_add_box(&soup, lo, hi);
         for (int i = 0; i < 40; ++i) {
             float corner[3][3];
@@ -1018,14 +1018,14 @@ static void rays_may_begin_and_end_in_a_split_plane(void **state)
         const int axis = (int)draw_below(&random, 3), x = (axis + 1) % 3, y = (axis + 2) % 3;
         const float start = MLRT_SAFE_MIN, sign = draw_below(&random, 2) ? 1 : -1;
         for (int wall = 0; wall < 8; ++wall) {
-            float corner[3] = {-1, -1, -1}, side[3] = {0, 0, 0}, other_side[3] = {0, 0, 0};
+            float corner[3] = {start, start, start}, side[3] = {0, 0, 0}, other_side[3] = {0, 0, 0};
             corner[axis] = next_float(start, (int)draw_below(&random, 40));
-            side[x] = other_side[y] = 2;
+            side[x] = other_side[y] = next_float(start, 40) - start;
             soup_add_quad(&soup, corner, side, other_side);
         }
         for (int packet = 0; packet < 24; ++packet) {
             float origin[3], direction[3] = {0, 0, 0};
-            draw_point(&random, -0.5f, 0.5f, origin);
+            for (int k = 0; k < 3; ++k) origin[k] = next_float(start, 1 + (int)draw_below(&random, 39));
             const int is_up = (int)draw_below(&random, 2);
             origin[axis] = is_up ? start : next_float(start, 40);
             direction[axis] = (is_up ? 1 : -1) * draw_range(&random, 0.5f, 1) * MLRT_SAFE_MAX;
