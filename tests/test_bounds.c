@@ -63,17 +63,6 @@ static void init_numbers(void)
     init_point(&true_direction);
 }
 
-static void clear_numbers(void)
-{
-    struct point *points[] = {&true_vertex[0], &true_vertex[1], &true_vertex[2], &true_edge[0],
-                              &true_edge[1],   &true_cross,     &true_direction};
-    for (int i = 0; i < 4; ++i) mpf_clear(scratch[i]);
-    mpf_clears(truth, other_truth, difference, NULL);
-    for (size_t i = 0; i < sizeof points / sizeof points[0]; ++i) {
-        for (int k = 0; k < 3; ++k) mpf_clear(points[i]->x[k]);
-    }
-}
-
 static void subtract_exactly(double a, double b, mpf_t result)
 {
     mpf_set_d(result, a);
@@ -167,7 +156,7 @@ struct bound {
     double needed; /* the search must get so far, or it is too weak to say anything */
 };
 
-enum kind { NEAR_ONE, SPREAD, ANY_SAFE, TINY, NEARLY_EQUAL, AT_LIMITS, MIDWAY, KIND_COUNT };
+enum kind { NEAR_ONE, SPREAD, ANY_SAFE, TINY, NEARLY_EQUAL, AT_LIMITS, MIDWAY, FAST, KIND_COUNT };
 
 static float draw_input(struct random *random, enum kind kind, int is_safe, float base)
 {
@@ -208,11 +197,19 @@ static void draw_inputs(struct random *random, const struct bound *bound, float 
         const enum kind one = mixed ? (enum kind)draw_below(random, KIND_COUNT) : kind;
         const int is_safe = (int)(bound->safe >> i & 1);
         if (draw_below(random, 8) == 0) base = draw_input(random, first, is_safe, 0);
-        input[i] = draw_input(random, one == MIDWAY ? first : one, is_safe, base);
+        input[i] = draw_input(random, one == MIDWAY || one == FAST ? first : one, is_safe, base);
     }
-    /* Triangle and origin: the origin in the middle of an edge, where a + b cancels. */
-    if (kind == MIDWAY && bound->input_count >= 12) {
+    /* Of a triangle and a ray: the origin in the middle of an edge, where a + b cancels. */
+    if (kind == MIDWAY && bound->input_count >= 14) {
         for (int k = 0; k < 3; ++k) input[9 + k] = 0.5f * input[k] + 0.5f * input[3 + k];
+    }
+    /* From 0 so fast through a plane so near that t underflows. */
+    if (kind == FAST && bound->input_count >= 14) {
+        for (int k = 0; k < 3; ++k) {
+            input[k] = draw_input(random, TINY, 0, 0);
+            input[9 + k] = 0;
+            if (12 + k < bound->input_count) input[12 + k] = ldexpf(input[12 + k], 60);
+        }
     }
     for (int i = 0; i < bound->input_count; ++i) input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
 }
@@ -785,7 +782,9 @@ static double attack_cover_depth(const float *input)
     if (sign == 0 || !(sign * terms.distance > terms.distance_bound)) return -1;
     find_d_and_n(other_truth, truth);
     mpf_div(truth, truth, other_truth);
-    return place_in(truth, least_depth(&terms, 0), greatest_depth(&terms, 0));
+    const double middle = fabs(terms.distance) / fabs(terms.value[3][0]);
+    const int is_above = mpf_cmp_d(truth, middle) > 0;
+    return error_over(truth, middle, is_above ? greatest_depth(&terms, 0) - middle : middle - least_depth(&terms, 0));
 }
 
 /* ---- the judge in double ----------------------------------------------------------------------------------------- */
@@ -993,38 +992,39 @@ static void init_polygons(void)
 static void filter_bounds_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"filter: edge", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_edge, 0.05},
-        {"filter: D", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_d, 0.05},
-        {"filter: N", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_n, 0.05},
-        {"filter: edge, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_edge_floor, 0.01},
-        {"filter: D, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_d_floor, 0.01},
-        {"filter: N, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_n_floor, 0.01},
-        {"filter: t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_t, 0.05},
-        {"filter: t, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_t_floor, 0.05},
+        {"filter: edge", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_edge, 0.3},
+        {"filter: D", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_d, 0.3},
+        {"filter: N", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_n, 0.3},
+        {"filter: edge, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_edge_floor, 0.1},
+        {"filter: D, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_d_floor, 0.1},
+        {"filter: N, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_n_floor, 0.1},
+        {"filter: t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_t, 0.12},
+        {"filter: t, where it underflows", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_filter_t_floor, 0.08},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
 }
 
+/* Those of docs/accuracy.md. */
 static void tempting_bounds_do_not_hold(void **state)
 {
-    static const struct bound bounds[] = {
-        {"no bound: 2^-20 |a + b|", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_sum_of_cancelled, 0},
-        {"no bound: 2^-20 t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_fixed_tolerance, 0},
-    };
+    static const float cancelling[] = {-2.5f, 2.2f, 0.3f,  3.3f, -2.4f, 5.3f, 0,   1,
+                                       2,     0.4f, -0.1f, 2.8f, -1.3f, 0.1f, 1.6f};
+    static const float grazing[] = {1.7f,  1,     1.3f, -1.8f, -1.4f,  2,     0.3f,     0.7f,
+                                    -0.9f, -2.7f, 0.2f, 0.5f,  -0.14f, 0.96f, -3.94001f};
     (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) {
-        const struct search search = search_for_worst(&bounds[i], 4);
-        print_message("%-34s %g found, %zu tries\n", bounds[i].name, search.worst, search.count);
-        assert_true(search.worst > 10);
-    }
+    const double sum = attack_sum_of_cancelled(cancelling), tolerance = attack_fixed_tolerance(grazing);
+    print_message("%-34s %.0f\n%-34s %.0f\n", "no bound: |a + b|", sum, "no bound: 2^-20 of t", tolerance);
+    assert_true(sum > 100000 && tolerance > 100000);
+    assert_true(attack_filter_edge(cancelling) <= 1 && attack_filter_d(grazing) <= 1 && attack_filter_n(grazing) <= 1);
+    assert_true(attack_filter_t(grazing) <= 1);
 }
 
 static void plane_bounds_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"planes, group", 3, 7, attack_group_plane, 0.05},
-        {"planes, one ray", 3, 0, attack_ray_plane, 0.05},
+        {"planes, group", 3, 7, attack_group_plane, 0.3},
+        {"planes, one ray", 3, 0, attack_ray_plane, 0.3},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
@@ -1033,9 +1033,9 @@ static void plane_bounds_hold(void **state)
 static void outline_bounds_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"outlines: slope", 4, 0xC, attack_outline, 0.05},
-        {"outlines: slope of a ray", 2, 3, attack_ray_slope, 0.05},
-        {"outlines: depth", 3, 6, attack_outline_depth, 0.05},
+        {"outlines: slope", 4, 0xC, attack_outline, 0.15},
+        {"outlines: slope of a ray", 2, 3, attack_ray_slope, 0.1},
+        {"outlines: depth", 3, 6, attack_outline_depth, 0.12},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
@@ -1044,12 +1044,12 @@ static void outline_bounds_hold(void **state)
 static void beam_bounds_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"beam: slope", 6, 0x36, attack_beam_slope, 0.05},
-        {"camera: pad", 10, 0, attack_camera_pad, 0.05},
-        {"camera: slope", 10, 0, attack_camera_slope, 0.05},
-        {"cover: edge", 14, ORIGIN_IS_SAFE, attack_cover_edge, 0.05},
-        {"cover: D and N", 14, ORIGIN_IS_SAFE, attack_cover_d_and_n, 0.05},
-        {"cover: depth", 14, ORIGIN_IS_SAFE, attack_cover_depth, 0.05},
+        {"beam: slope", 6, 0x36, attack_beam_slope, 0.12},
+        {"camera: pad", 10, 0, attack_camera_pad, 0.5},
+        {"camera: slope", 10, 0, attack_camera_slope, 0.4},
+        {"cover: edge", 14, ORIGIN_IS_SAFE, attack_cover_edge, 0.25},
+        {"cover: D and N", 14, ORIGIN_IS_SAFE, attack_cover_d_and_n, 0.25},
+        {"cover: depth", 14, ORIGIN_IS_SAFE, attack_cover_depth, 0.12},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
@@ -1058,12 +1058,12 @@ static void beam_bounds_hold(void **state)
 static void double_bounds_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"double: e_ab, e_ca", TRIANGLE_AND_RAY, 0, attack_judge_edges, 0.05},
-        {"double: e_bc", TRIANGLE_AND_RAY, 0, attack_judge_third_edge, 0.05},
-        {"double: D, N", TRIANGLE_AND_RAY, 0, attack_judge_d_and_n, 0.05},
-        {"double: N - t D", TRIANGLE_AND_RAY + 1, 0, attack_judge_beyond, 0.05},
-        {"double: order", TRIANGLE_AND_RAY + 9, 0, attack_judge_order, 0.05},
-        {"double: quotient", TRIANGLE_AND_RAY, 0, attack_judge_quotient, 0.05},
+        {"double: e_ab, e_ca", TRIANGLE_AND_RAY, 0, attack_judge_edges, 0.4},
+        {"double: e_bc", TRIANGLE_AND_RAY, 0, attack_judge_third_edge, 0.4},
+        {"double: D, N", TRIANGLE_AND_RAY, 0, attack_judge_d_and_n, 0.4},
+        {"double: N - t D", TRIANGLE_AND_RAY + 1, 0, attack_judge_beyond, 0.4},
+        {"double: order", TRIANGLE_AND_RAY + 9, 0, attack_judge_order, 0.4},
+        {"double: quotient", TRIANGLE_AND_RAY, 0, attack_judge_quotient, 0.15},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
@@ -1071,7 +1071,7 @@ static void double_bounds_hold(void **state)
 
 static void the_clip_margin_holds(void **state)
 {
-    static const struct bound bound = {"clip: margin", CLIP_INPUTS, 0, attack_clip, 0.01};
+    static const struct bound bound = {"clip: margin", CLIP_INPUTS, 0, attack_clip, 0.02};
     (void)state;
     attack(&bound, CLIMB_COUNT / 3);
 }
@@ -1179,7 +1179,5 @@ int main(int argc, char **argv)
     if (argc > 1 && atoi(argv[1]) > 0) effort = (size_t)atoi(argv[1]);
     init_numbers();
     init_polygons();
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    clear_numbers();
-    return failed;
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }
