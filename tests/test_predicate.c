@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * predicate.c against the hit rule in GMP integers: every decision and every rounded quotient, on inputs made to be
- * close or equal; and a search for inputs that break a bound on the error of a double.
+ * close or equal. test_bounds.c is about its bounds on errors.
  *
  * predicate.c is included: its parts in double and its exact part are also checked one by one.
  */
@@ -1035,154 +1035,6 @@ static void no_ray_slips_between_neighbours(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------------------------------------
- * Hunting for errors above the bounds
- * ------------------------------------------------------------------------------------------------------------------ */
-
-enum quantity {
-    EDGE_AB,
-    EDGE_CA,
-    EDGE_BC,
-    CROSSING_D,
-    CROSSING_N,
-    BEYOND,
-    ORDER,
-    QUOTIENT_T,
-    QUOTIENT_U,
-    QUANTITY_COUNT
-};
-
-/* The largest error that predicate.c proves, in units of 2^-53 times the size; for quotients, of the width. */
-static const double proven_error[QUANTITY_COUNT] = {8.001, 8.001, 9.001, 8.001, 8.001, 9.001, 17.001, 1, 1};
-static const char *const quantity_name[QUANTITY_COUNT] = {"e_ab",    "e_ca",  "e_bc", "D", "N",
-                                                          "N - t D", "order", "t",    "u"};
-
-/* |numerator| / (2^scale * size) for numbers out of the range of double */
-static double ratio_of(const mpz_t numerator, double size, int scale)
-{
-    if (mpz_sgn(numerator) == 0) return 0;
-    if (size == 0) return INFINITY;
-    long numerator_exponent;
-    int size_exponent;
-    double top = fabs(mpz_get_d_2exp(&numerator_exponent, numerator));
-    double bottom = frexp(size, &size_exponent);
-    return ldexp(top / bottom, (int)numerator_exponent - scale - size_exponent);
-}
-
-/* The error of a measured value whose true value is `exact` in units of 2^-scale, over its size. */
-static double measured_error(struct measured measured, const mpz_t exact, int scale)
-{
-    struct integers *z = &first_integers;
-    set_scaled(z->z, measured.value, scale);
-    mpz_sub(z->z, z->z, exact);
-    return ratio_of(z->z, measured.size, scale - 53);
-}
-
-/* The distance of x / d from the middle of its enclosure, over the enclosure's half width. */
-static double quotient_error(struct measured x, struct measured d, const mpz_t exact_x)
-{
-    struct integers *z = &first_integers;
-    if (!is_safe_denominator(d)) return 0;
-    struct enclosure enclosure = enclose_quotient(x, invert(d));
-    double middle = 0.5 * enclosure.low + 0.5 * enclosure.high, half = 0.5 * enclosure.high - 0.5 * enclosure.low;
-    // |x / d - middle| / half = |x - middle d| / |half d|, in units of 2^-950: above all bits of `middle`
-    set_scaled(z->z, middle, 950);
-    mpz_mul(z->z, z->z, z->d);
-    mpz_mul_2exp(z->y, exact_x, 950);
-    mpz_sub(z->z, z->z, z->y);
-    mpz_abs(z->x, z->d);
-    return ratio_of(z->z, half, 950) / mpz_get_d(z->x);
-}
-
-static double error_of(enum quantity quantity, const struct test_case *first, const struct test_case *second)
-{
-    struct integers *z = &first_integers;
-    set_integers(z, first);
-    struct operands operands = load_operands(&first->ray, &first->triangle);
-    struct two_edges edges = measure_edges(&operands);
-    struct crossing crossing = measure_crossing(&operands);
-    switch (quantity) {
-    case EDGE_AB:
-        return measured_error(edges.ab, z->edge[0], 447);
-    case EDGE_CA:
-        return measured_error(edges.ca, z->edge[2], 447);
-    case EDGE_BC:
-        return measured_error(measure_third_edge(&edges, crossing.d), z->edge[1], 447);
-    case CROSSING_D:
-        return measured_error(crossing.d, z->d, 447);
-    case CROSSING_N:
-        return measured_error(crossing.n, z->n, 447);
-    case BEYOND:
-        set_scaled(z->x, fabsf(second->ray.origin[0]), 149);
-        mpz_mul(z->x, z->x, z->d);
-        mpz_mul_2exp(z->y, z->n, 149);
-        mpz_sub(z->y, z->y, z->x);
-        return measured_error(measure_beyond(&crossing, fabsf(second->ray.origin[0])), z->y, 596);
-    case ORDER: {
-        struct test_case other = {first->ray, second->triangle};
-        set_integers(&second_integers, &other);
-        struct operands other_operands = load_operands(&other.ray, &other.triangle);
-        struct crossing other_crossing = measure_crossing(&other_operands);
-        mpz_mul(z->x, z->n, second_integers.d);
-        mpz_submul(z->x, second_integers.n, z->d);
-        return measured_error(measure_order(&crossing, &other_crossing), z->x, 894);
-    }
-    case QUOTIENT_T:
-        return quotient_error(crossing.n, crossing.d, z->n);
-    default:
-        return quotient_error(edges.ca, crossing.d, z->edge[2]);
-    }
-}
-
-/* Changes up to three coordinates: a low bit, any bit of the mantissa, the exponent by one, or the sign. */
-static void mutate(struct test_case *test)
-{
-    for (uint32_t i = next_random() % 3; i < 3; ++i) {
-        uint32_t which = next_random() % 15, k = which % 3, bits;
-        float *value = which < 9    ? &test->triangle.v[which / 3][k]
-                       : which < 12 ? &test->ray.origin[k]
-                                    : &test->ray.direction[k];
-        memcpy(&bits, value, sizeof bits);
-        uint32_t kind = next_random() % 8;
-        if (kind < 6) bits ^= 1u << next_random() % (kind < 3 ? 4 : 23);
-        if (kind == 6) bits += next_random() % 2 ? 0x00800000u : 0xFF800000u;
-        if (kind == 7) bits ^= 0x80000000u;
-        if ((bits & 0x7F800000u) != 0x7F800000u) memcpy(value, &bits, sizeof bits);
-    }
-}
-
-/* Climbs from random starts towards the largest error. */
-static void errors_stay_below_their_bounds(void **state)
-{
-    (void)state;
-    random_state = 40;
-    void (*const kinds[])(struct test_case *) = {make_ordinary, make_any_exponents, make_sliver,
-                                                 make_far_away, make_extremes,      make_ordinary};
-    for (int quantity = 0; quantity < QUANTITY_COUNT; ++quantity) {
-        double worst = 0;
-        for (int start = 0; start < 12; ++start) {
-            struct test_case first, second;
-            kinds[start % 6](&first);
-            kinds[start % 6](&second);
-            double best = 0;
-            for (int step = 0; step < 2000; ++step) {
-                struct test_case next_first = first, next_second = second;
-                mutate(&next_first);
-                if (quantity == ORDER || quantity == BEYOND) mutate(&next_second);
-                double error = error_of((enum quantity)quantity, &next_first, &next_second);
-                check(error <= proven_error[quantity], quantity_name[quantity], &next_first);
-                if (error < best) continue;
-                best = error;
-                first = next_first;
-                second = next_second;
-            }
-            if (best > worst) worst = best;
-        }
-        print_message("%-8s largest error found %.3f, proven bound %.3f\n", quantity_name[quantity], worst,
-                      proven_error[quantity]);
-    }
-}
-
 static int set_up(void **state)
 {
     (void)state;
@@ -1234,7 +1086,6 @@ int main(void)
         cmocka_unit_test(only_what_is_asked_for_is_written),
         cmocka_unit_test(triangles_without_area),
         cmocka_unit_test(no_ray_slips_between_neighbours),
-        cmocka_unit_test(errors_stay_below_their_bounds),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
