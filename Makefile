@@ -183,6 +183,12 @@ $(BUILD)/tests/%.o: tests/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) -Iexamples -Itests -c $< -o $@
 
+$(BUILD)/tests/words/%.o: tests/words/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(ISA_FLAGS_$*) -c $< -o $@
+
+$(BUILD)/tests/test_simd: $(ISAS:%=$(BUILD)/tests/words/%.o)
+
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 
@@ -210,7 +216,7 @@ install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] tests/*.[ch]
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] tests/*.[ch] tests/words/*.[ch]
 
 clean:
 	rm -rf build

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * run_words in the vocabulary that was included before, under the name RUN_WORDS.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "words.h"
+
+static void put_mask(struct word_output *out, int word, int v, vm mask)
+{
+    /* Above the lanes there must be nothing. */
+    const uint32_t bits = m_bits(mask), past = bits & ~ALL_LANES;
+    for (int i = 0; i < VW; ++i) out->integers[word][v + i] = (bits >> i & 1) | past;
+}
+
+static void run_vector(const struct word_input *in, int v, struct word_output *out)
+{
+    const vf a = v_load(in->a + v), b = v_load(in->b + v);
+    const vi whole_a = i_load(in->bits_a + v), whole_b = i_load(in->bits_b + v);
+    const vm some = m_from_bits(in->lanes >> v), less = v_lt(a, b);
+    v_store(out->values[WORD_SET1] + v, v_set1(in->a[0]));
+    v_store(out->values[WORD_ADD] + v, v_add(a, b));
+    v_store(out->values[WORD_SUB] + v, v_sub(a, b));
+    v_store(out->values[WORD_MUL] + v, v_mul(a, b));
+    v_store(out->values[WORD_DIV] + v, v_div(a, b));
+    v_store(out->values[WORD_MUL_ADD] + v, v_add(v_mul(a, b), a));
+    v_store(out->values[WORD_MIN] + v, v_min(a, b));
+    v_store(out->values[WORD_MAX] + v, v_max(a, b));
+    v_store(out->values[WORD_ABS] + v, v_abs(a));
+    v_store(out->values[WORD_FLIP] + v, v_flip(a, b));
+    v_store(out->values[WORD_SELECT] + v, v_select(some, a, b));
+    i_store(out->integers[WORD_INTEGER_SET1] + v, i_set1(in->lanes));
+    i_store(out->integers[WORD_INTEGER_SELECT] + v, i_select(less, whole_a, whole_b));
+    put_mask(out, WORD_LT, v, less);
+    put_mask(out, WORD_LE, v, v_le(a, b));
+    put_mask(out, WORD_GT, v, v_gt(a, b));
+    put_mask(out, WORD_GE, v, v_ge(a, b));
+    put_mask(out, WORD_EQ, v, v_eq(a, b));
+    put_mask(out, WORD_INTEGER_EQ, v, i_eq(whole_a, whole_b));
+    put_mask(out, WORD_FROM_BITS, v, some);
+    put_mask(out, WORD_AND, v, m_and(some, less));
+    put_mask(out, WORD_OR, v, m_or(some, less));
+    put_mask(out, WORD_AND_NOT, v, m_andnot(some, less));
+}
+
+static void run_quad(const struct word_input *in, int v, struct word_output *out)
+{
+    const f4 a = f4_load(in->a + v), b = f4_load(in->b + v);
+    f4_store(out->values[WORD_QUAD_SET1] + v, f4_set1(in->a[v]));
+    f4_store(out->values[WORD_QUAD_ADD] + v, f4_add(a, b));
+    f4_store(out->values[WORD_QUAD_SUB] + v, f4_sub(a, b));
+    f4_store(out->values[WORD_QUAD_MUL] + v, f4_mul(a, b));
+    f4_store(out->values[WORD_QUAD_DIV] + v, f4_div(a, b));
+    f4_store(out->values[WORD_QUAD_MAX] + v, f4_max(a, b));
+    f4_store(out->values[WORD_QUAD_ABS] + v, f4_abs(a));
+    f4_store(out->values[WORD_QUAD_FLIP] + v, f4_flip(a, in->lanes & 1 ? -1.0f : 1.0f));
+    f4_store(out->values[WORD_QUAD_NEXT] + v, f4_next(a));
+    f4_store(out->values[WORD_QUAD_JOIN] + v, f4_join(a, b));
+    out->values[WORD_QUAD_LAST][v] = f4_last(a);
+    if (in->has_order) {
+        out->values[WORD_QUAD_HMIN][v] = f4_hmin(a) + 0.0f; /* of -0 and 0 either may be the least */
+        out->values[WORD_QUAD_HMAX][v] = f4_hmax(a) + 0.0f;
+    }
+}
+
+static void run_corners(const struct word_input *in, struct word_output *out)
+{
+    float corner[3][3];
+    f4 by_axis[3];
+    memcpy(corner, in->a + 1, sizeof corner);
+    f4_corners((const float(*)[3])corner, by_axis);
+    for (int k = 0; k < 3; ++k) f4_store(out->values[WORD_QUAD_CORNERS] + 4 * k, by_axis[k]);
+}
+
+static void run_least(const struct word_input *in, struct word_output *out)
+{
+    float least = INFINITY, greatest = -INFINITY;
+    for (int v = 0; v < WORD_LANES; v += VW) {
+        least = fminf(least, v_hmin(v_load(in->a + v)));
+        greatest = fmaxf(greatest, v_hmax(v_load(in->a + v)));
+    }
+    out->values[WORD_HMIN][0] = least + 0.0f;
+    out->values[WORD_HMAX][0] = greatest + 0.0f;
+}
+
+void RUN_WORDS(const struct word_input *in, struct word_output *out)
+{
+    memset(out, 0, sizeof *out);
+    for (int v = 0; v < WORD_LANES; v += VW) run_vector(in, v, out);
+    for (int v = 0; v < WORD_LANES; v += 4) run_quad(in, v, out);
+    run_corners(in, out);
+    if (in->has_order) run_least(in, out);
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Every word of a vocabulary (src/kernels/simd_*.h and quad_*.h) on sixteen lanes: what test_simd.c compares
+ * among the instruction sets. One object for each, compiled for it.
+ */
+#ifndef WORDS_H
+#define WORDS_H
+
+#include <stdint.h>
+
+#include "platform.h"
+
+#define WORD_LANES 16
+
+struct word_input {
+    MLRT_ALIGNED(64) float a[WORD_LANES];
+    MLRT_ALIGNED(64) float b[WORD_LANES];
+    MLRT_ALIGNED(64) uint32_t bits_a[WORD_LANES]; /* of a and b */
+    MLRT_ALIGNED(64) uint32_t bits_b[WORD_LANES];
+    uint32_t lanes; /* a bit each, and more above */
+    int has_order;  /* no NaN among the lanes: only then least and greatest are looked at */
+};
+
+enum {
+    WORD_SET1,
+    WORD_ADD,
+    WORD_SUB,
+    WORD_MUL,
+    WORD_DIV,
+    WORD_MUL_ADD, /* two roundings */
+    WORD_MIN,
+    WORD_MAX,
+    WORD_ABS,
+    WORD_FLIP,
+    WORD_SELECT,
+    WORD_HMIN,
+    WORD_HMAX,
+    WORD_INTEGER_SET1,
+    WORD_INTEGER_SELECT,
+    /* masks: 0 or 1 in each lane */
+    WORD_LT,
+    WORD_LE,
+    WORD_GT,
+    WORD_GE,
+    WORD_EQ,
+    WORD_INTEGER_EQ,
+    WORD_FROM_BITS,
+    WORD_AND,
+    WORD_OR,
+    WORD_AND_NOT,
+    /* four at a time */
+    WORD_QUAD_SET1,
+    WORD_QUAD_ADD,
+    WORD_QUAD_SUB,
+    WORD_QUAD_MUL,
+    WORD_QUAD_DIV,
+    WORD_QUAD_MAX,
+    WORD_QUAD_ABS,
+    WORD_QUAD_FLIP,
+    WORD_QUAD_NEXT,
+    WORD_QUAD_JOIN,
+    WORD_QUAD_LAST,
+    WORD_QUAD_HMIN,
+    WORD_QUAD_HMAX,
+    WORD_QUAD_CORNERS,
+    WORD_COUNT
+};
+
+/* By word; each fills one of the two. */
+struct word_output {
+    MLRT_ALIGNED(64) float values[WORD_COUNT][WORD_LANES];
+    MLRT_ALIGNED(64) uint32_t integers[WORD_COUNT][WORD_LANES];
+};
+
+typedef void run_words(const struct word_input *in, struct word_output *out);
+
+run_words run_words_scalar, run_words_sse, run_words_avx2, run_words_avx512;
+
+#endif
