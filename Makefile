@@ -120,6 +120,10 @@ $(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
 
+$(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
 # ---- dependencies --------------------------------------------------------------------------------------------------
 
 APT_PACKAGES := gcc libc6-dev pkg-config libpng-dev libcmocka-dev libgmp-dev libassimp-dev libcjson-dev
