@@ -27,15 +27,22 @@
  * Underflow: float sums have none. A product in the cross product may lose 2^-150; since size is made at least 2^-100,
  * the three components lose no more than 2^-47 R in all. The product with 1 / size may lose 2^-150 and so may those
  * with d: nothing beside u R, since R >= 2^-60 (packet.h). So EDGE_BOUND R = 11 u R is a bound. Overflow: magnitudes up
- * to 2^60 make sizes of at most 2^125, whose reciprocals are no denormals.
+ * to 2^60 make sizes of at most 2^125, whose reciprocals are no denormals. So all of this is finite: there is no NaN,
+ * which v_min would drop. Without a least size there would be: a cross product can underflow to 0 altogether.
  *
  * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10; with A made of a as R is of
- * d it is off by 10.001 u A, |N'| < 1.001 A, and for underflow of its products 2^-82 is added, also for what follows.
- * In signs that make D' positive, N' -+ E with E = 12 u A + 2^-82 are bounds on either side even after they are
- * rounded, and with W = 16 u R, D' -+ W are with 5 u R to spare: for their own rounding, and for that of one product of
- * them. So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W). Let D' > 2 W. Then t lies between (N' - E) /
- * D' (1 - s) and (N' + E) / D' (1 + 2 s) with s = W / D', and what W has to spare pays for the four roundings of each.
- * A product may lose 2^-150, which is nothing beside 2^-82 / R; an infinite one decides nothing wrong.
+ * d it is off by 10.001 u A, and by 2^-148 where its products underflow, and |N'| < 1.001 A. In signs that make D'
+ * positive, let E = 12 u A + 2^-82 and W = 16 u R. Rounded themselves, N' -+ E are bounds on either side with 2^-83 to
+ * spare, and D' -+ W with 5.9 u R.
+ *
+ * So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W), for x >= 0: the rounding of the product takes 1.1
+ * u R of what W has to spare, and the 2^-150 it may lose are nothing beside 2^-83. x may be infinite, and so may the
+ * product: D' - W is positive where it counts, and no N' is infinite.
+ *
+ * Let D' > 2 W and s = W / D'. Then t lies between (N' - E) / D' (1 - s) and (N' + E) / D' (1 + 2 s): D' is off
+ * by 9.001 / 16 s of itself, and what s has to spare, 6.9 u at least, pays for the four roundings of each. They may
+ * lose 2^-149, less than 2^-83 / D'. The lower end is kept of hits only, and is finite: along some axis |d_k| >= 2^-60,
+ * and a hit is no farther than 2^61, so t <= 2^121. (The upper one may be infinite.)
  */
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
