@@ -338,7 +338,7 @@ static void everything_more_than_once(void **state)
     }
 }
 
-/* Eyes in the planes of triangles that others of the scene tie with. */
+/* Eyes in the planes of triangles and one float beside them, with rays to both sides of these and at others. */
 static void eyes_in_planes(void **state)
 {
     (void)state;
@@ -347,15 +347,42 @@ static void eyes_in_planes(void **state)
     for (int i = 0; i < 2; i++) add_wall(&soup, &oblique, &cuts[i]);
     for (int i = 0; i < 2; i++) add_wall(&soup, &slope, &cuts[i]);
     struct fixture fixture = fixture_of_soup("walls that cross", 7, &soup);
-    for (int e = 0; e < 4; e++) {
+    for (int e = 0; e < 9; e++) {
+        static const float along[3] = {0.25f, 0.5f, -1}, at[3] = {-0.25f, 0.125f, 1};
         struct ray_list list = {0};
         float eye[3];
-        point_of_wall(&slope, 1.5f * (float)e, e % 2 ? -4 : 3, eye);
-        if (e == 3) eye[2] = next_float(eye[2], 1);
+        point_of_wall(&slope, 1.5f + (float)(e / 3), e / 3 == 2 ? -4 : 2.75f, eye);
+        eye[2] = next_float(eye[2], e % 3 - 1);
         aim_at_wall(&list, &oblique, eye, 0.5f, 0);
+        for (int n = 0; n < 128; n++) {
+            float direction[3];
+            for (int k = 0; k < 3; k++)
+                direction[k] = (n / 16 % 2 ? along : at)[k] + 0x1p-6f * (float)(n * (k + 3) % 7);
+            add_ray(&list, eye, direction);
+        }
         check_rays_quickly(&fixture, &list);
         free_rays(&list);
     }
+    free_fixture(&fixture);
+}
+
+/* Packets of one eye after those of another, in one call: nothing that was set up for an eye is good for the next. */
+static void eyes_in_turn(void **state)
+{
+    (void)state;
+    static const struct cut cuts[2] = {{4, 0, 0}, {8, 1, 1}};
+    struct soup soup = {0};
+    struct ray_list list = {0};
+    for (int i = 0; i < 2; i++) add_wall(&soup, &oblique, &cuts[i]);
+    for (int i = 0; i < 2; i++) add_wall(&soup, &slope, &cuts[i]);
+    struct fixture fixture = fixture_of_soup("eyes in turn", 10, &soup);
+    for (int n = 0; n < 40 * 16; n++) {
+        const float side = (float)(n / 16 % 5), eye[3] = {side, -0.5f * side, 9 + 0.25f * side};
+        const float target[3] = {0.125f * (float)(n % 4) + 0.25f * (float)(n / 80), 0.125f * (float)(n / 4 % 4) - 1, 0};
+        add_ray_towards(&list, eye, target);
+    }
+    check_rays_quickly(&fixture, &list);
+    free_rays(&list);
     free_fixture(&fixture);
 }
 
@@ -445,6 +472,7 @@ int main(void)
         cmocka_unit_test(fans_around_corners),
         cmocka_unit_test(everything_more_than_once),
         cmocka_unit_test(eyes_in_planes),
+        cmocka_unit_test(eyes_in_turn),
         cmocka_unit_test(ties_rarely_go_to_the_judge),
         cmocka_unit_test(scattered_origins_are_not_slow),
     };
