@@ -375,15 +375,55 @@ static void eyes_in_turn(void **state)
     struct ray_list list = {0};
     for (int i = 0; i < 2; i++) add_wall(&soup, &oblique, &cuts[i]);
     for (int i = 0; i < 2; i++) add_wall(&soup, &slope, &cuts[i]);
-    struct fixture fixture = fixture_of_soup("eyes in turn", 10, &soup);
+    struct fixture fixture = fixture_of_soup("eyes in turn, walls", 10, &soup);
     for (int n = 0; n < 40 * 16; n++) {
         const float side = (float)(n / 16 % 5), eye[3] = {side, -0.5f * side, 9 + 0.25f * side};
         const float target[3] = {0.125f * (float)(n % 4) + 0.25f * (float)(n / 80), 0.125f * (float)(n / 4 % 4) - 1, 0};
         add_ray_towards(&list, eye, target);
     }
     check_rays_quickly(&fixture, &list);
+    free_fixture(&fixture);
+    add_part(&soup, (float[4][3]){{-4, -4, -2}, {8, -4, 4}, {-4, 8, -2}, {0, 0, 0}}, &cuts[0], 0, 1, 2);
+    fixture = fixture_of_soup("eyes in turn, one triangle", 10, &soup);
+    check_rays_quickly(&fixture, &list);
     free_rays(&list);
     free_fixture(&fixture);
+}
+
+/*
+ * A large triangle with a vertex close to the eye, which is a little off its plane: where rays meet it, if they do, is
+ * decided by directions that differ from the plane's in their last bits.
+ */
+static void rays_nearly_in_a_plane(void **state)
+{
+    (void)state;
+    struct random random = {11};
+    for (int n = 0; n < 60; n++) {
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        float corner[3][3], eye[3], normal[3];
+        draw_point(&random, -0x1p-6f, 0x1p-6f, corner[0]);
+        draw_point(&random, -64, 64, corner[1]);
+        draw_point(&random, -64, 64, corner[2]);
+        soup_add_triangle(&soup, corner[0], corner[1], corner[2]);
+        for (int k = 0; k < 3; k++) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            normal[k] = (corner[1][i] * corner[2][j] - corner[1][j] * corner[2][i]) * 0x1p-12f;
+        }
+        const float height = ldexpf(draw_below(&random, 2) ? 1 : -1, -18 - (int)draw_below(&random, 8));
+        for (int k = 0; k < 3; k++) eye[k] = corner[0][k] + 0x1p-11f * corner[1][k] + height * normal[k];
+        struct fixture fixture = fixture_of_soup("nearly in a plane", 11, &soup);
+        for (int r = 0; r < 64; r++) {
+            const float u = draw_range(&random, 0, 0.5f), v = draw_range(&random, 0, 0.5f);
+            float target[3];
+            for (int k = 0; k < 3; k++)
+                target[k] = corner[0][k] + u * (corner[1][k] - corner[0][k]) + v * (corner[2][k] - corner[0][k]);
+            add_ray_towards(&list, eye, target);
+        }
+        check_rays_quickly(&fixture, &list);
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
 }
 
 /* ---- counting ---------------------------------------------------------------------------------------------------- */
@@ -473,6 +513,7 @@ int main(void)
         cmocka_unit_test(everything_more_than_once),
         cmocka_unit_test(eyes_in_planes),
         cmocka_unit_test(eyes_in_turn),
+        cmocka_unit_test(rays_nearly_in_a_plane),
         cmocka_unit_test(ties_rarely_go_to_the_judge),
         cmocka_unit_test(scattered_origins_are_not_slow),
     };
