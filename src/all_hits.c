@@ -25,7 +25,7 @@ struct worker {
 struct run {
     const struct mlrt_tree *tree;
     const struct mlrt_source *source;
-    uint32_t capacity;
+    uint32_t capacity; /* 0 = no arrays of hits */
     mlrt_array arrays[ARRAY_COUNT];
     uint32_t outputs; /* what mlrt_report_hit has to work out */
     int counting;
@@ -43,12 +43,11 @@ static int32_t resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
         *array = arrays[c];
         if (!array->data) continue;
         if (array->stride == 0) array->stride = size;
-        if (array->stride < size || array->stride % size != 0 || (uintptr_t)array->data % size != 0) {
-            return MLRT_ERROR_ARGUMENT;
-        }
-        if (c < TOTAL && lists->capacity == 0) return MLRT_ERROR_ARGUMENT;
+        if (array->stride % size != 0 || (uintptr_t)array->data % size != 0) return MLRT_ERROR_ARGUMENT;
+        if (c >= TOTAL) continue;
+        if (lists->capacity == 0) return MLRT_ERROR_ARGUMENT;
+        run->capacity = lists->capacity; // without arrays of hits nothing has to be put in order
     }
-    run->capacity = lists->capacity;
     run->outputs = (lists->t.data ? MLRT_OUTPUT_T : 0u) | (lists->u.data || lists->v.data ? MLRT_OUTPUT_UV : 0u) |
                    (lists->facing.data ? MLRT_OUTPUT_FACING : 0u);
     return MLRT_OK;

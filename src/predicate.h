@@ -34,7 +34,7 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
 
 /*
  * Rule R6, for a triangle that the ray hits: 1 if it would still be hit with the origin moved by (e, e^2, e^3) for
- * every e > 0 that is small enough.
+ * every e > 0 that is small enough, t_max aside.
  */
 int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle);
 

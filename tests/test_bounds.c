@@ -342,7 +342,8 @@ static void attack(const struct bound *bound, size_t climb_count)
         for (int i = 0; i < bound->input_count; ++i) print_error("input %d: %a\n", i, search.input[i]);
     }
     assert_true(search.worst <= 1);
-    assert_true(search.worst >= bound->needed);
+    /* A search as short as that of a build with sanitizers need not get near. */
+    if (scaled(8) == 8) assert_true(search.worst >= bound->needed);
 }
 
 /* ---- triangles and rays ------------------------------------------------------------------------------------------ */
