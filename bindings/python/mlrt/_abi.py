@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: MIT
+"""mlrt.h in ctypes: its constants, structs and functions, under the names they have there.
+
+Structs that every call needs are written with `Packer`, which takes the layout from the ctypes class: filling one ctypes
+struct of twenty fields takes 3 us, packing it 0.15 us.
+"""
+
+import ctypes
+import struct
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from typing import Any
+
+from . import _library
+
+NONE = 0xFFFFFFFF
+
+PRESETS = {"default": 0, "paper": 1}
+RULES = {"empty_space": 1, "coplanar": 2, "minimum_cell": 4, "clipped_splits": 8, "retraction": 16}
+METHODS = {None: 0, "ray": 1, "packet2": 2, "packet4": 3, "multilevel": 4}
+ISAS = {None: 0, "scalar": 1, "sse": 2, "avx2": 3, "avx512": 4}
+PROJECTIONS = {"pinhole": 0, "parallel": 1}
+QUERY_CLOSEST, QUERY_ANY = 0, 1
+
+Float3 = c_float * 3
+
+
+class Struct(ctypes.Structure):
+    """A struct of the interface: sets its struct_size; fields are given by name, the rest is zero."""
+
+    def __init__(self, **fields: Any) -> None:
+        super().__init__(struct_size=ctypes.sizeof(self), **fields)
+
+
+class Mesh(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("id", c_uint32),
+        ("vertices", c_void_p),
+        ("vertex_count", c_size_t),
+        ("vertex_stride", c_size_t),
+        ("indices", c_void_p),
+        ("triangle_count", c_size_t),
+        ("triangle_stride", c_size_t),
+        ("index_size", c_uint32),
+        ("reserved", c_uint32),
+    ]
+
+
+class BuildOptions(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("preset", c_int32),
+        ("rules_off", c_uint32),
+        ("max_depth", c_uint32),
+        ("max_references", c_uint64),
+        ("traversal_cost", c_float),
+        ("intersection_cost", c_float),
+        ("message", c_void_p),
+        ("message_size", c_size_t),
+    ]
+
+
+class TreeInfo(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("depth", c_uint32),
+        ("triangle_count", c_uint64),
+        ("non_finite_count", c_uint64),
+        ("zero_area_count", c_uint64),
+        ("node_count", c_uint64),
+        ("leaf_count", c_uint64),
+        ("empty_leaf_count", c_uint64),
+        ("reference_count", c_uint64),
+        ("retracted_count", c_uint64),
+        ("memory_size", c_uint64),
+        ("peak_memory_size", c_uint64),
+        ("tree_hash", c_uint64),
+        ("sah_cost", c_double),
+        ("build_seconds", c_double),
+        ("bounds_min", Float3),
+        ("bounds_max", Float3),
+    ]
+
+
+class Counters(Struct):
+    """What traversal did; calls given it in `counters` add to its fields, which mlrt.h explains."""
+
+    _fields_ = [("struct_size", c_uint32), ("reserved", c_uint32)] + [
+        (name, c_uint64)
+        for name in (
+            "ray_count",
+            "packet_count",
+            "beam_count",
+            "cell_count",
+            "entry_point_cell_count",
+            "triangle_test_count",
+            "judged_lane_count",
+            "entry_point_count",
+            "entry_point_depth_sum",
+            "missed_beam_count",
+            "covered_beam_count",
+            "undecided_cull_count",
+            "undecided_checked_count",
+            "lane_test_count",
+            "undecided_test_count",
+            "tie_lane_count",
+            "exact_edge_count",
+            "exact_range_count",
+            "exact_order_count",
+        )
+    ]
+
+
+class TraceOptions(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("query", c_int32),
+        ("method", c_int32),
+        ("isa", c_int32),
+        ("culling", c_int32),
+        ("culling_check", c_uint32),
+        ("initial_tile_size", c_uint32),
+        ("minimum_tile_size", c_uint32),
+        ("split_factor", c_uint32),
+        ("outputs", c_uint32),
+        ("shortcuts_off", c_uint32),
+        ("reserved", c_uint32),
+        ("pool", c_void_p),
+        ("counters", POINTER(Counters)),
+    ]
+
+
+class Array(ctypes.Structure):
+    _fields_ = [("data", c_void_p), ("stride", c_size_t), ("row_stride", c_size_t)]
+
+
+class ConstArray(ctypes.Structure):
+    _fields_ = [("data", c_void_p), ("stride", c_size_t)]
+
+
+class Hits(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("t", Array),
+        ("u", Array),
+        ("v", Array),
+        ("mesh", Array),
+        ("triangle", Array),
+        ("facing", Array),
+        ("occluded", Array),
+    ]
+
+
+class Rays(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("row_length", c_uint32),
+        ("count", c_size_t),
+        ("origins", ConstArray),
+        ("directions", ConstArray),
+        ("t_min", ConstArray),
+        ("t_max", ConstArray),
+        ("skip", ConstArray),
+    ]
+
+
+class HitLists(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("capacity", c_uint32),
+        ("t", Array),
+        ("u", Array),
+        ("v", Array),
+        ("mesh", Array),
+        ("triangle", Array),
+        ("facing", Array),
+        ("crossing", Array),
+        ("total", Array),
+        ("crossing_total", Array),
+    ]
+
+
+class Camera(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("projection", c_int32),
+        ("width", c_uint32),
+        ("height", c_uint32),
+        ("crop_x", c_uint32),
+        ("crop_y", c_uint32),
+        ("crop_width", c_uint32),
+        ("crop_height", c_uint32),
+        ("eye", Float3),
+        ("direction", Float3),
+        ("d00", Float3),
+        ("dx", Float3),
+        ("dy", Float3),
+        ("sample_x", c_float),
+        ("sample_y", c_float),
+        ("t_min", c_float),
+        ("t_max", c_float),
+    ]
+
+
+class Packer:
+    """Writes a Struct as bytes, from the values of its leaves in order, the struct_size left out."""
+
+    LETTERS = {c_uint32: "I", c_int32: "i", c_size_t: "N", c_void_p: "P"}
+
+    def __init__(self, structure: type[Struct]) -> None:
+        self.size = ctypes.sizeof(structure)
+        layout = struct.Struct("@" + self._letters(structure))
+        assert layout.size == self.size, structure
+        self._pack = layout.pack
+
+    def _letters(self, structure: type[ctypes.Structure]) -> str:
+        kinds = [kind for _, kind in structure._fields_]
+        return "".join(self.LETTERS[kind] if kind in self.LETTERS else self._letters(kind) for kind in kinds)
+
+    def __call__(self, *values: int) -> bytes:
+        return self._pack(self.size, *values)
+
+
+pack_rays = Packer(Rays)
+pack_hits = Packer(Hits)
+pack_hit_lists = Packer(HitLists)
+
+# Structs go in as pointers (or as bytes), handles as addresses.
+_FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
+    "mlrt_version": (c_uint32, []),
+    "mlrt_status_string": (c_char_p, [c_int32]),
+    "mlrt_build_kdtree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
+    "mlrt_destroy_tree": (None, [c_void_p]),
+    "mlrt_get_tree_info": (c_int32, [c_void_p, c_void_p]),
+    "mlrt_create_pool": (c_int32, [c_uint32, c_void_p]),
+    "mlrt_destroy_pool": (None, [c_void_p]),
+    "mlrt_trace_packet": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p]),
+    "mlrt_trace_all_hits": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p]),
+    "mlrt_render_tiles": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, c_void_p]),
+    "mlrt_camera_rays": (c_int32, [c_void_p, c_void_p, c_void_p]),
+}
+
+
+def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
+    for name, (result, arguments) in _FUNCTIONS.items():
+        try:
+            function = getattr(library, name)
+        except AttributeError as error:
+            raise ImportError(f"{library._name} is too old for this package: it has no {name}") from error
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+library = _declare(_library.load())
+
+
+class TreeHandle(c_void_p):
+    """An mlrt_tree; destroyed with the last reference to it, so never while a call that holds one runs."""
+
+    def __del__(self, destroy: Any = library.mlrt_destroy_tree) -> None:
+        destroy(self)
+
+
+class PoolHandle(c_void_p):
+    """An mlrt_pool; destroyed with the last reference to it."""
+
+    # The process whose threads these are: a fork has the handle, but not the threads.
+    process: int = 0

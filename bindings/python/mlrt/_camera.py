@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: MIT
+"""Pinhole and parallel cameras: which ray belongs to which pixel."""
+
+import ctypes
+from dataclasses import dataclass
+from typing import Optional, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _abi
+from ._arrays import address
+from ._errors import check
+
+Vector = Sequence[float]
+
+
+def _unit(vector: NDArray[np.float64], what: str) -> NDArray[np.float64]:
+    length = np.linalg.norm(vector)
+    if not 0 < length < np.inf:
+        raise ValueError(f"{what}: the vector is zero or not finite")
+    return vector / length
+
+
+def _view_axes(eye: Vector, target: Vector, up: Vector) -> tuple[NDArray[np.float64], ...]:
+    """Unit vectors forward, right and upward."""
+    forward = _unit(np.subtract(target, eye, dtype=np.float64), "target - eye")
+    right = _unit(np.cross(forward, np.asarray(up, np.float64)), "up, seen along target - eye")
+    return forward, right, np.cross(right, forward)
+
+
+@dataclass
+class Camera:
+    """The rays of a picture: pixel (i, j) has p = d00 + (i + sample[0]) dx + (j + sample[1]) dy, and the ray
+
+        pinhole:   origin eye, direction p               parallel:   origin p, direction `direction`
+
+    in float32. Pixels count from the upper left with the cameras made by `look_at` and `orthographic`.
+    """
+
+    width: int
+    height: int
+    d00: Vector
+    dx: Vector  #: from one pixel to the next in a row
+    dy: Vector  #: from one row to the next
+    eye: Vector = (0.0, 0.0, 0.0)  #: pinhole: where the rays start
+    direction: Vector = (0.0, 0.0, 0.0)  #: parallel: where the rays go
+    projection: str = "pinhole"  #: or "parallel"
+    crop: Optional[tuple[int, int, int, int]] = None  #: x, y, width, height: only these pixels
+    sample: tuple[float, float] = (0.5, 0.5)  #: where in the pixel
+    t_min: float = 0.0
+    t_max: Optional[float] = None  #: None = no limit
+
+    @classmethod
+    def look_at(
+        cls,
+        eye: Vector,
+        target: Vector,
+        width: int,
+        height: int,
+        fov: float = 45.0,
+        up: Vector = (0.0, 1.0, 0.0),
+    ) -> "Camera":
+        """A pinhole camera at `eye` with `target` in the middle; `fov` is the height of the picture in degrees."""
+        if not 0 < fov < 180:
+            raise ValueError(f"fov: between 0 and 180 degrees, not {fov}")
+        forward, right, upward = _view_axes(eye, target, up)
+        pixel = 2 * np.tan(np.radians(fov) / 2) / height
+        corner = forward + pixel * (upward * height - right * width) / 2
+        return cls(width, height, corner, right * pixel, -upward * pixel, eye=eye)
+
+    @classmethod
+    def orthographic(
+        cls,
+        eye: Vector,
+        target: Vector,
+        width: int,
+        height: int,
+        extent: float,
+        up: Vector = (0.0, 1.0, 0.0),
+    ) -> "Camera":
+        """A parallel camera whose rays start in the plane through `eye`; the picture is `extent` units high.
+
+        Directions have length 1, so that t is the distance.
+        """
+        forward, right, upward = _view_axes(eye, target, up)
+        pixel = extent / height
+        corner = np.asarray(eye, np.float64) + pixel * (upward * height - right * width) / 2
+        return cls(width, height, corner, right * pixel, -upward * pixel, direction=forward, projection="parallel")
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the picture, or of its crop."""
+        if self.crop is None:
+            return self.height, self.width
+        x, y, width, height = self.crop
+        return height or self.height - y, width or self.width - x
+
+    def rays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """The very rays that Tree.render traces: origins and directions, float32 of shape (height, width, 3)."""
+        camera = self.to_struct()
+        shape = self.check_shape() + (3,)
+        origins, directions = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        arrays = [_abi.Array(address(array)) for array in (origins, directions)]
+        check(_abi.library.mlrt_camera_rays(ctypes.byref(camera), *map(ctypes.byref, arrays)))
+        return origins, directions
+
+    def check_shape(self) -> tuple[int, int]:
+        """The shape, or the library's error if the picture has none."""
+        rows, columns = self.shape
+        if rows <= 0 or columns <= 0:
+            check(6)
+        return rows, columns
+
+    def to_struct(self) -> _abi.Camera:
+        """This as an mlrt_camera."""
+        crop = self.crop or (0, 0, 0, 0)
+        for value in (self.width, self.height, *crop):
+            if not 0 <= value <= _abi.NONE:
+                check(6)
+        return _abi.Camera(
+            projection=_abi.PROJECTIONS[self.projection],
+            width=self.width,
+            height=self.height,
+            crop_x=crop[0],
+            crop_y=crop[1],
+            crop_width=crop[2],
+            crop_height=crop[3],
+            eye=_abi.Float3(*self.eye),
+            direction=_abi.Float3(*self.direction),
+            d00=_abi.Float3(*self.d00),
+            dx=_abi.Float3(*self.dx),
+            dy=_abi.Float3(*self.dy),
+            sample_x=self.sample[0],
+            sample_y=self.sample[1],
+            t_min=self.t_min,
+            t_max=0.0 if self.t_max is None else self.t_max,
+        )

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""Threads that tracing calls share their work with."""
+
+import ctypes
+import os
+from types import TracebackType
+from typing import Optional
+
+from ._abi import PoolHandle, library
+from ._errors import check
+
+
+class _Handle(PoolHandle):
+    def __del__(self, destroy=library.mlrt_destroy_pool, getpid=os.getpid) -> None:
+        if self.process == getpid():
+            destroy(self)
+
+
+class Pool:
+    """A pool of `threads` threads at work, the calling one included; 0 = one per processor.
+
+    Give it to tracing calls as `pool`. It serves one call at a time; calls that share one wait for each other. It works only
+    in the process that made it: after a fork, make another. Usable in a `with` statement.
+    """
+
+    def __init__(self, threads: int = 0) -> None:
+        self._handle: Optional[_Handle] = None
+        if not 0 <= threads <= 1024:
+            raise ValueError(f"threads: 0 to 1024, not {threads}")
+        handle = _Handle()
+        check(library.mlrt_create_pool(threads, ctypes.byref(handle)))
+        handle.process = os.getpid()
+        self._handle = handle
+
+    def handle(self) -> _Handle:
+        """The mlrt_pool, for a call that is about to use it."""
+        if self._handle is None:
+            raise ValueError("the pool is closed")
+        if self._handle.process != os.getpid():
+            raise RuntimeError("the pool belongs to another process: after a fork, make a new one")
+        return self._handle
+
+    def close(self) -> None:
+        """Ends the threads, as soon as no call uses them."""
+        self._handle = None
+
+    def __enter__(self) -> "Pool":
+        return self
+
+    def __exit__(
+        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self.close()

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""Arrays of rays as an mlrt_rays."""
+
+from math import prod
+from typing import Any, Optional
+
+import numpy as np
+
+from ._abi import pack_rays
+from ._arrays import elements, floats, ids, vectors
+
+
+class Rays:
+    """Broadcast arrays of rays: `packed` is the mlrt_rays, valid as long as this lives; `shape` that of the results."""
+
+    __slots__ = ("packed", "shape", "count", "_alive")
+
+    def __init__(
+        self, origins: Any, directions: Any, t_min: Any = None, t_max: Any = None, skip: Any = None, row_length: int = 0
+    ) -> None:
+        origins, directions = vectors(origins, "origins"), vectors(directions, "directions")
+        t_min = None if t_min is None else floats(t_min)
+        t_max = None if t_max is None else floats(t_max)
+        skip = None if skip is None else ids(skip, "skip")
+        shape = origins.shape[:-1]
+        if directions.shape != origins.shape or t_min is not None or t_max is not None or skip is not None:
+            shape = _common_shape(origins, directions, t_min, t_max, skip)
+        self.shape = shape
+        self.count = shape[0] if len(shape) == 1 else prod(shape)
+        self._alive: list[np.ndarray] = []
+        self.packed = pack_rays(
+            row_length or _row_length(shape),
+            self.count,
+            *self._array(origins, 3),
+            *self._array(directions, 3),
+            *self._array(t_min, 1),
+            *self._array(t_max, 1),
+            *self._array(skip, 2),
+        )
+
+    def _array(self, array: Optional[np.ndarray], width: int) -> tuple[int, int]:
+        """Address and stride; (0, 0) for an array that is not there."""
+        if array is None:
+            return 0, 0
+        whole = self.shape if width == 1 else self.shape + (width,)
+        if array.shape != whole:
+            array = np.broadcast_to(array, whole)
+        array, where, stride = elements(array, width)
+        self._alive.append(array)
+        return where, stride
+
+
+def _common_shape(origins: np.ndarray, directions: np.ndarray, t_min: Any, t_max: Any, skip: Any) -> tuple[int, ...]:
+    shapes = [origins.shape[:-1], directions.shape[:-1]]
+    shapes += [array.shape for array in (t_min, t_max) if array is not None]
+    shapes += [skip.shape[:-1]] if skip is not None else []
+    return np.broadcast_shapes(*shapes)
+
+
+def _row_length(shape: tuple[int, ...]) -> int:
+    """Rays of an array with two axes or more come in rows, as pixels do; groups are squares of 4x4 at least."""
+    return shape[-1] if len(shape) >= 2 and shape[-1] >= 4 else 0

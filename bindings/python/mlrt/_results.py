@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""What tracing returns: arrays of hits, one entry per ray, and lists of hits, several entries per ray."""
+
+from typing import NamedTuple, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._abi import NONE
+
+
+class Hits(NamedTuple):
+    """The closest hits of rays. All arrays have the rays' shape; one that was not asked for is None."""
+
+    t: Optional[NDArray[np.float32]] = None  #: distance in units of the direction's length; inf = miss
+    u: Optional[NDArray[np.float32]] = None  #: weight of the triangle's second vertex
+    v: Optional[NDArray[np.float32]] = None  #: weight of its third
+    mesh: Optional[NDArray[np.uint32]] = None  #: id of the mesh; mlrt.NONE = miss
+    triangle: Optional[NDArray[np.uint32]] = None  #: number of the triangle in its mesh; mlrt.NONE = miss
+    facing: Optional[NDArray[np.int32]] = None  #: +1: the ray travels along the normal, -1: against it, 0 = miss
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        """Which rays hit something. Needs any of triangle, mesh, facing, t."""
+        if self.triangle is not None:
+            return self.triangle != NONE
+        if self.mesh is not None:
+            return self.mesh != NONE
+        if self.facing is not None:
+            return self.facing != 0
+        if self.t is not None:
+            return self.t != np.inf
+        raise ValueError("none of triangle, mesh, facing and t was asked for")
+
+
+class HitLists(NamedTuple):
+    """All hits of rays, nearest first. Arrays of hits have the rays' shape and one more axis, of length k.
+
+    Entries behind a ray's last hit are misses. An array that was not asked for is None, as are all arrays of hits if k is 0.
+    """
+
+    t: Optional[NDArray[np.float32]] = None
+    u: Optional[NDArray[np.float32]] = None
+    v: Optional[NDArray[np.float32]] = None
+    mesh: Optional[NDArray[np.uint32]] = None
+    triangle: Optional[NDArray[np.uint32]] = None
+    facing: Optional[NDArray[np.int32]] = None
+    crossing: Optional[NDArray[np.bool_]] = None  #: does this hit cross the surface (True) or only touch it?
+    total: Optional[NDArray[np.uint32]] = None  #: per ray: how many hits it has, also beyond k
+    crossing_total: Optional[NDArray[np.uint32]] = None  #: per ray: how many of these cross
+
+
+DTYPES = {
+    "t": np.dtype(np.float32),
+    "u": np.dtype(np.float32),
+    "v": np.dtype(np.float32),
+    "mesh": np.dtype(np.uint32),
+    "triangle": np.dtype(np.uint32),
+    "facing": np.dtype(np.int32),
+    "crossing": np.dtype(np.bool_),
+    "total": np.dtype(np.uint32),
+    "crossing_total": np.dtype(np.uint32),
+}
