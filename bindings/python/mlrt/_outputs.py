@@ -2,6 +2,7 @@
 """Arrays for results: new ones, or the caller's, as an mlrt_hits or an mlrt_hit_lists."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 from math import prod
 from typing import Optional
 
@@ -17,26 +18,34 @@ _NO_ARRAY = (0, 0, 0)
 def _check_names(outputs: Optional[Iterable[str]], known: tuple[str, ...]) -> tuple[str, ...]:
     if outputs is None:
         return known
-    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    names = (outputs,) if isinstance(outputs, str) else tuple(dict.fromkeys(outputs))
     for name in names:
         if name not in known:
             raise ValueError(f"outputs: {name!r} is none of {', '.join(known)}")
     return names
 
 
+_TYPES = (np.dtype(np.float32), np.dtype(np.uint32), np.dtype(np.int32))
+
+
+@lru_cache(maxsize=256)
+def _rows(names: Optional[tuple[str, ...]]) -> tuple[int, tuple[tuple[int, int], ...]]:
+    """How many rows a block of results has, and for each field of Hits its row and the number of its type; -1 = none."""
+    names = _check_names(names, Hits._fields)
+    rows = [(names.index(name) if name in names else -1, _TYPES.index(DTYPES[name])) for name in Hits._fields]
+    return len(names), tuple(rows)
+
+
 def new_hits(outputs: Optional[Iterable[str]], shape: tuple[int, ...]) -> tuple[Hits, bytes]:
     """The arrays named in `outputs` (None = all), which share one block of memory, and the mlrt_hits of them."""
-    names = _check_names(outputs, Hits._fields)
-    block = np.empty((len(names),) + shape, np.float32)
-    as_type = {np.float32: block, np.uint32: block.view(np.uint32), np.int32: block.view(np.int32)}
+    count, rows = _rows((outputs,) if isinstance(outputs, str) else outputs if outputs is None else tuple(outputs))
+    block = np.empty((count, *shape), _TYPES[0])
+    views = block, block.view(_TYPES[1]), block.view(_TYPES[2])
     start, size = address(block), 4 * prod(shape)
-    arrays, fields = {}, {}
-    for row, name in enumerate(names):
-        arrays[name] = as_type[DTYPES[name].type][row, ...]
-        fields[name] = start + row * size
-    data = [fields.get(name, 0) for name in Hits._fields]
-    packed = pack_hits(0, data[0], 0, 0, data[1], 0, 0, data[2], 0, 0, data[3], 0, 0, data[4], 0, 0, data[5], 0, 0, 0, 0, 0)
-    return Hits(**arrays), packed
+    arrays = [None if row < 0 else views[kind][row, ...] for row, kind in rows]
+    t, u, v, mesh, triangle, facing = [0 if row < 0 else start + row * size for row, _ in rows]
+    packed = pack_hits(0, t, 0, 0, u, 0, 0, v, 0, 0, mesh, 0, 0, triangle, 0, 0, facing, 0, 0, 0, 0, 0)
+    return Hits._make(arrays), packed
 
 
 def _caller_array(array: np.ndarray, name: str, dtypes: tuple[np.dtype, ...], shape: tuple[int, ...]) -> tuple[int, int, int]:

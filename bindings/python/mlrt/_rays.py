@@ -2,12 +2,14 @@
 """Arrays of rays as an mlrt_rays."""
 
 from math import prod
-from typing import Any, Optional
+from typing import Any
 
 import numpy as np
 
 from ._abi import pack_rays
 from ._arrays import elements, floats, ids, vectors
+
+_NO_ARRAY = (0, 0)
 
 
 class Rays:
@@ -33,15 +35,13 @@ class Rays:
             self.count,
             *self._array(origins, 3),
             *self._array(directions, 3),
-            *self._array(t_min, 1),
-            *self._array(t_max, 1),
-            *self._array(skip, 2),
+            *(_NO_ARRAY if t_min is None else self._array(t_min, 1)),
+            *(_NO_ARRAY if t_max is None else self._array(t_max, 1)),
+            *(_NO_ARRAY if skip is None else self._array(skip, 2)),
         )
 
-    def _array(self, array: Optional[np.ndarray], width: int) -> tuple[int, int]:
-        """Address and stride; (0, 0) for an array that is not there."""
-        if array is None:
-            return 0, 0
+    def _array(self, array: np.ndarray, width: int) -> tuple[int, int]:
+        """Address and stride."""
         whole = self.shape if width == 1 else self.shape + (width,)
         if array.shape != whole:
             array = np.broadcast_to(array, whole)
