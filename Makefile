@@ -3,6 +3,7 @@
 #   make                 the library and the examples, in build/
 #   make deps            installs what examples and tests need (Debian and Ubuntu; elsewhere it says what)
 #   make test            builds and runs every test
+#   make test-python     tests the Python package in bindings/python
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make charts          speed against wrong decisions, stability, stages: docs/accuracy-*.png, on the same scenes
@@ -63,7 +64,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps deps-study demo test reproduce charts install format clean
+.PHONY: all library examples deps deps-study demo test test-python reproduce charts install format clean
 .SECONDARY:
 
 all: library examples
@@ -201,6 +202,10 @@ build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
 test: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory build-tests
 	@BUILD=$(BUILD) sh tests/run.sh $(addprefix $(BUILD)/tests/,$(TESTS))
+
+test-python: library
+	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
+	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
 
 # ---- install -------------------------------------------------------------------------------------------------------
 

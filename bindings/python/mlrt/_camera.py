@@ -14,6 +14,9 @@ from ._errors import check
 
 Vector = Sequence[float]
 
+# A t_max that no ray has hits below. The 0 of a Camera cannot go into an mlrt_camera, where it means no limit.
+NOTHING = -1.0
+
 
 def _unit(vector: NDArray[np.float64], what: str) -> NDArray[np.float64]:
     length = np.linalg.norm(vector)
@@ -134,5 +137,5 @@ class Camera:
             sample_x=self.sample[0],
             sample_y=self.sample[1],
             t_min=self.t_min,
-            t_max=0.0 if self.t_max is None else self.t_max,
+            t_max=0.0 if self.t_max is None else self.t_max or NOTHING,
         )

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ._abi import pack_rays
+from ._abi import NONE, pack_rays
 from ._arrays import elements, floats, ids, vectors
 
 _NO_ARRAY = (0, 0)
@@ -20,6 +20,8 @@ class Rays:
     def __init__(
         self, origins: Any, directions: Any, t_min: Any = None, t_max: Any = None, skip: Any = None, row_length: int = 0
     ) -> None:
+        if not 0 <= row_length <= NONE:
+            raise ValueError(f"row_length: {row_length} does not fit into 32 bits")
         origins, directions = vectors(origins, "origins"), vectors(directions, "directions")
         t_min = None if t_min is None else floats(t_min)
         t_max = None if t_max is None else floats(t_max)

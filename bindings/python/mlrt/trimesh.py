@@ -108,7 +108,7 @@ class RayMeshIntersector:
             t = np.sum((a - origin) * normal, axis=1) / np.sum(direction * normal, axis=1)
             on_ray = origin + t[:, None] * direction
             size = np.abs(b - a).max(axis=1, initial=0) + np.abs(c - a).max(axis=1, initial=0)
-            near = np.abs(on_ray - in_triangle).max(axis=1, initial=0) <= 1e-5 * size
+            near = np.abs(on_ray - in_triangle).max(axis=1, initial=0) <= 1e-3 * size
         return np.where(near[:, None], on_ray, in_triangle)
 
     def intersects_location(

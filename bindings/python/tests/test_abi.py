@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: MIT
+"""The structs here are those of the library: it knows their sizes and no others, and finds fields where they are."""
+
+import ctypes
+import unittest
+
+import numpy as np
+from support import box
+
+import mlrt
+from mlrt import _abi
+from mlrt._abi import library
+
+STRUCT_SIZE = 2
+
+
+class Sizes(unittest.TestCase):
+    """Calls with the right struct_size succeed, with others they fail with MLRT_ERROR_STRUCT_SIZE."""
+
+    def setUp(self):
+        self.tree = mlrt.Tree(*box())
+        self.alive = np.zeros(16, np.float32)
+        data = self.alive.ctypes.data
+        self.rays = _abi.Rays(
+            count=1, origins=_abi.ConstArray(data), directions=_abi.ConstArray(data)
+        )
+        self.hits = _abi.Hits()
+        self.camera = mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 2, 2).to_struct()
+
+    def check(self, struct, call):
+        right = ctypes.sizeof(struct)
+        self.assertEqual(struct.struct_size, right)
+        self.assertEqual(call(), 0)
+        for wrong in (0, right - 8, right - 4, right + 4, right + 8):
+            struct.struct_size = wrong
+            self.assertEqual(call(), STRUCT_SIZE, wrong)
+
+    def trace(self, options=None):
+        rays, hits = ctypes.byref(self.rays), ctypes.byref(self.hits)
+        return library.mlrt_trace_packet(self.tree._handle, rays, options, hits)
+
+    def test_mesh(self):
+        mesh = _abi.Mesh()
+        handle = _abi.TreeHandle()
+        self.check(mesh, lambda: library.mlrt_build_kdtree(ctypes.byref(mesh), 1, None, ctypes.byref(handle)))
+
+    def test_build_options(self):
+        options, handle = _abi.BuildOptions(), _abi.TreeHandle()
+        self.check(options, lambda: library.mlrt_build_kdtree(None, 0, ctypes.byref(options), ctypes.byref(handle)))
+
+    def test_tree_info(self):
+        info = _abi.TreeInfo()
+        self.check(info, lambda: library.mlrt_get_tree_info(self.tree._handle, ctypes.byref(info)))
+
+    def test_rays(self):
+        self.check(self.rays, self.trace)
+
+    def test_hits(self):
+        self.check(self.hits, self.trace)
+
+    def test_trace_options(self):
+        options = _abi.TraceOptions()
+        self.check(options, lambda: self.trace(ctypes.byref(options)))
+
+    def test_counters(self):
+        counters = mlrt.Counters()
+        options = _abi.TraceOptions(counters=ctypes.pointer(counters))
+        self.check(counters, lambda: self.trace(ctypes.byref(options)))
+
+    def test_hit_lists(self):
+        lists = _abi.HitLists()
+        rays = ctypes.byref(self.rays)
+        self.check(lists, lambda: library.mlrt_trace_all_hits(self.tree._handle, rays, None, ctypes.byref(lists)))
+
+    def test_camera(self):
+        self.check(self.camera, lambda: library.mlrt_camera_rays(ctypes.byref(self.camera), None, None))
+
+
+class Layouts(unittest.TestCase):
+    def test_packed_structs_equal_ctypes_structs(self):
+        for pack, structure in (
+            (_abi.pack_rays, _abi.Rays),
+            (_abi.pack_hits, _abi.Hits),
+            (_abi.pack_hit_lists, _abi.HitLists),
+        ):
+            words = range(1, pack._pack.__self__.format.count("N") + pack._pack.__self__.format.count("P") + 2)
+            packed = structure.from_buffer_copy(pack(*words))
+            self.assertEqual(packed.struct_size, ctypes.sizeof(structure))
+            values = []
+            for name, kind in structure._fields_[1:]:
+                value = getattr(packed, name)
+                values += [getattr(value, part) for part, _ in kind._fields_] if hasattr(kind, "_fields_") else [value]
+            self.assertEqual(values, list(words), structure)
+
+    def test_tree_info_is_read_at_the_right_places(self):
+        info = mlrt.Tree(*box(-1, 2)).info
+        self.assertEqual((info.triangle_count, info.non_finite_count, info.zero_area_count), (12, 0, 0))
+        self.assertEqual(info.bounds.tolist(), [[-1, -1, -1], [2, 2, 2]])
+        self.assertGreater(info.sah_cost, 0)
+        self.assertGreater(info.build_seconds, 0)
+        self.assertLess(info.build_seconds, 60)
+        self.assertGreaterEqual(info.peak_memory_size, info.memory_size)
+
+    def test_version(self):
+        self.assertEqual(mlrt.version()[:2], (0, 1))
+
+
+if __name__ == "__main__":
+    unittest.main()

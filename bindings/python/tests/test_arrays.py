@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: MIT
+"""Arrays in and out: strides, dtypes, shapes, what is copied and what is not, and what is refused."""
+
+import unittest
+
+import numpy as np
+from support import box, integer_scene
+
+import mlrt
+from mlrt._arrays import elements
+
+
+class Inputs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.vertices, cls.faces, cls.origins, cls.directions = integer_scene(4)
+        cls.tree = mlrt.Tree(cls.vertices, cls.faces)
+        cls.expected = cls.tree.trace(cls.origins, cls.directions).triangle
+
+    def check(self, origins, directions, expected=None):
+        got = self.tree.trace(origins, directions, outputs="triangle").triangle
+        self.assertTrue((got == (self.expected if expected is None else expected)).all())
+
+    def test_dtypes(self):
+        for dtype in (np.float64, np.int32, np.int8, ">f4", np.float16):
+            self.check(self.origins.astype(dtype), self.directions)
+        self.check(self.origins.tolist(), self.directions.tolist())
+
+    def test_strides(self):
+        both = np.concatenate((self.origins, self.directions), axis=1)
+        self.check(both[:, :3], both[:, 3:])
+        self.check(self.origins[::-1], self.directions[::-1], self.expected[::-1])
+        self.check(self.origins[::3], self.directions[::3], self.expected[::3])
+        self.check(np.asfortranarray(self.origins), np.asfortranarray(self.directions))
+        self.check(self.origins[:, ::-1][:, ::-1], self.directions)
+
+    def test_unaligned_and_read_only(self):
+        memory = bytearray(self.origins.nbytes + 1)
+        memory[1:] = self.origins.tobytes()
+        self.check(np.frombuffer(memory, np.float32, offset=1).reshape(-1, 3), self.directions)
+        self.check(np.frombuffer(self.origins.tobytes(), np.float32).reshape(-1, 3), self.directions)
+
+    def test_broadcast(self):
+        tree = mlrt.Tree(*box())
+        directions = np.eye(3, dtype=np.float32)
+        self.assertEqual(tree.trace([0, 0, 0], directions).t.tolist(), [1, 1, 1])
+        grid = tree.trace(np.zeros((5, 1, 3)), directions, t_min=np.zeros((4, 1, 1)))
+        self.assertEqual(grid.t.shape, (4, 5, 3))
+        one = tree.trace([0, 0, 0], [0, 0, 2])
+        self.assertEqual((one.t.shape, float(one.t)), ((), 0.5))
+        with self.assertRaises(ValueError):
+            tree.trace(np.zeros((2, 3)), np.zeros((4, 3)))
+
+    def test_no_rays_and_no_triangles(self):
+        for shape in ((0, 3), (4, 0, 3)):
+            hits = self.tree.trace(np.zeros(shape), np.zeros(shape))
+            self.assertEqual(hits.t.shape, shape[:-1])
+            self.assertEqual(self.tree.occluded(np.zeros(shape), np.zeros(shape)).shape, shape[:-1])
+            self.assertEqual(self.tree.hits(np.zeros(shape), np.zeros(shape), 2).t.shape, shape[:-1] + (2,))
+        for empty in (mlrt.Tree(np.zeros((0, 3)), np.zeros((0, 3), int)), mlrt.Tree.from_meshes([])):
+            self.assertFalse(empty.occluded([0, 0, 0], [0, 0, 1]))
+
+    def test_what_is_passed_through(self):
+        wide = np.zeros((8, 7), np.float32)
+        for array in (wide[:, :3], wide[::2, 2:5], wide.reshape(4, 14)[:, 3:6]):
+            kept, address, stride = elements(array, 3)
+            self.assertEqual(address, array.ctypes.data)
+            self.assertEqual(stride, array.strides[0])
+        for array in (wide[::-1, :3], wide[:, :6:2], np.broadcast_to(wide[0, :3], (8, 3))):
+            kept, address, stride = elements(array, 3)
+            self.assertFalse(np.shares_memory(kept, array))
+
+
+class Meshes(unittest.TestCase):
+    def test_index_types_and_strides(self):
+        vertices, faces, origins, directions = integer_scene(5)
+        expected = mlrt.Tree(vertices, faces).trace(origins, directions).triangle
+        interleaved = np.zeros((len(vertices), 8), np.float32)
+        interleaved[:, 2:5] = vertices
+        padded = np.zeros((len(faces), 5), np.uint16)
+        padded[:, 1:4] = faces
+        meshes = [(vertices, faces.astype(dtype)) for dtype in ("u1", "i2", "u2", "i4", "i8", "u8", ">u4", ">i2")]
+        meshes += [(interleaved[:, 2:5], faces), (vertices.astype(np.float64), faces.tolist()), (vertices, padded[:, 1:4])]
+        meshes += [(vertices[faces.ravel()], None), (vertices[faces], None), (vertices, faces[:, ::-1][:, ::-1])]
+        meshes += [(vertices, np.asfortranarray(faces)), (np.asfortranarray(vertices), faces)]
+        for mesh in meshes:
+            tree = mlrt.Tree(*mesh)
+            self.assertTrue((tree.trace(origins, directions).triangle == expected).all())
+
+    def test_overlapping_rows_are_copied(self):
+        strip = np.array([0, 1, 2, 3, 4, 5], np.uint32)
+        windows = np.lib.stride_tricks.sliding_window_view(strip, 3)
+        vertices = np.random.default_rng(0).random((6, 3), np.float32)
+        self.assertEqual(mlrt.Tree(vertices, windows).info.tree_hash, mlrt.Tree(vertices, windows.copy()).info.tree_hash)
+
+    def test_several_meshes(self):
+        vertices, faces = box()
+        tree = mlrt.Tree.from_meshes([(vertices + 5, faces), (vertices, faces)], ids=[7, 3])
+        hits = tree.trace([[5, 5.5, 9], [0, 0.5, 9], [9, 9, 9]], [0, 0, -1])
+        self.assertEqual(hits.mesh.tolist(), [7, 3, mlrt.NONE])
+        for ids in ([1], [1, 1], [1, mlrt.NONE], [1, -1]):
+            with self.assertRaises(ValueError):
+                mlrt.Tree.from_meshes([(vertices, faces)] * 2, ids=ids)
+
+    def test_impossible_triangles_are_counted(self):
+        vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [np.nan, 0, 0], [2, 0, 0]])
+        info = mlrt.Tree(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4]]).info
+        self.assertEqual((info.triangle_count, info.non_finite_count, info.zero_area_count), (3, 1, 1))
+
+
+class Outputs(unittest.TestCase):
+    def setUp(self):
+        self.tree = mlrt.Tree(*box())
+        self.directions = np.random.default_rng(0).normal(size=(20, 3)).astype(np.float32)
+        self.expected = self.tree.trace([0, 0, 0], self.directions)
+
+    def test_only_what_is_asked_for(self):
+        for outputs in ("t", ("triangle", "u"), [], ("facing", "mesh", "v")):
+            hits = self.tree.trace([0, 0, 0], self.directions, outputs=outputs)
+            for name, array in hits._asdict().items():
+                if name in outputs:
+                    self.assertEqual(array.tobytes(), getattr(self.expected, name).tobytes())
+                else:
+                    self.assertIsNone(array)
+        with self.assertRaises(ValueError):
+            self.tree.trace([0, 0, 0], [0, 0, 1], outputs=("t", "normal"))
+
+    def test_into_arrays_with_strides(self):
+        table = np.full((20, 4), 9, np.float32)
+        out = mlrt.Hits(t=table[:, 1], triangle=table.view(np.uint32)[:, 3])
+        self.assertIs(self.tree.trace([0, 0, 0], self.directions, out=out), out)
+        self.assertTrue((out.t == self.expected.t).all() and (out.triangle == self.expected.triangle).all())
+        self.assertTrue((table[:, ::2] == 9).all())
+
+    def test_picture_into_a_larger_one(self):
+        camera = mlrt.Camera.look_at((3, 2, 4), (0, 0, 0), 16, 12)
+        canvas = np.zeros((30, 40), np.float32)
+        self.tree.render(camera, out=mlrt.Hits(t=canvas[5:17, 7:23]))
+        self.assertTrue((canvas[5:17, 7:23] == self.tree.render(camera).t).all())
+        self.assertEqual(np.count_nonzero(canvas), 16 * 12)
+
+    def test_occluded_into_bytes(self):
+        out = np.full(20, 7, np.uint8)
+        self.tree.occluded([0, 0, 0], self.directions, out=out)
+        self.assertTrue((out == 1).all())
+
+    def test_impossible_outputs(self):
+        read_only = np.zeros(20, np.float32)
+        read_only.flags.writeable = False
+        impossible = [np.zeros(19, np.float32), np.zeros(20), np.zeros(20, np.float32)[::-1], read_only, [0.0] * 20]
+        impossible += [np.broadcast_to(np.float32(0), 20), np.zeros(20, ">f4")]
+        for array in impossible:
+            with self.assertRaises(ValueError):
+                self.tree.trace([0, 0, 0], self.directions, out=mlrt.Hits(t=array))
+
+
+class Refused(unittest.TestCase):
+    def setUp(self):
+        self.vertices, self.faces = box()
+        self.tree = mlrt.Tree(self.vertices, self.faces)
+
+    def test_index_out_of_range(self):
+        for wrong in (8, -1, 2**32, 2**40 + 1):
+            faces = self.faces.astype(np.int64)
+            faces[5, 1] = wrong
+            with self.assertRaises(mlrt.IndexRangeError) as caught:
+                mlrt.Tree(self.vertices, faces)
+            self.assertIn("triangle 5", str(caught.exception))
+            self.assertEqual(caught.exception.status, 3)
+
+    def test_library_errors(self):
+        with self.assertRaises(mlrt.ArgumentError):
+            mlrt.Tree(self.vertices, self.faces, max_depth=99)
+        with self.assertRaises(mlrt.ArgumentError):
+            mlrt.Tree(self.vertices, self.faces, traversal_cost=float("nan"))
+
+    def test_shapes_and_types(self):
+        for vertices, faces in (
+            (self.vertices[:, :2], self.faces),
+            (self.vertices, self.faces[:, :2]),
+            (self.vertices, self.faces.astype(float)),
+            (self.vertices[0], self.faces),
+        ):
+            with self.assertRaises((ValueError, TypeError)):
+                mlrt.Tree(vertices, faces)
+        for arguments in (
+            {"origins": [0, 0]},
+            {"origins": 0},
+            {"skip": [0.5, 0]},
+            {"skip": [0, 0, 0]},
+            {"method": "fast"},
+            {"isa": "neon"},
+            {"row_length": -1},
+        ):
+            with self.assertRaises((ValueError, TypeError), msg=str(arguments)):
+                self.tree.trace(**{"origins": [0, 0, 0], "directions": [0, 0, 1], **arguments})
+        with self.assertRaises(ValueError):
+            mlrt.Tree(self.vertices, self.faces, preset="best")
+        with self.assertRaises(ValueError):
+            mlrt.Tree(self.vertices, self.faces, rules_off=["all"])
+        with self.assertRaises(ValueError):
+            mlrt.Pool(5000)
+
+
+if __name__ == "__main__":
+    unittest.main()

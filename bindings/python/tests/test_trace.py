@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""Answers: against integers, from every method and instruction set, all hits, inside and outside, pictures."""
+
+import unittest
+
+import numpy as np
+from support import METHODS, box, distances, integer_scene, isas
+
+import mlrt
+
+
+def assert_same(case, first, second):
+    """The same bits in all arrays of two results."""
+    for name, a, b in zip(first._fields, first, second):
+        case.assertEqual(a.tobytes(), b.tobytes(), name)
+
+
+class AgainstIntegers(unittest.TestCase):
+    def test_closest_hit(self):
+        for seed in range(5):
+            vertices, faces, origins, directions = integer_scene(seed)
+            t, u, v, sign = distances(vertices, faces, origins, directions)
+            hits = mlrt.Tree(vertices, faces).trace(origins, directions)
+            rays, first = np.arange(len(origins)), t.argmin(axis=1)
+            hit = np.isfinite(t[rays, first])
+            with self.subTest(seed=seed):
+                self.assertGreater(hit.sum(), 100)
+                self.assertTrue((hits.triangle == np.where(hit, first, mlrt.NONE)).all())
+                self.assertTrue((hits.mesh == np.where(hit, 0, mlrt.NONE)).all())
+                for got, expected in ((hits.t, t), (hits.u, u), (hits.v, v), (hits.facing, sign)):
+                    self.assertTrue((got == expected[rays, first].astype(got.dtype)).all())
+                self.assertTrue((hits.hit == hit).all())
+
+    def test_any_hit(self):
+        vertices, faces, origins, directions = integer_scene(6)
+        expected = np.isfinite(distances(vertices, faces, origins, directions)[0]).any(axis=1)
+        self.assertTrue((mlrt.Tree(vertices, faces).occluded(origins, directions) == expected).all())
+
+    def test_all_hits(self):
+        vertices, faces, origins, directions = integer_scene(7)
+        t = distances(vertices, faces, origins, directions)[0]
+        order = np.argsort(t, axis=1, kind="stable")
+        lists = mlrt.Tree(vertices, faces).hits(origins, directions, 10)
+        self.assertTrue((lists.total == np.isfinite(t).sum(axis=1)).all())
+        self.assertTrue((lists.t == np.take_along_axis(t, order, axis=1)[:, :10].astype(np.float32)).all())
+        listed = np.arange(10) < lists.total[:, None]
+        self.assertTrue((lists.triangle == np.where(listed, order[:, :10], mlrt.NONE)).all())
+
+    def test_interval_and_skip(self):
+        vertices, faces, origins, directions = integer_scene(8)
+        tree = mlrt.Tree(vertices, faces)
+        t = distances(vertices, faces, origins, directions)[0]
+        first = tree.trace(origins, directions)
+        skip = np.column_stack((first.mesh, first.triangle))
+        behind = tree.trace(origins, directions, t_min=1, t_max=3, skip=skip)
+        t[first.hit, first.triangle[first.hit]] = np.inf
+        t[(t <= 1) | (t > 3)] = np.inf
+        expected = np.where(np.isfinite(t).any(axis=1), t.argmin(axis=1), mlrt.NONE)
+        self.assertTrue((behind.triangle == expected).all())
+
+
+class SameAnswers(unittest.TestCase):
+    def test_methods_and_instruction_sets(self):
+        vertices, faces, origins, directions = integer_scene(1)
+        tree = mlrt.Tree(vertices, faces)
+        expected = tree.trace(origins, directions)
+        occluded = tree.occluded(origins, directions)
+        for isa in isas():
+            for method in METHODS:
+                with self.subTest(isa=isa, method=method):
+                    assert_same(self, expected, tree.trace(origins, directions, method=method, isa=isa))
+                    got = tree.occluded(origins, directions, method=method, isa=isa)
+                    self.assertTrue((got == occluded).all())
+
+    def test_row_length_and_pool(self):
+        vertices, faces, origins, directions = integer_scene(2)
+        tree = mlrt.Tree(vertices, faces)
+        expected = tree.trace(origins, directions)
+        with mlrt.Pool(3) as pool:
+            assert_same(self, expected, tree.trace(origins, directions, row_length=20, pool=pool))
+            lists = tree.hits(origins, directions, 4)
+            assert_same(self, lists, tree.hits(origins, directions, 4, pool=pool))
+
+    def test_paper_tree(self):
+        vertices, faces, origins, directions = integer_scene(3)
+        rules = ("empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction")
+        expected = mlrt.Tree(vertices, faces).trace(origins, directions)
+        for options in ({"preset": "paper"}, {"rules_off": rules}, {"max_depth": 3}, {"max_references": 100}):
+            assert_same(self, expected, mlrt.Tree(vertices, faces, **options).trace(origins, directions))
+
+
+class InsideAndOutside(unittest.TestCase):
+    def test_box(self):
+        tree = mlrt.Tree(*box())
+        axis = np.array([-1.5, -0.5, 0, 0.25, 0.5, 1.5], np.float32)
+        points = np.stack(np.meshgrid(axis, axis, axis), axis=-1)
+        inside = (np.abs(points) < 1).all(axis=-1)
+        for direction in ((0, 0, 1), (1, 1, 1), (1, 0, -1), (0.3, 0.5, -0.7)):
+            self.assertTrue((tree.contains(points, direction) == inside).all(), direction)
+
+    def test_a_diagonal_hits_two_triangles_and_crosses_once(self):
+        lists = mlrt.Tree(*box()).hits([0, 0, 0], [0, 0, 1], 4)
+        self.assertEqual((int(lists.total), int(lists.crossing_total)), (2, 1))
+        self.assertEqual(lists.crossing.sum(), 1)
+
+    def test_totals_only(self):
+        lists = mlrt.Tree(*box()).hits([[0.1, 0.2, 5], [9, 9, 9]], [0, 0, -1], 0)
+        self.assertIsNone(lists.t)
+        self.assertEqual(lists.total.tolist(), [2, 0])
+
+
+class Pictures(unittest.TestCase):
+    cameras = (
+        mlrt.Camera.look_at((3, 2, 4), (0, 0, 0), 37, 21),
+        mlrt.Camera.orthographic((3, 2, 4), (0, 0, 0), 20, 30, extent=3, up=(0, 0, 1)),
+    )
+
+    def test_render_equals_trace_of_the_rays(self):
+        tree = mlrt.Tree(*box())
+        for camera in self.cameras:
+            picture = tree.render(camera)
+            self.assertEqual(picture.t.shape, (camera.height, camera.width))
+            self.assertTrue(picture.hit.any() and not picture.hit.all())
+            assert_same(self, picture, tree.trace(*camera.rays()))
+            with mlrt.Pool(2) as pool:
+                assert_same(self, picture, tree.render(camera, pool=pool, method="packet2"))
+
+    def test_look_at(self):
+        camera = mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 101, 101, fov=90)
+        origins, directions = camera.rays()
+        self.assertTrue((origins == (0, 0, 5)).all())
+        self.assertTrue(np.allclose(directions[50, 50], (0, 0, -1), atol=1e-6))
+        self.assertGreater(directions[50, 100, 0], 0)  # right
+        self.assertGreater(directions[0, 50, 1], 0)  # up comes first
+        self.assertTrue(np.allclose(directions[0, 50, 1], 100 / 101, atol=1e-6))
+
+    def test_crop_is_a_part_of_the_picture(self):
+        tree, camera = mlrt.Tree(*box()), mlrt.Camera.look_at((3, 2, 4), (0, 0, 0), 40, 30)
+        whole = tree.render(camera)
+        camera.crop = (5, 6, 17, 13)
+        part = tree.render(camera)
+        self.assertEqual(part.t.tobytes(), whole.t[6:19, 5:22].tobytes())
+
+    def test_interval(self):
+        tree, camera = mlrt.Tree(*box()), mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 8, 8, fov=5)
+        self.assertTrue(tree.render(camera).hit.all())
+        for camera.t_max in (0.0, 3.0):
+            self.assertFalse(tree.render(camera).hit.any())
+
+    def test_impossible_cameras(self):
+        tree = mlrt.Tree(*box())
+        for change in ({"crop": (35, 0, 10, 10)}, {"width": 0}, {"width": -1}, {"eye": (np.nan, 0, 0)}):
+            camera = mlrt.Camera.look_at((3, 2, 4), (0, 0, 0), 40, 30)
+            vars(camera).update(change)
+            with self.assertRaises(mlrt.CameraError, msg=str(change)):
+                tree.render(camera)
+        with self.assertRaises(ValueError):
+            mlrt.Camera.look_at((0, 0, 1), (0, 0, 0), 4, 4, up=(0, 0, 1))
+
+
+if __name__ == "__main__":
+    unittest.main()
