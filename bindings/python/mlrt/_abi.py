@@ -206,7 +206,7 @@ class Camera(Struct):
 class Packer:
     """Writes a Struct as bytes, from the values of its leaves in order, the struct_size left out."""
 
-    LETTERS = {c_uint32: "I", c_int32: "i", c_size_t: "N", c_void_p: "P"}
+    LETTERS: dict[Any, str] = {c_uint32: "I", c_int32: "i", c_size_t: "N", c_void_p: "P"}
 
     def __init__(self, structure: type[Struct]) -> None:
         self.size = ctypes.sizeof(structure)
@@ -214,7 +214,7 @@ class Packer:
         assert layout.size == self.size, structure
         self._pack = layout.pack
 
-    def _letters(self, structure: type[ctypes.Structure]) -> str:
+    def _letters(self, structure: Any) -> str:
         kinds = [kind for _, kind in structure._fields_]
         return "".join(self.LETTERS[kind] if kind in self.LETTERS else self._letters(kind) for kind in kinds)
 

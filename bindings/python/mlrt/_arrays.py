@@ -9,7 +9,8 @@ import numpy as np
 FLOAT = np.dtype(np.float32)
 UINT = np.dtype(np.uint32)
 
-_from_buffer, _addressof = ctypes.c_char.from_buffer, ctypes.addressof
+_from_buffer: Any = ctypes.c_char.from_buffer
+_addressof = ctypes.addressof
 
 
 def address(array: np.ndarray) -> int:

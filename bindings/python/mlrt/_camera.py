@@ -3,7 +3,7 @@
 
 import ctypes
 from dataclasses import dataclass
-from typing import Optional, Sequence
+from typing import Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from . import _abi
 from ._arrays import address
 from ._errors import check
 
-Vector = Sequence[float]
+Vector = Union[Sequence[float], NDArray[np.floating]]  # three numbers
 
 # A t_max that no ray has hits below. The 0 of a Camera cannot go into an mlrt_camera, where it means no limit.
 NOTHING = -1.0

@@ -64,7 +64,7 @@ def _caller_array(array: np.ndarray, name: str, dtypes: tuple[np.dtype, ...], sh
 
 def given_hits(out: Hits, shape: tuple[int, ...], rows: bool) -> bytes:
     """The mlrt_hits of the caller's arrays. `rows`: arrays of two axes may have a stride of their own for rows."""
-    fields = []
+    fields: list[int] = []
     for name, array in zip(Hits._fields, out):
         field = _NO_ARRAY if array is None else _caller_array(array, name, (DTYPES[name],), shape)
         if field[2] and not rows:
@@ -86,7 +86,8 @@ def new_hit_lists(outputs: Optional[Iterable[str]], shape: tuple[int, ...], k: i
     """The arrays named in `outputs` (None = all) for k hits per ray, and the mlrt_hit_lists of them."""
     totals = ("total", "crossing_total")
     names = _check_names(outputs, HitLists._fields)
-    arrays, fields = {}, []
+    arrays: dict[str, np.ndarray] = {}
+    fields: list[int] = []
     for name in HitLists._fields:
         if name in names and (k > 0 or name in totals):
             arrays[name] = np.empty(shape if name in totals else shape + (k,), DTYPES[name])

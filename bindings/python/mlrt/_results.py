@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: MIT
 """What tracing returns: arrays of hits, one entry per ray, and lists of hits, several entries per ray."""
 
-from typing import NamedTuple, Optional
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._abi import NONE
 
+# An array that was not asked for. Whoever asked for it need not tell a type checker that it is there.
+_ABSENT: Any = None
+
 
 class Hits(NamedTuple):
     """The closest hits of rays. All arrays have the rays' shape; one that was not asked for is None."""
 
-    t: Optional[NDArray[np.float32]] = None  #: distance in units of the direction's length; inf = miss
-    u: Optional[NDArray[np.float32]] = None  #: weight of the triangle's second vertex
-    v: Optional[NDArray[np.float32]] = None  #: weight of its third
-    mesh: Optional[NDArray[np.uint32]] = None  #: id of the mesh; mlrt.NONE = miss
-    triangle: Optional[NDArray[np.uint32]] = None  #: number of the triangle in its mesh; mlrt.NONE = miss
-    facing: Optional[NDArray[np.int32]] = None  #: +1: the ray travels along the normal, -1: against it, 0 = miss
+    t: NDArray[np.float32] = _ABSENT  #: distance in units of the direction's length; inf = miss
+    u: NDArray[np.float32] = _ABSENT  #: weight of the triangle's second vertex
+    v: NDArray[np.float32] = _ABSENT  #: weight of its third
+    mesh: NDArray[np.uint32] = _ABSENT  #: id of the mesh; mlrt.NONE = miss
+    triangle: NDArray[np.uint32] = _ABSENT  #: number of the triangle in its mesh; mlrt.NONE = miss
+    facing: NDArray[np.int32] = _ABSENT  #: +1: the ray travels along the normal, -1: against it, 0 = miss
 
     @property
     def hit(self) -> NDArray[np.bool_]:
@@ -39,15 +42,15 @@ class HitLists(NamedTuple):
     Entries behind a ray's last hit are misses. An array that was not asked for is None, as are all arrays of hits if k is 0.
     """
 
-    t: Optional[NDArray[np.float32]] = None
-    u: Optional[NDArray[np.float32]] = None
-    v: Optional[NDArray[np.float32]] = None
-    mesh: Optional[NDArray[np.uint32]] = None
-    triangle: Optional[NDArray[np.uint32]] = None
-    facing: Optional[NDArray[np.int32]] = None
-    crossing: Optional[NDArray[np.bool_]] = None  #: does this hit cross the surface (True) or only touch it?
-    total: Optional[NDArray[np.uint32]] = None  #: per ray: how many hits it has, also beyond k
-    crossing_total: Optional[NDArray[np.uint32]] = None  #: per ray: how many of these cross
+    t: NDArray[np.float32] = _ABSENT
+    u: NDArray[np.float32] = _ABSENT
+    v: NDArray[np.float32] = _ABSENT
+    mesh: NDArray[np.uint32] = _ABSENT
+    triangle: NDArray[np.uint32] = _ABSENT
+    facing: NDArray[np.int32] = _ABSENT
+    crossing: NDArray[np.bool_] = _ABSENT  #: does this hit cross the surface (True) or only touch it?
+    total: NDArray[np.uint32] = _ABSENT  #: per ray: how many hits it has, also beyond k
+    crossing_total: NDArray[np.uint32] = _ABSENT  #: per ray: how many of these cross
 
 
 DTYPES = {

@@ -266,7 +266,7 @@ class Tree:
         number of times. Nested closed meshes alternate between inside and outside.
         """
         lists = self.hits(points, direction, 0, outputs="crossing_total", pool=pool)
-        return (lists.crossing_total & 1).astype(np.bool_)
+        return np.asarray(lists.crossing_total & 1, np.bool_)
 
     def render(
         self,

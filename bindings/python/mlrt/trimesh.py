@@ -40,7 +40,7 @@ class RayMeshIntersector:
         return {"mesh": self.mesh}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__init__(state["mesh"])
+        self.mesh, self._tree, self._hash = state["mesh"], None, None
 
     def __deepcopy__(self, memo: Any) -> "RayMeshIntersector":
         return type(self)(self.mesh)
@@ -99,8 +99,9 @@ class RayMeshIntersector:
         A ray nearly in the plane may meet it outside of the triangle: then the point that float32 arithmetic found is taken.
         """
         vertices = np.asarray(self.mesh.vertices, np.float64)
-        a, b, c = np.moveaxis(vertices[np.asarray(self.mesh.faces)[index_tri]], 1, 0)
-        u, v = weights.astype(np.float64).T[:, :, None]
+        corners = vertices[np.asarray(self.mesh.faces)[index_tri]]
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        u, v = weights[:, :1].astype(np.float64), weights[:, 1:].astype(np.float64)
         in_triangle = a + u * (b - a) + v * (c - a)
         normal = np.cross(b - a, c - a)
         origin, direction = _points(origins, "")[index_ray], _points(directions, "")[index_ray]
@@ -116,9 +117,10 @@ class RayMeshIntersector:
     ) -> tuple[NDArray[np.float64], Index, Index]:
         """Where rays hit the mesh: locations float64 (h, 3), index_ray int64 (h,), index_tri int64 (h,)."""
         kwargs.pop("return_locations", None)
-        index_tri, index_ray, locations = self.intersects_id(
+        found: Any = self.intersects_id(
             ray_origins, ray_directions, return_locations=True, multiple_hits=multiple_hits, **kwargs
         )
+        index_tri, index_ray, locations = found
         return locations, index_ray, index_tri
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **kwargs: Any) -> Index:
@@ -176,7 +178,7 @@ def _all_places(
     while len(rays):
         lists = tree.hits(origins[rays], directions[rays], capacity, outputs=("t", "u", "v", "triangle", "total"))
         complete = lists.total <= capacity
-        new = np.arange(capacity) < lists.total[:, None]
+        new = np.asarray(np.arange(capacity) < lists.total[:, None])
         new[:, 1:] &= lists.t[:, 1:] != lists.t[:, :-1]
         new &= complete[:, None]
         if max_hits is not None:
@@ -187,6 +189,6 @@ def _all_places(
         rays, capacity = rays[~complete], capacity * _GROWTH
     if not found:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 2), np.float32)
-    joined = [np.concatenate(parts) for parts in zip(*found)]
-    order = np.argsort(joined[0], kind="stable")
-    return tuple(part[order] for part in joined)
+    index_ray, index_tri, weights = (np.concatenate(parts) for parts in zip(*found))
+    order = np.argsort(index_ray, kind="stable")
+    return index_ray[order], index_tri[order], weights[order]
