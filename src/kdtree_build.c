@@ -74,7 +74,8 @@ struct settings {
 
 /*
  * The usual 8 + 1.3 log2 n, and room for empty sides and covered planes. Up to 60 levels instead make no difference to
- * expected costs in four digits (erw6, conference).
+ * expected costs in four digits (erw6, conference, cruiser, dragon, 2 million triangles of rooms). Nor would 36 matter,
+ * at most 0.4 %; with 32, costs rise by up to 4 %, with 28 by up to 31 % (examples/depth.c).
  */
 static uint32_t default_depth(uint32_t triangle_count)
 {
