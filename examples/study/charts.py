@@ -268,27 +268,35 @@ STAGES = [
 
 
 def draw_stages(rows, path):
-    groups = [(row["scene"], row["generator"]) for row in rows]
-    figure, axes = plt.subplots(figsize=(10, 1.6 + 0.95 * len(rows)))
-    height = 0.8 / len(STAGES)
-    for i, row in enumerate(rows):
-        total = sum(float(row[stage]) for stage, _, _ in STAGES) or 1
-        for s, (stage, _, colour) in enumerate(STAGES):
-            share = 1e6 * float(row[stage]) / total
-            y = i + (s - 1.5) * height
-            if share > 0:
-                axes.barh(y, share, height * 0.92, color=colour, left=0)
-            axes.text(max(share, 1e-2) * 1.15, y, f"{share:,.0f}" if share >= 10 else f"{share:.2g}", va="center",
-                      fontsize=8)
-    axes.set_yticks(range(len(rows)), [f"{scene}\n{generator}" for scene, generator in groups])
-    axes.invert_yaxis()
-    axes.set_xscale("log")
-    axes.set_xlim(1e-2, 1e7)
-    axes.set_xlabel("of a million (ray, triangle) decisions, this many by each stage")
+    scenes = in_order(rows, "scene")
+    generators = in_order(rows, "generator")
+    titles = {"camera": "pictures", "random": "random rays", "edge": "rays aimed at edges"}
+    figure, panels = plt.subplots(1, len(generators), figsize=(14, 1.8 + 0.55 * len(scenes)), sharey=True, squeeze=False)
+    height = 0.84 / len(STAGES)
+    for axes, generator in zip(panels[0], generators):
+        for row in rows:
+            if row["generator"] != generator:
+                continue
+            total = sum(float(row[stage]) for stage, _, _ in STAGES) or 1
+            for s, (stage, _, colour) in enumerate(STAGES):
+                share = 1e6 * float(row[stage]) / total
+                y = scenes.index(row["scene"]) + (s - 1.5) * height
+                if share > 0:
+                    axes.barh(y, share, height * 0.92, color=colour, left=0)
+                axes.text(max(share, 0.1) * 1.2, y, f"{share:,.0f}" if share >= 10 else f"{share:.2g}", va="center",
+                          fontsize=6.5)
+        axes.set_title(titles.get(generator, generator), fontsize=11)
+        axes.set_xscale("log")
+        axes.set_xlim(0.1, 3e7)
+        axes.grid(axis="x", color="0.9")
+        axes.set_axisbelow(True)
+        axes.set_xlabel("of a million (ray, triangle) decisions")
+    panels[0][0].set_yticks(range(len(scenes)), scenes)
+    panels[0][0].set_ylim(len(scenes) - 0.4, -0.6)
     handles = [Line2D([], [], color=colour, linewidth=8, label=title) for _, title, colour in STAGES]
     figure.legend(handles=handles, loc="lower center", ncol=4, frameon=False, fontsize=9.5)
-    figure.suptitle("Which stage of the library decides (multi-level)", fontsize=12)
-    figure.tight_layout(rect=(0, 0.6 / figure.get_figheight(), 1, 0.99))
+    figure.suptitle("Which stage of the multi-level method decides", fontsize=12)
+    figure.tight_layout(rect=(0, 0.5 / figure.get_figheight(), 1, 0.99))
     finish(figure, path)
 
 
