@@ -442,9 +442,9 @@ typedef struct mlrt_hit_lists {
  *
  * A hit through an edge or a corner is a hit of each triangle there. For questions of inside and outside such a ray
  * must count once, so each hit says whether it is a `crossing`: whether it would still be a hit with the origin moved
- * by (e, e^2, e^3) for any positive e that is small enough, t_max aside (symbolic perturbation: H. Edelsbrunner, E. P. Muecke,
- * "Simulation of Simplicity", 1990). Along any ray from a point that does not lie on a closed mesh, with t_max = inf,
- * crossing_total is odd if the point is inside, and even if it is outside.
+ * by (e, e^2, e^3) for any positive e that is small enough, t_max aside (symbolic perturbation: H. Edelsbrunner, E. P.
+ * Muecke, "Simulation of Simplicity", 1990). Along any ray from a point that does not lie on a closed mesh, with t_max
+ * = inf, crossing_total is odd if the point is inside, and even if it is outside.
  *
  * `options` may be NULL; of its fields only pool and counters matter. MLRT_ERROR_OUT_OF_MEMORY is possible: hits are
  * gathered in memory that grows with the hits of one ray. The arrays then hold the results of some rays only.
