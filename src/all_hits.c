@@ -73,12 +73,10 @@ static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray,
                       size_t i)
 {
     struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
-    uint32_t mesh = MLRT_NONE, triangle = MLRT_NONE;
-    if (number != MLRT_NONE) {
-        const uint32_t position = mlrt_mesh_of_triangle(run->tree, number);
-        mesh = run->tree->mesh_ids[position];
-        triangle = number - run->tree->mesh_first[position];
-        if (run->outputs) mlrt_report_hit(ray, &run->tree->triangles[number], run->outputs, &report);
+    uint32_t mesh, triangle;
+    mlrt_find_ids(run->tree, number, &mesh, &triangle);
+    if (run->outputs && number != MLRT_NONE) {
+        mlrt_report_hit(ray, &run->tree->triangles[number], run->outputs, &report);
     }
     write_float(&run->arrays[T], i, report.t);
     write_float(&run->arrays[U], i, report.u);

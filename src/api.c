@@ -341,11 +341,8 @@ static void write_hit(const mlrt_tree *tree, const struct mlrt_ray_segment *segm
     hit->occluded = number != MLRT_NONE;
     if (any) return;
     struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
-    hit->mesh = hit->triangle = MLRT_NONE;
+    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
     if (number != MLRT_NONE) {
-        const uint32_t mesh = mlrt_mesh_of_triangle(tree, number);
-        hit->mesh = tree->mesh_ids[mesh];
-        hit->triangle = number - tree->mesh_first[mesh];
         mlrt_report_hit(segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING,
                         &report);
     }

@@ -148,13 +148,12 @@ static int sign_of_difference(const struct determinant *a, const struct determin
     return 0;
 }
 
-static int direction_on_grid(const float d[3], int64_t direction[3])
+static int direction_on_grid(const float d[3], int64_t direction[3], double *scale)
 {
     struct extent extent = nothing;
-    double scale;
     extend(&extent, d);
-    if (!find_grid(&extent, &scale)) return 0;
-    for (int k = 0; k < 3; ++k) direction[k] = (int64_t)(d[k] * scale);
+    if (!find_grid(&extent, scale)) return 0;
+    for (int k = 0; k < 3; ++k) direction[k] = (int64_t)(d[k] * *scale);
     return 1;
 }
 
@@ -176,12 +175,12 @@ static int is_zero(const int128 cross[3])
 int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
 {
     struct extent extent = nothing;
-    double scale;
+    double scale, direction_scale;
     int64_t direction[3], vertex[3][3];
     int128 moment[3][3];
     extend(&extent, ray->origin);
     extend_by_triangle(&extent, triangle);
-    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction)) return 0;
+    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
     for (int i = 0; i < 3; ++i) {
         subtract_on_grid(triangle->v[i], ray->origin, scale, vertex[i]);
         cross_product(direction, vertex[i], moment[i]);
@@ -197,12 +196,12 @@ int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_t
 int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[3], int *meets)
 {
     struct extent extent = nothing;
-    double scale;
+    double scale, direction_scale;
     int64_t direction[3], to_point[3];
     int128 moment[3];
     extend(&extent, ray->origin);
     extend(&extent, point);
-    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction)) return 0;
+    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
     subtract_on_grid(point, ray->origin, scale, to_point);
     cross_product(direction, to_point, moment);
     *meets = is_zero(moment);
@@ -243,12 +242,12 @@ int mlrt_grid_order(const struct mlrt_ray_segment *ray, const struct mlrt_triang
                     const struct mlrt_triangle *second, int *sign)
 {
     struct extent extent = nothing;
-    double scale;
+    double scale, direction_scale;
     int64_t direction[3];
     extend(&extent, ray->origin);
     extend_by_triangle(&extent, first);
     extend_by_triangle(&extent, second);
-    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction)) return 0;
+    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
     const struct crossing a = cross_plane(ray->origin, direction, first, scale);
     const struct crossing b = cross_plane(ray->origin, direction, second, scale);
     *sign = a.d.sign * b.d.sign * sign_of_difference(&a.n, &b.d, &b.n, &a.d);
@@ -264,24 +263,21 @@ static double size_of(const struct determinant *determinant)
 
 int mlrt_grid_quotients(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, double quotient[3])
 {
-    struct extent extent = nothing, direction_extent = nothing;
+    struct extent extent = nothing;
     double scale, direction_scale;
-    int64_t direction[3], ab[3], ac[3], to_a[3], to_c[3], ca[3];
+    int64_t direction[3], ab[3], ca[3], to_a[3], to_c[3];
     extend(&extent, ray->origin);
     extend_by_triangle(&extent, triangle);
-    extend(&direction_extent, ray->direction);
-    if (!find_grid(&extent, &scale) || !find_grid(&direction_extent, &direction_scale)) return 0;
-    direction_on_grid(ray->direction, direction);
+    if (!find_grid(&extent, &scale) || !direction_on_grid(ray->direction, direction, &direction_scale)) return 0;
     subtract_on_grid(triangle->v[1], triangle->v[0], scale, ab);
-    subtract_on_grid(triangle->v[2], triangle->v[0], scale, ac);
     subtract_on_grid(triangle->v[0], triangle->v[2], scale, ca);
     subtract_on_grid(triangle->v[0], ray->origin, scale, to_a);
     subtract_on_grid(triangle->v[2], ray->origin, scale, to_c);
-    const struct determinant d = determinant_of(ab, ac, direction), n = determinant_of(ab, ac, to_a);
+    const struct crossing plane = cross_plane(ray->origin, direction, triangle, scale);
     const struct determinant e_ca = determinant_of(direction, to_c, ca), e_ab = determinant_of(direction, to_a, ab);
-    quotient[0] = size_of(&n) / size_of(&d) * (direction_scale / scale);
-    quotient[1] = size_of(&e_ca) / size_of(&d);
-    quotient[2] = size_of(&e_ab) / size_of(&d);
+    quotient[0] = size_of(&plane.n) / size_of(&plane.d) * (direction_scale / scale);
+    quotient[1] = size_of(&e_ca) / size_of(&plane.d);
+    quotient[2] = size_of(&e_ab) / size_of(&plane.d);
     return 1;
 }
 

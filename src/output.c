@@ -42,7 +42,8 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink)
     return 1;
 }
 
-uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
+/* The position of the mesh that a triangle number belongs to. */
+static uint32_t mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
     uint32_t below = 0, above = tree->mesh_count;
     while (above - below > 1) {
@@ -54,6 +55,15 @@ uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
         }
     }
     return below;
+}
+
+void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle)
+{
+    *mesh = *triangle = MLRT_NONE;
+    if (number == MLRT_NONE) return;
+    const uint32_t position = mesh_of_triangle(tree, number);
+    *mesh = tree->mesh_ids[position];
+    *triangle = number - tree->mesh_first[position];
 }
 
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray)
@@ -108,7 +118,7 @@ static void find_ids(const struct mlrt_tree *tree, const struct mlrt_packet *pac
             continue;
         }
         if (number < tree->mesh_first[mesh] || number >= tree->mesh_first[mesh + 1]) {
-            mesh = mlrt_mesh_of_triangle(tree, number);
+            mesh = mesh_of_triangle(tree, number);
         }
         meshes[lane] = tree->mesh_ids[mesh];
         triangles[lane] = number - tree->mesh_first[mesh];
@@ -190,9 +200,10 @@ static void write_occluded_run(uint8_t value, uint32_t x, uint32_t y, uint32_t c
 void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t count,
                           const struct mlrt_sink *sink)
 {
-    const uint32_t mesh = mlrt_mesh_of_triangle(tree, number);
-    write_run(tree->mesh_ids[mesh], x, y, count, MLRT_CHANNEL_MESH, sink);
-    write_run(number - tree->mesh_first[mesh], x, y, count, MLRT_CHANNEL_TRIANGLE, sink);
+    uint32_t mesh, triangle;
+    mlrt_find_ids(tree, number, &mesh, &triangle);
+    write_run(mesh, x, y, count, MLRT_CHANNEL_MESH, sink);
+    write_run(triangle, x, y, count, MLRT_CHANNEL_TRIANGLE, sink);
     write_occluded_run(1, x, y, count, sink);
 }
 

@@ -119,7 +119,7 @@ static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
     uint32_t seed = 0;
     while (!(lanes >> seed & 1)) ++seed;
     float length = 0;
-    for (int k = 0; k < 3; ++k) length = fmaxf(length, fabsf(packet->direction[k][seed]));
+    for (int k = 0; k < 3; ++k) length = larger_of(fabsf(packet->direction[k][seed]), length);
     uint32_t similar = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf difference = v_set1(0);

@@ -236,7 +236,7 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
     return hit;
 }
 
-/* What test_lanes has to say: lanes that are nearer, and what is left of the others. */
+/* What filter_lanes has to say: lanes that are nearer, and what is left of the others. */
 struct outcome {
     uint32_t nearer;
     uint32_t undecided;

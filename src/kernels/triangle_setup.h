@@ -33,11 +33,6 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
 /* Of components, by main axis. */
 static const float axis_weights[3][3] = {{1, 0.5f, 0.5f}, {0.5f, 1, 0.5f}, {0.5f, 0.5f, 1}};
 
-static MLRT_NOINLINE int is_in_plane(const struct mlrt_triangle *triangle, const float point[3])
-{
-    return mlrt_side_of_plane(triangle, point) == 0;
-}
-
 /* Works out the terms of an entry, four edges at a time; triangle_filter.h says what they are. */
 MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
                               struct mlrt_triangle_setup *setup)
@@ -75,6 +70,6 @@ MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float 
     for (int k = 0; k < 3; ++k) farthest = larger_of(fabsf(vertex[k]) * (1.5f - weight[k]), farthest);
     setup->distance_bound = farthest * (2 * DISTANCE_BOUND) + DISTANCE_FLOOR;
     setup->has_terms = 1;
-    setup->in_plane =
-        !MLRT_GUESS && MLRT_UNLIKELY(fabsf(setup->distance) <= setup->distance_bound) && is_in_plane(triangle, apex);
+    setup->in_plane = !MLRT_GUESS && MLRT_UNLIKELY(fabsf(setup->distance) <= setup->distance_bound) &&
+                      mlrt_side_of_plane(triangle, apex) == 0;
 }

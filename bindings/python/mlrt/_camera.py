@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _abi
+from ._abi import library
 from ._arrays import address
 from ._errors import check
 
@@ -105,7 +106,7 @@ class Camera:
         shape = self.check_shape() + (3,)
         origins, directions = np.empty(shape, np.float32), np.empty(shape, np.float32)
         arrays = [_abi.Array(address(array)) for array in (origins, directions)]
-        check(_abi.library.mlrt_camera_rays(ctypes.byref(camera), *map(ctypes.byref, arrays)))
+        check(library.mlrt_camera_rays(ctypes.byref(camera), *map(ctypes.byref, arrays)))
         return origins, directions
 
     def check_shape(self) -> tuple[int, int]:
