@@ -151,6 +151,12 @@ enum {
     MLRT_RULE_RETRACTION = 16 /* a subtree that costs more than a leaf becomes a leaf */
 };
 
+/* What to search in: mlrt_build_options.structures, or-ed together. The answers are the same from each. */
+enum {
+    MLRT_STRUCTURE_KDTREE = 1, /* the kd-tree of the paper: methods packet2, packet4, multilevel and ray */
+    MLRT_STRUCTURE_BVH = 2     /* a hierarchy of boxes, 16 a node: methods tile and ray */
+};
+
 typedef struct mlrt_build_options {
     uint32_t struct_size;
     int32_t preset;          /* MLRT_TREE_* */
@@ -161,6 +167,9 @@ typedef struct mlrt_build_options {
     float intersection_cost; /* of one triangle test; 0 = the preset's */
     char *message;           /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
     size_t message_size;     /* its size in bytes */
+    struct mlrt_pool *pool;  /* NULL = the calling thread alone; the tree is the same for any number of threads */
+    uint32_t structures;     /* MLRT_STRUCTURE_*; 0 = the one that is best for rays of all kinds */
+    uint32_t reserved;       /* 0 */
 } mlrt_build_options;
 
 /*
@@ -237,7 +246,8 @@ enum {
     MLRT_METHOD_PACKET2 =
         2, /* 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray Tracing", 2001) */
     MLRT_METHOD_PACKET4 = 3,   /* 4x4 rays by interval traversal from the root (the paper, section 4.3) */
-    MLRT_METHOD_MULTILEVEL = 4 /* the same from entry points found by beams (the paper, sections 3.3 to 4.2) */
+    MLRT_METHOD_MULTILEVEL = 4, /* the same from entry points found by beams (the paper, sections 3.3 to 4.2) */
+    MLRT_METHOD_TILE = 5        /* 16 packets of 4x4 rays down the hierarchy of boxes together */
 };
 
 /* Instruction sets: mlrt_trace_options.isa. The answers are the same from each. */

@@ -113,6 +113,7 @@ static int32_t check_build_options(const mlrt_build_options *options)
     if (!options) return MLRT_OK;
     if (options->struct_size != sizeof *options) return MLRT_ERROR_STRUCT_SIZE;
     if (options->preset != MLRT_TREE_DEFAULT && options->preset != MLRT_TREE_PAPER) return MLRT_ERROR_ARGUMENT;
+    if (options->structures & ~3u || options->reserved != 0) return MLRT_ERROR_ARGUMENT;
     if (options->rules_off & ~31u || options->max_depth > MLRT_DEPTH_LIMIT) return MLRT_ERROR_ARGUMENT;
     if (!(options->traversal_cost >= 0 && options->traversal_cost <= 1e6f)) return MLRT_ERROR_ARGUMENT;
     if (!(options->intersection_cost >= 0 && options->intersection_cost <= 1e6f)) return MLRT_ERROR_ARGUMENT;

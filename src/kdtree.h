@@ -21,6 +21,7 @@
 #ifndef MLRT_KDTREE_H
 #define MLRT_KDTREE_H
 
+#include "bvh.h"
 #include "memory.h"
 #include "mlrt.h"
 
@@ -87,6 +88,8 @@ struct mlrt_tree {
     uint32_t *references;
     uint32_t reference_count;
     struct mlrt_box bounds; /* of all triangles in the tree: exact, nothing is rounded. All 0 if there is none */
+    struct mlrt_bvh bvh;    /* node_count 0 without it, or without triangles */
+    uint32_t structures;    /* MLRT_STRUCTURE_*: what there is */
     int float_safe;         /* 1 = every split plane and every bound is mlrt_is_float_safe */
     mlrt_tree_info info;
 };
