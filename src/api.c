@@ -268,7 +268,7 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
     if (!options) options = &standard;
     if (options->struct_size != sizeof *options) return MLRT_ERROR_STRUCT_SIZE;
     if (options->query != MLRT_QUERY_CLOSEST && options->query != MLRT_QUERY_ANY) return MLRT_ERROR_ARGUMENT;
-    if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_MULTILEVEL) return MLRT_ERROR_ARGUMENT;
+    if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_AVX512) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
     if (options->reserved != 0 || options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~15u)

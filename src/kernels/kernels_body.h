@@ -23,6 +23,9 @@
 #include "beam_culling.h"
 #include "covering.h"
 #include "entry_point.h"
+#include "ray_tile.h"
+#include "bvh_leaf.h"
+#include "bvh_tile.h"
 #include "trace_tile.h"
 
 #if MLRT_COUNTING

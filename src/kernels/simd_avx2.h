@@ -24,6 +24,10 @@ MLRT_INLINE vf v_load(const float *p)
 {
     return _mm256_load_ps(p);
 }
+MLRT_INLINE vf v_load_any(const float *p)
+{
+    return _mm256_loadu_ps(p);
+}
 MLRT_INLINE void v_store(float *p, vf a)
 {
     _mm256_store_ps(p, a);
@@ -123,6 +127,10 @@ MLRT_INLINE vi i_set1(uint32_t a)
 MLRT_INLINE vi i_load(const uint32_t *p)
 {
     return _mm256_load_si256((const __m256i *)(const void *)p);
+}
+MLRT_INLINE vi i_load_any(const uint32_t *p)
+{
+    return _mm256_loadu_si256((const void *)p);
 }
 MLRT_INLINE void i_store(uint32_t *p, vi a)
 {

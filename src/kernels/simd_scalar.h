@@ -42,6 +42,10 @@ MLRT_INLINE vf v_load(const float *p)
 {
     return *p;
 }
+MLRT_INLINE vf v_load_any(const float *p)
+{
+    return *p;
+} /* aligned to 4 bytes */
 MLRT_INLINE void v_store(float *p, vf a)
 {
     *p = a;
@@ -143,6 +147,10 @@ MLRT_INLINE vi i_load(const uint32_t *p)
 {
     return *p;
 }
+MLRT_INLINE vi i_load_any(const uint32_t *p)
+{
+    return *p;
+} /* aligned to 4 bytes */
 MLRT_INLINE void i_store(uint32_t *p, vi a)
 {
     *p = a;

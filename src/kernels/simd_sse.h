@@ -24,6 +24,10 @@ MLRT_INLINE vf v_load(const float *p)
 {
     return _mm_load_ps(p);
 }
+MLRT_INLINE vf v_load_any(const float *p)
+{
+    return _mm_loadu_ps(p);
+}
 MLRT_INLINE void v_store(float *p, vf a)
 {
     _mm_store_ps(p, a);
@@ -125,6 +129,10 @@ MLRT_INLINE vi i_set1(uint32_t a)
 MLRT_INLINE vi i_load(const uint32_t *p)
 {
     return _mm_load_si128((const __m128i *)(const void *)p);
+}
+MLRT_INLINE vi i_load_any(const uint32_t *p)
+{
+    return _mm_loadu_si128((const void *)p);
 }
 MLRT_INLINE void i_store(uint32_t *p, vi a)
 {

@@ -225,9 +225,73 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
 }
 
+/* Traces the packets of a tile down the hierarchy of boxes: together, as far as they can go together. */
+static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+                          uint32_t waiting)
+{
+    while (waiting) {
+        const uint32_t gathered = gather_packets(tile, waiting);
+        if (!gathered) {
+            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(waiting)];
+            packet->single |= packet->active;
+            packet->active = 0;
+            waiting &= waiting - 1;
+            continue;
+        }
+        traverse_bvh(job, worker, tile);
+        waiting &= ~gathered;
+    }
+}
+
+/* Traces a rectangle of at most 16 blocks. */
+static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+{
+    struct ray_tile tile;
+    uint32_t count = 0, waiting = 0, lanes[TILE_PACKETS];
+    struct rectangle blocks[TILE_PACKETS];
+    for (uint32_t j = 0; j < area->height; j += 4) {
+        for (uint32_t i = 0; i < area->width; i += 4) {
+            struct mlrt_packet *packet = &tile.packets[count];
+            blocks[count] = cut_piece(area, i, j, 4);
+            lanes[count] = existing_lanes(&job->source, &blocks[count]);
+            get_packet(&job->source, &blocks[count], lanes[count], packet);
+            if (!packet->has_apex || !job->tree->bvh.float_safe) {
+                packet->single |= packet->active;
+                packet->active = 0;
+            }
+            waiting |= (packet->active != 0u) << count;
+            ++count;
+        }
+    }
+    trace_packets(job, worker, &tile, waiting);
+    for (uint32_t i = 0; i < count; ++i) {
+        if (tile.packets[i].single) trace_single_rays(job, tile.packets[i].single, &tile.packets[i], &worker->counters);
+        write_packet(job, worker, &tile.packets[i], lanes[i], &blocks[i]);
+    }
+}
+
+static void trace_ray_tiles(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+{
+    const uint32_t width = job->source.width <= 4 ? 4 : 16, height = 256 / width;
+    for (uint32_t j = 0; j < area->height; j += height) {
+        for (uint32_t i = 0; i < area->width; i += width) {
+            const struct rectangle tile = {area->x + i, area->y + j,
+                                           area->width - i < width ? area->width - i : width,
+                                           area->height - j < height ? area->height - j : height};
+            trace_ray_tile(job, worker, &tile);
+        }
+    }
+}
+
 static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
                        uint32_t height)
 {
+    if (job->method == MLRT_METHOD_TILE) {
+        const struct rectangle area = {x, y, width, height};
+        COUNT(&worker->counters, ray_count, (uint64_t)width * height);
+        trace_ray_tiles(job, worker, &area);
+        return;
+    }
     struct entry_list root;
     root.count = 1;
     root.axis_code = NO_OUTLINES;

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The triangles of a leaf as a tile of rays from one apex sees them, sixteen at a time: where they are seen, and the
+ * terms of their edge functions (triangle_filter.h). An array has a place for each triangle.
+ *
+ * From one apex, t = N / D > 0 asks for D and N of equal sign, and N is the same for all rays: so the triangle's edge
+ * functions and D are given the sign of N, once, and a ray then hits if none of them is negative. Where float does not
+ * know the sign of N the judge says it; if it is 0 no ray from here hits the triangle.
+ */
+
+struct leaf_triangles {
+    MLRT_ALIGNED(64) float slope_lo[2][MLRT_BVH_LEAF_LIMIT]; /* bounds of where it is seen; all if not wholly in front */
+    MLRT_ALIGNED(64) float slope_hi[2][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float least_depth[MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float cross[4][3][MLRT_BVH_LEAF_LIMIT]; /* edges ab, bc, ca and the normal, with N's sign */
+    MLRT_ALIGNED(64) float least_n[MLRT_BVH_LEAF_LIMIT];     /* bounds of |N| */
+    MLRT_ALIGNED(64) float greatest_n[MLRT_BVH_LEAF_LIMIT];
+    uint32_t negative; /* of which N is, as float has it */
+    const uint32_t *numbers;
+};
+
+/* Corners relative to the apex. */
+struct leaf_corners {
+    vf from[3][3]; /* as stored */
+    vf to[3][3];
+};
+
+/* Sets where one vector of triangles is seen, and returns which of them the tile may hit. */
+MLRT_INLINE uint32_t set_leaf_outline(const struct ray_tile *tile, const struct leaf_corners *corners, int v,
+                                      struct leaf_triangles *leaf)
+{
+    const int a = tile->main_axis;
+    const vf zero = v_set1(0), infinity = v_set1(INFINITY);
+    vf depth[3], scale[3];
+    for (int i = 0; i < 3; ++i) {
+        depth[i] = v_flip(corners->to[i][a], v_set1(tile->sign));
+        scale[i] = v_div(v_set1(1), depth[i]);
+    }
+    const vf least = v_min(v_min(depth[0], depth[1]), depth[2]);
+    const vf greatest = v_max(v_max(depth[0], depth[1]), depth[2]);
+    const vm in_front = v_gt(least, v_set1(SMALLEST_SIZE)); /* or 1 / depth may be infinite */
+    vm seen = m_and(v_ge(greatest, zero), v_le(least, v_set1(tile->whole_farthest)));
+    v_store(leaf->least_depth + v, least);
+    for (int side = 0; side < 2; ++side) {
+        const int j = (a + 1 + side) % 3;
+        vf slope[3];
+        for (int i = 0; i < 3; ++i) slope[i] = v_mul(corners->to[i][j], scale[i]);
+        vf lo = v_min(v_min(slope[0], slope[1]), slope[2]), hi = v_max(v_max(slope[0], slope[1]), slope[2]);
+        lo = v_select(in_front, v_sub(lo, v_mul(v_abs(lo), v_set1(SLOPE_SLACK))), v_sub(zero, infinity));
+        hi = v_select(in_front, v_add(hi, v_mul(v_abs(hi), v_set1(SLOPE_SLACK))), infinity);
+        seen = m_and(seen, m_and(v_le(lo, v_set1(tile->slope_hi[side])), v_ge(hi, v_set1(tile->slope_lo[side]))));
+        v_store(leaf->slope_lo[side] + v, lo);
+        v_store(leaf->slope_hi[side] + v, hi);
+    }
+    return m_bits(seen);
+}
+
+/* Sets the terms of one vector of triangles, and returns those whose plane the apex may lie in. */
+MLRT_INLINE uint32_t set_leaf_terms(const struct ray_tile *tile, const struct leaf_corners *corners, int v,
+                                    struct leaf_triangles *leaf)
+{
+    const uint32_t a = (uint32_t)tile->main_axis;
+    vf edge[3][3], cross[4][3];
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) edge[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        vf sum[3];
+        for (int k = 0; k < 3; ++k) sum[k] = v_add(corners->to[i][k], corners->to[(i + 1) % 3][k]);
+        scaled_cross_product(sum, edge[i], a, cross[i]);
+    }
+    scaled_cross_product(edge[2], edge[0], a, cross[3]);
+    const vf distance = dot_product(corners->to[0], cross[3]), size = v_abs(distance);
+    const vf other = v_max(v_abs(corners->to[0][(a + 1) % 3]), v_abs(corners->to[0][(a + 2) % 3]));
+    const vf farthest = v_max(v_abs(corners->to[0][a]), v_mul(other, v_set1(2)));
+    const vf bound = v_add(v_mul(farthest, v_set1(DISTANCE_BOUND)), v_set1(DISTANCE_FLOOR));
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 3; ++k) v_store(leaf->cross[i][k] + v, v_flip(cross[i][k], distance));
+    }
+    leaf->negative |= m_bits(v_lt(v_flip(v_set1(1), distance), v_set1(0))) << v;
+    v_store(leaf->least_n + v, v_sub(size, bound));
+    v_store(leaf->greatest_n + v, v_add(size, bound));
+    return m_bits(v_le(size, bound));
+}
+
+/*
+ * Decides the sign of N for a triangle of which float does not know it. Returns 0 if it is 0: no ray from the apex hits
+ * the triangle.
+ */
+static MLRT_NOINLINE int settle_sign(const struct mlrt_tree *tree, const float apex[3], uint32_t place,
+                                     struct leaf_triangles *leaf)
+{
+    const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], apex); /* that of -N */
+    if (side == 0) return 0;
+    if ((leaf->negative >> place & 1) != (side > 0)) {
+        for (int i = 0; i < 4; ++i) {
+            for (int k = 0; k < 3; ++k) leaf->cross[i][k][place] = -leaf->cross[i][k][place];
+        }
+    }
+    return 1;
+}
+
+/*
+ * Sets up the triangles of a leaf that a tile may hit, and returns which they are. If there is none, nothing else is
+ * set.
+ */
+static uint32_t set_up_leaf(const struct mlrt_tree *tree, const struct ray_tile *tile, uint32_t child,
+                            struct leaf_triangles *leaf)
+{
+    const uint32_t row = 4 * mlrt_bvh_quad_count(child), first = mlrt_bvh_offset(child);
+    const float *corner = tree->bvh.corners + 36 * (size_t)first;
+    leaf->numbers = tree->bvh.numbers + 4 * (size_t)first;
+    uint32_t seen = 0, doubtful = 0;
+    leaf->negative = 0;
+    for (uint32_t v = 0; v < row; v += VW) {
+        struct leaf_corners corners;
+        for (uint32_t i = 0; i < 3; ++i) {
+            for (uint32_t k = 0; k < 3; ++k) {
+                corners.from[i][k] = v_load_any(corner + (3 * i + k) * row + v);
+                corners.to[i][k] = v_sub(corners.from[i][k], v_set1(tile->apex[k]));
+            }
+        }
+        const vm there = m_andnot(m_from_bits(0xFFFFu >> (16 - row) >> v),
+                                  i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE)));
+        const uint32_t part = set_leaf_outline(tile, &corners, (int)v, leaf) & m_bits(there);
+        if (!part) continue;
+        seen |= part << v;
+        doubtful |= (set_leaf_terms(tile, &corners, (int)v, leaf) & part) << v;
+    }
+    if (MLRT_UNLIKELY(doubtful)) {
+        for (uint32_t rest = doubtful; rest; rest &= rest - 1) {
+            const uint32_t place = mlrt_lowest_bit(rest);
+            if (!settle_sign(tree, tile->apex, place, leaf)) seen &= ~(1u << place);
+        }
+    }
+    return seen;
+}
+
+/* Of the triangles `seen`, those that the rays of a packet may hit. */
+MLRT_INLINE uint32_t seen_by_packet(const struct ray_tile *tile, uint32_t place, uint32_t seen,
+                                    const struct leaf_triangles *leaf)
+{
+    const float *slope_lo[2] = {&tile->slopes[0].lo[place], &tile->slopes[1].lo[place]};
+    const float *slope_hi[2] = {&tile->slopes[0].hi[place], &tile->slopes[1].hi[place]};
+    const vf farthest = v_set1(tile->farthest[place]);
+    uint32_t left = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(seen >> v & ALL_LANES)) continue;
+        vm may = v_le(v_load(leaf->least_depth + v), farthest);
+        for (int side = 0; side < 2; ++side) {
+            may = m_and(may, m_and(v_le(v_load(leaf->slope_lo[side] + v), v_set1(*slope_hi[side])),
+                                   v_ge(v_load(leaf->slope_hi[side] + v), v_set1(*slope_lo[side]))));
+        }
+        if (!m_bits(may)) continue;
+        const int a = tile->main_axis;
+        for (int i = 0; i < 3; ++i) {
+            vf greatest = v_mul(v_load(leaf->cross[i][a] + v), v_set1(tile->sign));
+            for (int side = 0; side < 2; ++side) {
+                const vf c = v_load(leaf->cross[i][(a + 1 + side) % 3] + v);
+                greatest = v_add(greatest, v_max(v_mul(c, v_set1(*slope_lo[side])), v_mul(c, v_set1(*slope_hi[side]))));
+            }
+            may = m_and(may, v_ge(greatest, v_set1(-tile->slope_bound)));
+        }
+        left |= m_bits(may) << v;
+    }
+    return left & seen;
+}

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A tile of packets down the hierarchy of boxes: what is near comes first, a node's sixteen boxes are compared with the
+ * whole tile at once, and before anything is opened its box is compared with all sixteen packets at once, since many of
+ * them may have found something nearer in the meantime.
+ *
+ * Based on: Reshetov et al. 2005 (one traversal for all rays of a tile, which is cut down to packets); I. Wald, S.
+ * Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007 (frusta against
+ * boxes).
+ */
+
+/* A child that is still to be opened. */
+struct pending_box {
+    float near;    /* depth */
+    uint32_t slot; /* 16 * node + place in it */
+};
+
+#define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
+
+/* The children of a node whose boxes the tile may meet; their least depths go to `near`. */
+MLRT_INLINE uint32_t children_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node,
+                                  float near[MLRT_BVH_WIDTH])
+{
+    const int a = tile->main_axis;
+    const vf apex = v_set1(tile->apex[a]), zero = v_set1(0);
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+        const vf below = v_sub(v_load(node->lo[a] + v), apex), above = v_sub(v_load(node->hi[a] + v), apex);
+        const vf first = v_max(tile->sign > 0 ? below : v_sub(zero, above), zero);
+        const vf last = tile->sign > 0 ? above : v_sub(zero, below);
+        vm may = m_and(v_ge(last, zero), v_le(first, v_set1(tile->whole_farthest)));
+        for (int side = 0; side < 2; ++side) {
+            const int j = (a + 1 + side) % 3;
+            const float lo = tile->slope_lo[side], hi = tile->slope_hi[side];
+            const vf least = v_sub(v_load(node->lo[j] + v), v_set1(tile->apex[j]));
+            const vf greatest = v_sub(v_load(node->hi[j] + v), v_set1(tile->apex[j]));
+            may = m_and(may, v_le(least, v_mul(v_set1(hi), hi > 0 ? last : first)));
+            may = m_and(may, v_ge(greatest, v_mul(v_set1(lo), lo > 0 ? first : last)));
+        }
+        v_store(near + v, first);
+        met |= m_bits(may) << v;
+    }
+    return met;
+}
+
+/* The packets that may meet a box, which is child `place` of a node. */
+MLRT_INLINE uint32_t packets_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node, uint32_t place)
+{
+    const int a = tile->main_axis;
+    const float below = node->lo[a][place] - tile->apex[a], above = node->hi[a][place] - tile->apex[a];
+    const float enter = tile->sign > 0 ? below : -above, exit = tile->sign > 0 ? above : -below;
+    const vf first = v_set1(enter > 0 ? enter : 0), last = v_set1(exit);
+    uint32_t met = 0;
+    for (int v = 0; v < TILE_PACKETS; v += VW) {
+        vm may = v_le(first, v_load(tile->farthest + v));
+        for (int side = 0; side < 2; ++side) {
+            const int j = (a + 1 + side) % 3;
+            const vf lo = v_load(tile->slopes[side].lo + v), hi = v_load(tile->slopes[side].hi + v);
+            const vf least = v_set1(node->lo[j][place] - tile->apex[j]);
+            const vf greatest = v_set1(node->hi[j][place] - tile->apex[j]);
+            may = m_and(may, v_le(least, v_max(v_mul(hi, first), v_mul(hi, last))));
+            may = m_and(may, v_ge(greatest, v_min(v_mul(lo, first), v_mul(lo, last))));
+        }
+        met |= m_bits(may) << v;
+    }
+    return met;
+}
+
+/* Puts children on the stack, the nearest on top. */
+MLRT_INLINE uint32_t push_children(uint32_t node, uint32_t met, const float near[MLRT_BVH_WIDTH],
+                                   struct pending_box *stack, uint32_t count)
+{
+    const uint32_t base = count;
+    for (; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        uint32_t at = count++;
+        for (; at > base && stack[at - 1].near < near[place]; --at) stack[at] = stack[at - 1];
+        stack[at] = (struct pending_box){near[place], node * MLRT_BVH_WIDTH + place};
+    }
+    return count;
+}
+
+/*
+ * The float part of a test of a packet against the triangle at `place` of a leaf: filter_vector for triangles whose
+ * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it.
+ */
+MLRT_INLINE struct verdict filter_leaf_vector(const struct leaf_triangles *leaf, uint32_t place, float reach,
+                                              int limits_below, const struct mlrt_packet *packet, int v, vm active)
+{
+    const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
+                     v_load(packet->direction[2] + v)};
+    vf product[4];
+    for (int i = 0; i < 3; ++i) {
+        const vf cross[3] = {v_set1(leaf->cross[i][0][place]), v_set1(leaf->cross[i][1][place]),
+                             v_set1(leaf->cross[i][2][place])};
+        product[i] = dot_product(d, cross);
+    }
+    const vf least = v_min(v_min(product[0], product[1]), product[2]);
+    struct verdict verdict;
+    const vm candidates = m_and(active, v_ge(least, v_set1(-EDGE_BOUND * reach)));
+    verdict.nearer = verdict.undecided = verdict.inside = candidates;
+    verdict.lo = verdict.hi = v_set1(0);
+    if (!m_bits(candidates)) return verdict;
+
+    const vf normal[3] = {v_set1(leaf->cross[3][0][place]), v_set1(leaf->cross[3][1][place]),
+                          v_set1(leaf->cross[3][2][place])};
+    const vf size = dot_product(d, normal), width = v_set1(PLANE_BOUND * reach);
+    const vf least_d = v_sub(size, width), greatest_d = v_add(size, width);
+    const vf least_n = v_set1(leaf->least_n[place]), greatest_n = v_set1(leaf->greatest_n[place]);
+    const vf lo = v_load(packet->lo + v), hi = v_load(packet->hi + v);
+    const vm certain = m_and(candidates, v_gt(least_d, width));
+    vm farther = v_gt(least_n, v_mul(hi, greatest_d)), nearer = v_lt(greatest_n, v_mul(lo, least_d));
+    if (MLRT_UNLIKELY(limits_below)) {
+        const vf t_min = v_load(packet->t_min + v);
+        farther = m_or(farther, v_le(greatest_n, v_mul(t_min, least_d)));
+        nearer = m_and(nearer, m_or(v_gt(least_n, v_mul(t_min, greatest_d)), v_eq(t_min, v_set1(0))));
+    }
+    verdict.inside = m_and(certain, v_gt(least, v_set1(EDGE_BOUND * reach)));
+    verdict.nearer = m_and(verdict.inside, nearer);
+    verdict.undecided = m_andnot(m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer),
+                                 v_lt(greatest_d, v_set1(0)));
+    if (!m_bits(verdict.nearer)) return verdict;
+    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);
+    verdict.lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
+    verdict.hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
+    return verdict;
+}
+
+/* Tests a packet against one triangle of a leaf. Returns the lanes whose nearest hit changed. */
+MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        const struct leaf_triangles *leaf, uint32_t place, float reach,
+                                        int limits_below, struct mlrt_packet *packet)
+{
+    const uint32_t number = leaf->numbers[place];
+    struct outcome outcome = {0, 0, 0};
+    COUNT(&worker->counters, triangle_test_count, 1);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vm active = m_andnot(m_from_bits(packet->active >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
+        if (packet->has_skip) active = m_andnot(active, i_eq(i_load(packet->skip + v), i_set1(number)));
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
+        const struct verdict verdict = filter_leaf_vector(leaf, place, reach, limits_below, packet, v, active);
+        const uint32_t nearer = m_bits(verdict.nearer);
+        if (nearer) {
+            v_store(packet->lo + v, v_select(verdict.nearer, verdict.lo, v_load(packet->lo + v)));
+            v_store(packet->hi + v, v_select(verdict.nearer, verdict.hi, v_load(packet->hi + v)));
+            i_store(packet->triangle + v, i_select(verdict.nearer, i_set1(number), i_load(packet->triangle + v)));
+            outcome.nearer |= nearer << v;
+        }
+        outcome.undecided |= m_bits(verdict.undecided) << v;
+        outcome.inside |= m_bits(verdict.inside) << v;
+    }
+    if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
+    return outcome.nearer | decide_lanes(job->tree, number, &outcome, packet, worker);
+}
+
+static void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+                           uint32_t child, uint32_t met)
+{
+    struct leaf_triangles leaf;
+    const uint32_t seen = set_up_leaf(job->tree, tile, child, &leaf);
+    if (!seen) return;
+    uint32_t changed_packets = 0;
+    for (; met; met &= met - 1) {
+        const uint32_t packet_place = mlrt_lowest_bit(met);
+        struct mlrt_packet *packet = &tile->packets[packet_place];
+        uint32_t changed = 0;
+        for (uint32_t left = seen_by_packet(tile, packet_place, seen, &leaf); left; left &= left - 1) {
+            changed |= test_leaf_triangle(job, worker, &leaf, mlrt_lowest_bit(left), tile->reach[packet_place],
+                                          tile->limits_below, packet);
+        }
+        if (!changed) continue;
+        if (job->any) packet->active &= ~changed;
+        tile->farthest[packet_place] = farthest_depth(packet, tile->main_axis);
+        changed_packets = 1;
+    }
+    if (changed_packets) set_whole_farthest(tile);
+}
+
+/* Traces the packets of a tile that were gathered. */
+static void traverse_bvh(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
+{
+    const struct mlrt_bvh *bvh = &job->tree->bvh;
+    struct pending_box stack[TILE_STACK_SIZE];
+    MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
+    uint32_t node = 0, count = 0;
+    for (;;) {
+        COUNT(&worker->counters, cell_count, 1);
+        count = push_children(node, children_met(tile, &bvh->nodes[node], near), near, stack, count);
+        for (;;) {
+            if (count == 0) return;
+            const struct pending_box *top = &stack[--count];
+            if (top->near > tile->whole_farthest) continue;
+            const struct mlrt_bvh_node *parent = &bvh->nodes[top->slot / MLRT_BVH_WIDTH];
+            const uint32_t place = top->slot % MLRT_BVH_WIDTH, child = parent->child[place];
+            const uint32_t met = packets_met(tile, parent, place);
+            if (!met) continue;
+            if (!mlrt_bvh_quad_count(child)) {
+                node = mlrt_bvh_offset(child);
+                break;
+            }
+            COUNT(&worker->counters, cell_count, 1);
+            visit_bvh_leaf(job, worker, tile, child, met);
+        }
+    }
+}
