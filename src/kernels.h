@@ -72,6 +72,7 @@ struct mlrt_worker {
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
+    uint32_t mesh;         /* position of the one that was last hit */
     uint32_t tile_x;
     uint32_t tile_y;
 };

@@ -42,8 +42,7 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink)
     return 1;
 }
 
-/* The position of the mesh that a triangle number belongs to. */
-static uint32_t mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
+uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
     uint32_t below = 0, above = tree->mesh_count;
     while (above - below > 1) {
@@ -61,7 +60,7 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
 {
     *mesh = *triangle = MLRT_NONE;
     if (number == MLRT_NONE) return;
-    const uint32_t position = mesh_of_triangle(tree, number);
+    const uint32_t position = mlrt_mesh_of_triangle(tree, number);
     *mesh = tree->mesh_ids[position];
     *triangle = number - tree->mesh_first[position];
 }
@@ -118,7 +117,7 @@ static void find_ids(const struct mlrt_tree *tree, const struct mlrt_packet *pac
             continue;
         }
         if (number < tree->mesh_first[mesh] || number >= tree->mesh_first[mesh + 1]) {
-            mesh = mesh_of_triangle(tree, number);
+            mesh = mlrt_mesh_of_triangle(tree, number);
         }
         meshes[lane] = tree->mesh_ids[mesh];
         triangles[lane] = number - tree->mesh_first[mesh];

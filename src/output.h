@@ -60,6 +60,9 @@ void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_
 /* The ray of a lane. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);
 
+/* The position of the mesh that a triangle number belongs to. */
+uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
+
 /* The ids that a triangle number is reported by; those of a miss for MLRT_NONE. */
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
 

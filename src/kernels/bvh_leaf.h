@@ -104,7 +104,7 @@ static MLRT_NOINLINE int settle_sign(const struct mlrt_tree *tree, const float a
  * Sets up the triangles of a leaf that a tile may hit, and returns which they are. If there is none, nothing else is
  * set.
  */
-static uint32_t set_up_leaf(const struct mlrt_tree *tree, const struct ray_tile *tile, uint32_t child,
+static MLRT_NOINLINE uint32_t set_up_leaf(const struct mlrt_tree *tree, const struct ray_tile *tile, uint32_t child,
                             struct leaf_triangles *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child), first = mlrt_bvh_offset(child);
@@ -137,7 +137,7 @@ static uint32_t set_up_leaf(const struct mlrt_tree *tree, const struct ray_tile 
 }
 
 /* Of the triangles `seen`, those that the rays of a packet may hit. */
-MLRT_INLINE uint32_t seen_by_packet(const struct ray_tile *tile, uint32_t place, uint32_t seen,
+static MLRT_NOINLINE uint32_t seen_by_packet(const struct ray_tile *tile, uint32_t place, uint32_t seen,
                                     const struct leaf_triangles *leaf)
 {
     const float *slope_lo[2] = {&tile->slopes[0].lo[place], &tile->slopes[1].lo[place]};

@@ -18,7 +18,7 @@ struct pending_box {
 #define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
 
 /* The children of a node whose boxes the tile may meet; their least depths go to `near`. */
-MLRT_INLINE uint32_t children_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node,
+static MLRT_NOINLINE uint32_t children_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node,
                                   float near[MLRT_BVH_WIDTH])
 {
     const int a = tile->main_axis;
@@ -44,7 +44,7 @@ MLRT_INLINE uint32_t children_met(const struct ray_tile *tile, const struct mlrt
 }
 
 /* The packets that may meet a box, which is child `place` of a node. */
-MLRT_INLINE uint32_t packets_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node, uint32_t place)
+static MLRT_NOINLINE uint32_t packets_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node, uint32_t place)
 {
     const int a = tile->main_axis;
     const float below = node->lo[a][place] - tile->apex[a], above = node->hi[a][place] - tile->apex[a];
@@ -127,7 +127,7 @@ MLRT_INLINE struct verdict filter_leaf_vector(const struct leaf_triangles *leaf,
 }
 
 /* Tests a packet against one triangle of a leaf. Returns the lanes whose nearest hit changed. */
-MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_worker *worker,
+static MLRT_NOINLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         const struct leaf_triangles *leaf, uint32_t place, float reach,
                                         int limits_below, struct mlrt_packet *packet)
 {
@@ -153,7 +153,7 @@ MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_
     return outcome.nearer | decide_lanes(job->tree, number, &outcome, packet, worker);
 }
 
-static void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
                            uint32_t child, uint32_t met)
 {
     struct leaf_triangles leaf;
@@ -177,7 +177,7 @@ static void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worke
 }
 
 /* Traces the packets of a tile that were gathered. */
-static void traverse_bvh(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
+static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];

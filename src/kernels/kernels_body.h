@@ -26,6 +26,7 @@
 #include "ray_tile.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
+#include "write_ids.h"
 #include "trace_tile.h"
 
 #if MLRT_COUNTING

@@ -115,7 +115,7 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
  * Gathers packets of `waiting` (bit per place) that can go together with the first of them, and returns which: none if
  * not even that one can.
  */
-static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting)
+static MLRT_NOINLINE uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting)
 {
     const struct mlrt_packet *first = &tile->packets[mlrt_lowest_bit(waiting)];
     memcpy(tile->apex, first->apex, sizeof tile->apex);

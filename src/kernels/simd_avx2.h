@@ -136,6 +136,15 @@ MLRT_INLINE void i_store(uint32_t *p, vi a)
 {
     _mm256_store_si256((__m256i *)(void *)p, a);
 }
+MLRT_INLINE vi i_sub(vi a, vi b)
+{
+    return _mm256_sub_epi32(a, b);
+}
+MLRT_INLINE vm i_lt(vi a, vi b)
+{
+    const __m256i flip = _mm256_set1_epi32((int)0x80000000u);
+    return _mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_xor_si256(b, flip), _mm256_xor_si256(a, flip)));
+}
 MLRT_INLINE vm i_eq(vi a, vi b)
 {
     return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));

@@ -137,6 +137,14 @@ MLRT_INLINE void i_store(uint32_t *p, vi a)
 {
     _mm512_store_si512((void *)p, a);
 }
+MLRT_INLINE vi i_sub(vi a, vi b)
+{
+    return _mm512_sub_epi32(a, b);
+}
+MLRT_INLINE vm i_lt(vi a, vi b)
+{
+    return _mm512_cmplt_epu32_mask(a, b);
+}
 MLRT_INLINE vm i_eq(vi a, vi b)
 {
     return _mm512_cmpeq_epi32_mask(a, b);

@@ -138,6 +138,15 @@ MLRT_INLINE void i_store(uint32_t *p, vi a)
 {
     _mm_store_si128((__m128i *)(void *)p, a);
 }
+MLRT_INLINE vi i_sub(vi a, vi b)
+{
+    return _mm_sub_epi32(a, b);
+}
+MLRT_INLINE vm i_lt(vi a, vi b)
+{
+    const __m128i flip = _mm_set1_epi32((int)0x80000000u);
+    return _mm_castsi128_ps(_mm_cmplt_epi32(_mm_xor_si128(a, flip), _mm_xor_si128(b, flip)));
+}
 MLRT_INLINE vm i_eq(vi a, vi b)
 {
     return _mm_castsi128_ps(_mm_cmpeq_epi32(a, b));

@@ -64,10 +64,9 @@ static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
                          uint32_t lanes, const struct rectangle *block)
 {
-    if (job->has_frame) mlrt_write_packet(job->tree, packet, lanes, block->x, block->y, &job->frame);
+    if (job->has_frame) write_to_sink(job, worker, packet, lanes, block->x, block->y, &job->frame);
     if (job->callback) {
-        mlrt_write_packet(job->tree, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y,
-                          &worker->tile);
+        write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
     }
 }
 
