@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The triangles of a leaf as a tile of rays from one apex sees them, sixteen at a time: where they are seen, and the
+ * The triangles of a leaf as rays from one apex see them, sixteen at a time: where they are seen, and the
  * terms of their edge functions (triangle_filter.h). An array has a place for each triangle.
  *
  * From one apex, t = N / D > 0 asks for D and N of equal sign, and N is the same for all rays: so the triangle's edge
  * functions and D are given the sign of N, once, and a ray then hits if none of them is negative. Where float does not
  * know the sign of N the judge says it; if it is 0 no ray from here hits the triangle.
  */
+
+/* Bounds over slopes, in units of the greater of 1 and twice the steepest slope. */
+#define SLOPE_EDGE_BOUND  (1.125f * EDGE_BOUND)
+#define SLOPE_PLANE_BOUND (1.125f * PLANE_BOUND)
 
 struct leaf_triangles {
     MLRT_ALIGNED(64) float slope_lo[2][MLRT_BVH_LEAF_LIMIT]; /* bounds of where it is seen; all if not wholly in front */
@@ -26,20 +30,20 @@ struct leaf_corners {
 };
 
 /* Sets where one vector of triangles is seen, and returns which of them the tile may hit. */
-MLRT_INLINE uint32_t set_leaf_outline(const struct ray_tile *tile, const struct leaf_corners *corners, int v,
+MLRT_INLINE uint32_t set_leaf_outline(const struct cells *cells, const struct leaf_corners *corners, int v,
                                       struct leaf_triangles *leaf)
 {
-    const int a = tile->main_axis;
+    const int a = cells->main_axis;
     const vf zero = v_set1(0), infinity = v_set1(INFINITY);
     vf depth[3], scale[3];
     for (int i = 0; i < 3; ++i) {
-        depth[i] = v_flip(corners->to[i][a], v_set1(tile->sign));
+        depth[i] = v_flip(corners->to[i][a], v_set1(cells->sign));
         scale[i] = v_div(v_set1(1), depth[i]);
     }
     const vf least = v_min(v_min(depth[0], depth[1]), depth[2]);
     const vf greatest = v_max(v_max(depth[0], depth[1]), depth[2]);
     const vm in_front = v_gt(least, v_set1(SMALLEST_SIZE)); /* or 1 / depth may be infinite */
-    vm seen = m_and(v_ge(greatest, zero), v_le(least, v_set1(tile->whole_farthest)));
+    vm seen = m_and(v_ge(greatest, zero), v_le(least, v_set1(cells->whole_farthest)));
     v_store(leaf->least_depth + v, least);
     for (int side = 0; side < 2; ++side) {
         const int j = (a + 1 + side) % 3;
@@ -48,7 +52,7 @@ MLRT_INLINE uint32_t set_leaf_outline(const struct ray_tile *tile, const struct 
         vf lo = v_min(v_min(slope[0], slope[1]), slope[2]), hi = v_max(v_max(slope[0], slope[1]), slope[2]);
         lo = v_select(in_front, v_sub(lo, v_mul(v_abs(lo), v_set1(SLOPE_SLACK))), v_sub(zero, infinity));
         hi = v_select(in_front, v_add(hi, v_mul(v_abs(hi), v_set1(SLOPE_SLACK))), infinity);
-        seen = m_and(seen, m_and(v_le(lo, v_set1(tile->slope_hi[side])), v_ge(hi, v_set1(tile->slope_lo[side]))));
+        seen = m_and(seen, m_and(v_le(lo, v_set1(cells->slope_hi[side])), v_ge(hi, v_set1(cells->slope_lo[side]))));
         v_store(leaf->slope_lo[side] + v, lo);
         v_store(leaf->slope_hi[side] + v, hi);
     }
@@ -56,10 +60,10 @@ MLRT_INLINE uint32_t set_leaf_outline(const struct ray_tile *tile, const struct 
 }
 
 /* Sets the terms of one vector of triangles, and returns those whose plane the apex may lie in. */
-MLRT_INLINE uint32_t set_leaf_terms(const struct ray_tile *tile, const struct leaf_corners *corners, int v,
+MLRT_INLINE uint32_t set_leaf_terms(const struct cells *cells, const struct leaf_corners *corners, int v,
                                     struct leaf_triangles *leaf)
 {
-    const uint32_t a = (uint32_t)tile->main_axis;
+    const uint32_t a = (uint32_t)cells->main_axis;
     vf edge[3][3], cross[4][3];
     for (int i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k) edge[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
@@ -104,7 +108,7 @@ static MLRT_NOINLINE int settle_sign(const struct mlrt_tree *tree, const float a
  * Sets up the triangles of a leaf that a tile may hit, and returns which they are. If there is none, nothing else is
  * set.
  */
-static MLRT_NOINLINE uint32_t set_up_leaf(const struct mlrt_tree *tree, const struct ray_tile *tile, uint32_t child,
+static MLRT_NOINLINE uint32_t set_up_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
                             struct leaf_triangles *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child), first = mlrt_bvh_offset(child);
@@ -117,32 +121,32 @@ static MLRT_NOINLINE uint32_t set_up_leaf(const struct mlrt_tree *tree, const st
         for (uint32_t i = 0; i < 3; ++i) {
             for (uint32_t k = 0; k < 3; ++k) {
                 corners.from[i][k] = v_load_any(corner + (3 * i + k) * row + v);
-                corners.to[i][k] = v_sub(corners.from[i][k], v_set1(tile->apex[k]));
+                corners.to[i][k] = v_sub(corners.from[i][k], v_set1(cells->apex[k]));
             }
         }
         const vm there = m_andnot(m_from_bits(0xFFFFu >> (16 - row) >> v),
                                   i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE)));
-        const uint32_t part = set_leaf_outline(tile, &corners, (int)v, leaf) & m_bits(there);
+        const uint32_t part = set_leaf_outline(cells, &corners, (int)v, leaf) & m_bits(there);
         if (!part) continue;
         seen |= part << v;
-        doubtful |= (set_leaf_terms(tile, &corners, (int)v, leaf) & part) << v;
+        doubtful |= (set_leaf_terms(cells, &corners, (int)v, leaf) & part) << v;
     }
     if (MLRT_UNLIKELY(doubtful)) {
         for (uint32_t rest = doubtful; rest; rest &= rest - 1) {
             const uint32_t place = mlrt_lowest_bit(rest);
-            if (!settle_sign(tree, tile->apex, place, leaf)) seen &= ~(1u << place);
+            if (!settle_sign(tree, cells->apex, place, leaf)) seen &= ~(1u << place);
         }
     }
     return seen;
 }
 
-/* Of the triangles `seen`, those that the rays of a packet may hit. */
-static MLRT_NOINLINE uint32_t seen_by_packet(const struct ray_tile *tile, uint32_t place, uint32_t seen,
+/* Of the triangles `seen`, those that the rays of one cell may hit. */
+static MLRT_NOINLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uint32_t seen,
                                     const struct leaf_triangles *leaf)
 {
-    const float *slope_lo[2] = {&tile->slopes[0].lo[place], &tile->slopes[1].lo[place]};
-    const float *slope_hi[2] = {&tile->slopes[0].hi[place], &tile->slopes[1].hi[place]};
-    const vf farthest = v_set1(tile->farthest[place]);
+    const float *slope_lo[2] = {&cells->slopes[0].lo[place], &cells->slopes[1].lo[place]};
+    const float *slope_hi[2] = {&cells->slopes[0].hi[place], &cells->slopes[1].hi[place]};
+    const vf farthest = v_set1(cells->farthest[place]);
     uint32_t left = 0;
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(seen >> v & ALL_LANES)) continue;
@@ -152,16 +156,95 @@ static MLRT_NOINLINE uint32_t seen_by_packet(const struct ray_tile *tile, uint32
                                    v_ge(v_load(leaf->slope_hi[side] + v), v_set1(*slope_lo[side]))));
         }
         if (!m_bits(may)) continue;
-        const int a = tile->main_axis;
+        const int a = cells->main_axis;
         for (int i = 0; i < 3; ++i) {
-            vf greatest = v_mul(v_load(leaf->cross[i][a] + v), v_set1(tile->sign));
+            vf greatest = v_mul(v_load(leaf->cross[i][a] + v), v_set1(cells->sign));
             for (int side = 0; side < 2; ++side) {
                 const vf c = v_load(leaf->cross[i][(a + 1 + side) % 3] + v);
                 greatest = v_add(greatest, v_max(v_mul(c, v_set1(*slope_lo[side])), v_mul(c, v_set1(*slope_hi[side]))));
             }
-            may = m_and(may, v_ge(greatest, v_set1(-tile->slope_bound)));
+            may = m_and(may, v_ge(greatest, v_set1(-SLOPE_EDGE_BOUND * cells->slope_bound)));
         }
         left |= m_bits(may) << v;
     }
     return left & seen;
+}
+
+/* Least and greatest values of c . (+-1, s_j, s_l) over the slopes of a vector of cells. */
+MLRT_INLINE void range_over_cells(const struct cells *cells, const struct leaf_triangles *leaf, int edge,
+                                  uint32_t place, int v, vf *least, vf *greatest)
+{
+    const int a = cells->main_axis;
+    *least = *greatest = v_set1(leaf->cross[edge][a][place] * cells->sign);
+    for (int side = 0; side < 2; ++side) {
+        const vf c = v_set1(leaf->cross[edge][(a + 1 + side) % 3][place]);
+        const vf p = v_mul(c, v_load(cells->slopes[side].lo + v)), q = v_mul(c, v_load(cells->slopes[side].hi + v));
+        *least = v_add(*least, v_min(p, q));
+        *greatest = v_add(*greatest, v_max(p, q));
+    }
+}
+
+/*
+ * Offers a triangle to closed cells: those that it covers in front of what covered them are closed by it from now on,
+ * those that it misses, or lies behind the cover of, stay as they are. Returns the others: they have to be opened.
+ *
+ * Edge functions over slopes have the bound of triangle_filter.h with R = 1, or twice the steepest slope, and so has D;
+ * all rays of a cell hit what is surely inside at its corners. There their depth is N / D.
+ */
+static uint32_t offer_to_closed(struct cells *cells, const struct leaf_triangles *leaf, uint32_t place,
+                                uint32_t among, int any)
+{
+    const uint32_t number = leaf->numbers[place];
+    const float bound = SLOPE_EDGE_BOUND * cells->slope_bound, width = SLOPE_PLANE_BOUND * cells->slope_bound;
+    uint32_t opened = 0;
+    for (int v = 0; v < CELL_COUNT; v += VW) {
+        const vf farthest = v_load(cells->farthest + v);
+        vm may = m_andnot(m_from_bits(among >> v), i_eq(i_load(cells->cover + v), i_set1(number)));
+        may = m_and(may, v_le(v_set1(leaf->least_depth[place]), farthest));
+        for (int side = 0; side < 2; ++side) {
+            may = m_and(may, v_le(v_set1(leaf->slope_lo[side][place]), v_load(cells->slopes[side].hi + v)));
+            may = m_and(may, v_ge(v_set1(leaf->slope_hi[side][place]), v_load(cells->slopes[side].lo + v)));
+        }
+        if (!m_bits(may)) continue;
+        vf inside = v_set1(INFINITY), outside = v_set1(INFINITY), least, greatest;
+        for (int edge = 0; edge < 3; ++edge) {
+            range_over_cells(cells, leaf, edge, place, v, &least, &greatest);
+            inside = v_min(least, inside);
+            outside = v_min(greatest, outside);
+        }
+        may = m_and(may, v_ge(outside, v_set1(-bound)));
+        if (!m_bits(may)) continue;
+        range_over_cells(cells, leaf, 3, place, v, &least, &greatest);
+        const vf least_d = v_sub(least, v_set1(width)), greatest_d = v_add(greatest, v_set1(width));
+        const vf near = v_mul(v_div(v_set1(leaf->least_n[place]), greatest_d), v_set1(1 - SLOPE_SLACK));
+        may = m_and(may, m_and(v_gt(greatest_d, v_set1(0)), v_le(near, farthest)));
+        const vf far = v_mul(v_div(v_set1(leaf->greatest_n[place]), least_d), v_set1(1 + SLOPE_SLACK));
+        const vf nearest = v_load(cells->cover_near + v);
+        const vm covered = m_and(m_and(v_gt(inside, v_set1(bound)), v_gt(least_d, v_set1(width))),
+                                 m_and(may, v_lt(far, nearest)));
+        if (m_bits(covered)) {
+            v_store(cells->farthest + v, v_select(covered, any ? v_set1(-INFINITY) : far, farthest));
+            v_store(cells->cover_near + v, v_select(covered, near, nearest));
+            i_store(cells->cover + v, i_select(covered, i_set1(number), i_load(cells->cover + v)));
+        }
+        opened |= m_bits(m_andnot(may, covered)) << v;
+    }
+    return opened;
+}
+
+/* A leaf of one triangle that is surely seen. */
+static void set_up_triangle(const struct mlrt_tree *tree, const struct cells *cells, const uint32_t *number,
+                            struct leaf_triangles *leaf)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[*number];
+    struct leaf_corners corners;
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            corners.from[i][k] = v_set1(triangle->v[i][k]);
+            corners.to[i][k] = v_sub(corners.from[i][k], v_set1(cells->apex[k]));
+        }
+    }
+    leaf->numbers = number;
+    leaf->negative = 0;
+    if (set_leaf_terms(cells, &corners, 0, leaf) & 1) settle_sign(tree, cells->apex, 0, leaf);
 }

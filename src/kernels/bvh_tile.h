@@ -17,23 +17,23 @@ struct pending_box {
 
 #define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
 
-/* The children of a node whose boxes the tile may meet; their least depths go to `near`. */
-static MLRT_NOINLINE uint32_t children_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node,
+/* The children of a node whose boxes the cells may meet; their least depths go to `near`. */
+static MLRT_NOINLINE uint32_t children_met(const struct cells *cells, const struct mlrt_bvh_node *node,
                                   float near[MLRT_BVH_WIDTH])
 {
-    const int a = tile->main_axis;
-    const vf apex = v_set1(tile->apex[a]), zero = v_set1(0);
+    const int a = cells->main_axis;
+    const vf apex = v_set1(cells->apex[a]), zero = v_set1(0);
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         const vf below = v_sub(v_load(node->lo[a] + v), apex), above = v_sub(v_load(node->hi[a] + v), apex);
-        const vf first = v_max(tile->sign > 0 ? below : v_sub(zero, above), zero);
-        const vf last = tile->sign > 0 ? above : v_sub(zero, below);
-        vm may = m_and(v_ge(last, zero), v_le(first, v_set1(tile->whole_farthest)));
+        const vf first = v_max(cells->sign > 0 ? below : v_sub(zero, above), zero);
+        const vf last = cells->sign > 0 ? above : v_sub(zero, below);
+        vm may = m_and(v_ge(last, zero), v_le(first, v_set1(cells->whole_farthest)));
         for (int side = 0; side < 2; ++side) {
             const int j = (a + 1 + side) % 3;
-            const float lo = tile->slope_lo[side], hi = tile->slope_hi[side];
-            const vf least = v_sub(v_load(node->lo[j] + v), v_set1(tile->apex[j]));
-            const vf greatest = v_sub(v_load(node->hi[j] + v), v_set1(tile->apex[j]));
+            const float lo = cells->slope_lo[side], hi = cells->slope_hi[side];
+            const vf least = v_sub(v_load(node->lo[j] + v), v_set1(cells->apex[j]));
+            const vf greatest = v_sub(v_load(node->hi[j] + v), v_set1(cells->apex[j]));
             may = m_and(may, v_le(least, v_mul(v_set1(hi), hi > 0 ? last : first)));
             may = m_and(may, v_ge(greatest, v_mul(v_set1(lo), lo > 0 ? first : last)));
         }
@@ -43,21 +43,21 @@ static MLRT_NOINLINE uint32_t children_met(const struct ray_tile *tile, const st
     return met;
 }
 
-/* The packets that may meet a box, which is child `place` of a node. */
-static MLRT_NOINLINE uint32_t packets_met(const struct ray_tile *tile, const struct mlrt_bvh_node *node, uint32_t place)
+/* The cells that may meet a box, which is child `place` of a node. */
+static MLRT_NOINLINE uint32_t cells_met(const struct cells *cells, const struct mlrt_bvh_node *node, uint32_t place)
 {
-    const int a = tile->main_axis;
-    const float below = node->lo[a][place] - tile->apex[a], above = node->hi[a][place] - tile->apex[a];
-    const float enter = tile->sign > 0 ? below : -above, exit = tile->sign > 0 ? above : -below;
+    const int a = cells->main_axis;
+    const float below = node->lo[a][place] - cells->apex[a], above = node->hi[a][place] - cells->apex[a];
+    const float enter = cells->sign > 0 ? below : -above, exit = cells->sign > 0 ? above : -below;
     const vf first = v_set1(enter > 0 ? enter : 0), last = v_set1(exit);
     uint32_t met = 0;
-    for (int v = 0; v < TILE_PACKETS; v += VW) {
-        vm may = v_le(first, v_load(tile->farthest + v));
+    for (int v = 0; v < CELL_COUNT; v += VW) {
+        vm may = v_le(first, v_load(cells->farthest + v));
         for (int side = 0; side < 2; ++side) {
             const int j = (a + 1 + side) % 3;
-            const vf lo = v_load(tile->slopes[side].lo + v), hi = v_load(tile->slopes[side].hi + v);
-            const vf least = v_set1(node->lo[j][place] - tile->apex[j]);
-            const vf greatest = v_set1(node->hi[j][place] - tile->apex[j]);
+            const vf lo = v_load(cells->slopes[side].lo + v), hi = v_load(cells->slopes[side].hi + v);
+            const vf least = v_set1(node->lo[j][place] - cells->apex[j]);
+            const vf greatest = v_set1(node->hi[j][place] - cells->apex[j]);
             may = m_and(may, v_le(least, v_max(v_mul(hi, first), v_mul(hi, last))));
             may = m_and(may, v_ge(greatest, v_min(v_mul(lo, first), v_mul(lo, last))));
         }
@@ -153,31 +153,76 @@ static MLRT_NOINLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, str
     return outcome.nearer | decide_lanes(job->tree, number, &outcome, packet, worker);
 }
 
-static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
-                           uint32_t child, uint32_t met)
+/* Makes the rays of a closed cell, and tests them against its cover. */
+static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+                                      uint32_t place)
 {
-    struct leaf_triangles leaf;
-    const uint32_t seen = set_up_leaf(job->tree, tile, child, &leaf);
-    if (!seen) return;
-    uint32_t changed_packets = 0;
-    for (; met; met &= met - 1) {
-        const uint32_t packet_place = mlrt_lowest_bit(met);
-        struct mlrt_packet *packet = &tile->packets[packet_place];
-        uint32_t changed = 0;
-        for (uint32_t left = seen_by_packet(tile, packet_place, seen, &leaf); left; left &= left - 1) {
-            changed |= test_leaf_triangle(job, worker, &leaf, mlrt_lowest_bit(left), tile->reach[packet_place],
-                                          tile->limits_below, packet);
-        }
-        if (!changed) continue;
-        if (job->any) packet->active &= ~changed;
-        tile->farthest[packet_place] = farthest_depth(packet, tile->main_axis);
-        changed_packets = 1;
+    struct cells *cells = &tile->cells;
+    struct mlrt_packet *packet = &tile->packets[place];
+    const struct rectangle block = block_of_tile(tile, place);
+    get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
+    cells->closed &= ~(1u << place);
+    tile->reach[place] = packet_reach(packet, cells->main_axis);
+    if (cells->cover[place] != MLRT_NONE) {
+        struct leaf_triangles leaf;
+        set_up_triangle(job->tree, cells, &cells->cover[place], &leaf);
+        test_leaf_triangle(job, worker, &leaf, 0, tile->reach[place], 0, packet);
     }
-    if (changed_packets) set_whole_farthest(tile);
+    cells->farthest[place] = farthest_depth(packet, cells->main_axis);
 }
 
-/* Traces the packets of a tile that were gathered. */
-static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
+/* Offers the triangles of a leaf to closed cells. Opens those that are left in doubt. */
+static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
+                              const struct leaf_triangles *leaf, uint32_t seen, uint32_t met)
+{
+    for (; seen; seen &= seen - 1) {
+        const uint32_t among = met & cells->closed;
+        if (!among) return;
+        COUNT(&worker->counters, triangle_test_count, 1);
+        uint32_t opened = offer_to_closed(cells, leaf, mlrt_lowest_bit(seen), among, job->any);
+        for (; opened; opened &= opened - 1) {
+            const uint32_t place = mlrt_lowest_bit(opened);
+            if (cells->tile) {
+                open_packet(job, worker, cells->tile, place);
+            } else {
+                cells->closed &= ~(1u << place);
+                leave_out_cell(cells, place);
+            }
+        }
+    }
+}
+
+static void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+                        const struct leaf_triangles *leaf, uint32_t seen, uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    uint32_t changed = 0;
+    for (uint32_t left = seen_by_cell(&tile->cells, place, seen, leaf); left; left &= left - 1) {
+        changed |= test_leaf_triangle(job, worker, leaf, mlrt_lowest_bit(left), tile->reach[place], tile->limits_below,
+                                      packet);
+    }
+    if (!changed) return;
+    if (job->any) packet->active &= ~changed;
+    tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
+}
+
+static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
+                                         uint32_t child, uint32_t met)
+{
+    struct leaf_triangles leaf;
+    const uint32_t seen = set_up_leaf(job->tree, cells, child, &leaf);
+    if (!seen) return;
+    if (met & cells->closed) test_closed_cells(job, worker, cells, &leaf, seen, met);
+    if (cells->tile) {
+        for (uint32_t open = met & ~cells->closed; open; open &= open - 1) {
+            test_packet(job, worker, cells->tile, &leaf, seen, mlrt_lowest_bit(open));
+        }
+    }
+    set_whole_farthest(cells);
+}
+
+/* Takes cells down the hierarchy. */
+static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];
@@ -185,21 +230,21 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
     uint32_t node = 0, count = 0;
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
-        count = push_children(node, children_met(tile, &bvh->nodes[node], near), near, stack, count);
+        count = push_children(node, children_met(cells, &bvh->nodes[node], near), near, stack, count);
         for (;;) {
             if (count == 0) return;
             const struct pending_box *top = &stack[--count];
-            if (top->near > tile->whole_farthest) continue;
+            if (top->near > cells->whole_farthest) continue;
             const struct mlrt_bvh_node *parent = &bvh->nodes[top->slot / MLRT_BVH_WIDTH];
             const uint32_t place = top->slot % MLRT_BVH_WIDTH, child = parent->child[place];
-            const uint32_t met = packets_met(tile, parent, place);
+            const uint32_t met = cells_met(cells, parent, place);
             if (!met) continue;
             if (!mlrt_bvh_quad_count(child)) {
                 node = mlrt_bvh_offset(child);
                 break;
             }
             COUNT(&worker->counters, cell_count, 1);
-            visit_bvh_leaf(job, worker, tile, child, met);
+            visit_bvh_leaf(job, worker, cells, child, met);
         }
     }
 }

@@ -14,6 +14,7 @@
 #include "trace_ray.h"
 
 #include "camera_packet.h"
+#include "picture.h"
 #include "outline.h"
 #include "ray_group.h"
 #include "triangle_setup.h"
@@ -23,6 +24,7 @@
 #include "beam_culling.h"
 #include "covering.h"
 #include "entry_point.h"
+#include "cells.h"
 #include "ray_tile.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"

@@ -9,45 +9,6 @@
  * Based on: Reshetov et al. 2005, section 4.2.
  */
 
-/* A part of a picture, or of a tile. */
-struct rectangle {
-    uint32_t x;
-    uint32_t y;
-    uint32_t width;
-    uint32_t height;
-};
-
-/* The piece of `whole` that starts at (x, y) relative to it and has at most this side. */
-MLRT_INLINE struct rectangle cut_piece(const struct rectangle *whole, uint32_t x, uint32_t y, uint32_t side)
-{
-    return (struct rectangle){whole->x + x, whole->y + y, whole->width - x < side ? whole->width - x : side,
-                              whole->height - y < side ? whole->height - y : side};
-}
-
-/* Lanes of a block that exist: in the last row of a list some may not. */
-MLRT_INLINE uint32_t existing_lanes(const struct mlrt_source *source, const struct rectangle *block)
-{
-    uint32_t lanes = mlrt_block_lanes(block->width, block->height);
-    const uint64_t past = (uint64_t)(block->y + block->height - 1) * source->width + block->x + block->width;
-    if (MLRT_LIKELY(past <= source->count)) return lanes;
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint64_t row = block->y + (uint32_t)mlrt_lane_y[lane];
-        if (row * source->width + block->x + (uint32_t)mlrt_lane_x[lane] >= source->count) lanes &= ~(1u << lane);
-    }
-    return lanes;
-}
-
-/* The rays of a block of any source. `lanes` are those that exist. */
-static void get_packet(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
-                       struct mlrt_packet *packet)
-{
-    if (source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel) {
-        get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
-    } else {
-        mlrt_get_packet(source, block->x, block->y, block->width, block->height, packet);
-    }
-}
-
 static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                               mlrt_counters *counters)
 {
@@ -224,63 +185,7 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
 }
 
-/* Traces the packets of a tile down the hierarchy of boxes: together, as far as they can go together. */
-static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
-                          uint32_t waiting)
-{
-    while (waiting) {
-        const uint32_t gathered = gather_packets(tile, waiting);
-        if (!gathered) {
-            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(waiting)];
-            packet->single |= packet->active;
-            packet->active = 0;
-            waiting &= waiting - 1;
-            continue;
-        }
-        traverse_bvh(job, worker, tile);
-        waiting &= ~gathered;
-    }
-}
-
-/* Traces a rectangle of at most 16 blocks. */
-static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
-{
-    struct ray_tile tile;
-    uint32_t count = 0, waiting = 0, lanes[TILE_PACKETS];
-    struct rectangle blocks[TILE_PACKETS];
-    for (uint32_t j = 0; j < area->height; j += 4) {
-        for (uint32_t i = 0; i < area->width; i += 4) {
-            struct mlrt_packet *packet = &tile.packets[count];
-            blocks[count] = cut_piece(area, i, j, 4);
-            lanes[count] = existing_lanes(&job->source, &blocks[count]);
-            get_packet(&job->source, &blocks[count], lanes[count], packet);
-            if (!packet->has_apex || !job->tree->bvh.float_safe) {
-                packet->single |= packet->active;
-                packet->active = 0;
-            }
-            waiting |= (packet->active != 0u) << count;
-            ++count;
-        }
-    }
-    trace_packets(job, worker, &tile, waiting);
-    for (uint32_t i = 0; i < count; ++i) {
-        if (tile.packets[i].single) trace_single_rays(job, tile.packets[i].single, &tile.packets[i], &worker->counters);
-        write_packet(job, worker, &tile.packets[i], lanes[i], &blocks[i]);
-    }
-}
-
-static void trace_ray_tiles(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
-{
-    const uint32_t width = job->source.width <= 4 ? 4 : 16, height = 256 / width;
-    for (uint32_t j = 0; j < area->height; j += height) {
-        for (uint32_t i = 0; i < area->width; i += width) {
-            const struct rectangle tile = {area->x + i, area->y + j,
-                                           area->width - i < width ? area->width - i : width,
-                                           area->height - j < height ? area->height - j : height};
-            trace_ray_tile(job, worker, &tile);
-        }
-    }
-}
+#include "trace_area.h"
 
 static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
                        uint32_t height)
@@ -288,7 +193,7 @@ static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, u
     if (job->method == MLRT_METHOD_TILE) {
         const struct rectangle area = {x, y, width, height};
         COUNT(&worker->counters, ray_count, (uint64_t)width * height);
-        trace_ray_tiles(job, worker, &area);
+        trace_area(job, worker, &area);
         return;
     }
     struct entry_list root;

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Sixteen groups of rays of one apex that go through the hierarchy of boxes together: the packets of a tile, or the
+ * tiles of a larger square. To the traversal they are the same: cells.
+ *
+ * Seen from the apex along a main axis with its sign, a point in front has a depth z = +-(p_main - apex_main) and
+ * slopes (p_j - apex_j) / z over the other two axes; a ray has the slopes d_j / |d_main|. A cell is a rectangle of
+ * slopes, and a depth behind which none of its rays looks any more; arrays have a place for each cell, so that one
+ * step compares something with all of them.
+ *
+ * Slopes of rays have two roundings, and are moved apart by SLOPE_SLACK, 2^-20 of themselves. A depth or an offset
+ * p - apex has one, the product of a slope and a depth one more. So where a ray meets a box between depths near and far,
+ * its x_j = s_j z has x_j <= max(S near, S far), S the upper slope, also as computed: the slack of S pays for the
+ * roundings, or, where products are denormal, x_j and S z both are multiples of 2^-149 and rounding keeps their order.
+ *
+ * A cell of a camera needs no rays to be compared with things. As long as all that it met was a triangle that covers it
+ * wholly and what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it.
+ */
+
+#define CELL_COUNT 16
+
+/* Slopes of cells are at most this: the main axis is nearly the main one for all their rays. */
+#define STEEPEST_SLOPE 2.0f
+
+/* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
+#define WIDEST_PACKET 0.25f
+
+struct cells {
+    struct {
+        MLRT_ALIGNED(64) float lo[CELL_COUNT];
+        MLRT_ALIGNED(64) float hi[CELL_COUNT];
+    } slopes[2]; /* over axes main + 1, main + 2; empty for cells that do not take part */
+    MLRT_ALIGNED(64) float farthest[CELL_COUNT]; /* depth; -inf: done */
+    MLRT_ALIGNED(64) float cover_near[CELL_COUNT];
+    MLRT_ALIGNED(64) uint32_t cover[CELL_COUNT]; /* of a closed cell: the triangle; MLRT_NONE: nothing met so far */
+    float apex[3];
+    int main_axis;
+    float sign;      /* of the main components: +-1 */
+    uint32_t closed; /* bit per cell: no rays yet */
+    /* Of all cells together. */
+    float slope_lo[2];
+    float slope_hi[2];
+    float whole_farthest;
+    float slope_bound;     /* of edge functions over slopes (bvh_leaf.h) */
+    struct ray_tile *tile; /* whose packets the cells are; NULL: they are tiles */
+};
+
+MLRT_INLINE void set_whole_farthest(struct cells *cells)
+{
+    vf farthest = v_set1(-INFINITY);
+    for (int v = 0; v < CELL_COUNT; v += VW) farthest = v_max(v_load(cells->farthest + v), farthest);
+    cells->whole_farthest = v_hmax(farthest);
+}
+
+MLRT_INLINE void set_cell_slopes(struct cells *cells, uint32_t place, int side, float lo, float hi)
+{
+    cells->slopes[side].lo[place] = lo;
+    cells->slopes[side].hi[place] = hi;
+}
+
+/* A cell that meets nothing. */
+MLRT_INLINE void leave_out_cell(struct cells *cells, uint32_t place)
+{
+    cells->farthest[place] = -INFINITY;
+    for (int side = 0; side < 2; ++side) set_cell_slopes(cells, place, side, INFINITY, -INFINITY);
+}
+
+/* Sets what holds for all cells. */
+MLRT_INLINE void sum_up_cells(struct cells *cells)
+{
+    float steepest = 0.5f;
+    for (int side = 0; side < 2; ++side) {
+        vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
+        for (int v = 0; v < CELL_COUNT; v += VW) {
+            lo = v_min(v_load(cells->slopes[side].lo + v), lo);
+            hi = v_max(v_load(cells->slopes[side].hi + v), hi);
+        }
+        cells->slope_lo[side] = v_hmin(lo);
+        cells->slope_hi[side] = v_hmax(hi);
+        steepest = larger_of(larger_of(fabsf(cells->slope_lo[side]), fabsf(cells->slope_hi[side])), steepest);
+    }
+    cells->slope_bound = 2 * steepest;
+    set_whole_farthest(cells);
+}
+
+/* The main axis of a direction, for all cells. */
+MLRT_INLINE void set_main_axis_of(const float direction[3], struct cells *cells)
+{
+    const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
+    cells->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    cells->sign = direction[cells->main_axis] < 0 ? -1.0f : 1.0f;
+}
+
+/* The columns or rows of a camera's pixels that cells begin and end with; 0 for what is beyond `length`. */
+MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
+                                  float samples[2][4])
+{
+    for (uint32_t i = 0; i < 4; ++i) {
+        const uint32_t low = i * side < length ? i * side : 0, high = low + side < length ? low + side : length;
+        samples[0][i] = mlrt_sample_position(first, begin + low, sample);
+        samples[1][i] = mlrt_sample_position(first, begin + high - 1, sample);
+    }
+}
+
+/*
+ * Makes closed cells of `side` x `side` pixels out of a camera's picture, from (x, y) on. 0 if their rays have no
+ * main axis in common, or more to them than a direction.
+ *
+ * A ray's direction before rounding is affine in column and row, so that ratios of two components have their extremes
+ * over a cell at its corners. Rounding moves component k of any ray by at most 3.001 u (|d00_k| + |x dx_k| + |y dy_k|)
+ * (camera.c); `pad` is 8 u of it and 2^-140 for underflow. A ratio so differs from the extreme of those computed at
+ * the corners by at most 2 (p_j + |slope| p_main) / (|d_main| - 2 p_main), with p = 0.38 pad: less than with pad and
+ * |d_main| alone, since that is more than 4 pad_main.
+ */
+static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                               uint32_t side, struct cells *cells)
+{
+    if (view->parallel || view->t_min != 0 || !isinf(view->t_max)) return 0;
+    float columns[2][4], rows[2][4], pad[3], middle[3];
+    set_cell_samples(view->first_x, x, side, width, view->sample_x, columns);
+    set_cell_samples(view->first_y, y, side, height, view->sample_y, rows);
+    const float x_max = larger_of(fabsf(columns[0][0]), fabsf(mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)));
+    const float y_max = larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
+    for (int k = 0; k < 3; ++k) {
+        const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
+        if (!(whole <= MLRT_SAFE_MAX) || !mlrt_is_float_safe(view->eye[k])) return 0;
+        pad[k] = whole * (8 * 0x1p-24f) + 0x1p-140f;
+        middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
+        cells->apex[k] = view->eye[k];
+    }
+    set_main_axis_of(middle, cells);
+
+    const int a = cells->main_axis;
+    MLRT_ALIGNED(64) float samples[4][CELL_COUNT];
+    cells->closed = 0;
+    for (uint32_t i = 0; i < CELL_COUNT; ++i) {
+        const uint32_t column = i % 4, row = i / 4;
+        cells->closed |= (uint32_t)(column * side < width && row * side < height) << i;
+        for (int end = 0; end < 2; ++end) {
+            samples[end][i] = columns[end][column];
+            samples[2 + end][i] = rows[end][row];
+        }
+    }
+    for (int v = 0; v < CELL_COUNT; v += VW) {
+        vf least = v_set1(INFINITY), lo[2], hi[2];
+        lo[0] = lo[1] = v_set1(INFINITY);
+        hi[0] = hi[1] = v_set1(-INFINITY);
+        for (int corner = 0; corner < 4; ++corner) {
+            const vf xs = v_load(samples[corner & 1] + v), ys = v_load(samples[2 + (corner >> 1)] + v);
+            vf d[3];
+            for (int k = 0; k < 3; ++k) {
+                d[k] = v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))),
+                             v_mul(ys, v_set1(view->dy[k])));
+            }
+            const vf depth = v_flip(d[a], v_set1(cells->sign));
+            least = v_min(depth, least);
+            const vf inverse = v_div(v_set1(1), depth);
+            for (int j = 0; j < 2; ++j) {
+                const vf slope = v_mul(d[(a + 1 + j) % 3], inverse);
+                lo[j] = v_min(slope, lo[j]);
+                hi[j] = v_max(slope, hi[j]);
+            }
+        }
+        const vm forward = v_gt(least, v_set1(4 * pad[a]));
+        const vm there = m_from_bits(cells->closed >> v);
+        if (m_bits(m_andnot(there, forward))) return 0;
+        const vf inverse = v_div(v_set1(2), least);
+        for (int j = 0; j < 2; ++j) {
+            const vf steepest = v_max(v_abs(lo[j]), v_abs(hi[j]));
+            if (m_bits(m_andnot(there, v_le(steepest, v_set1(STEEPEST_SLOPE))))) return 0;
+            const vf error = v_mul(v_add(v_set1(pad[(a + 1 + j) % 3]), v_mul(steepest, v_set1(pad[a]))), inverse);
+            const vf slack = v_add(error, v_mul(steepest, v_set1(SLOPE_SLACK)));
+            v_store(cells->slopes[j].lo + v, v_select(there, v_sub(lo[j], slack), v_set1(INFINITY)));
+            v_store(cells->slopes[j].hi + v, v_select(there, v_add(hi[j], slack), v_set1(-INFINITY)));
+        }
+        v_store(cells->farthest + v, v_select(there, v_set1(INFINITY), v_set1(-INFINITY)));
+        v_store(cells->cover_near + v, v_set1(INFINITY));
+        i_store(cells->cover + v, i_set1(MLRT_NONE));
+    }
+    sum_up_cells(cells);
+    return 1;
+}

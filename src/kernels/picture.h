@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Parts of a picture, and the rays of its blocks.
+ */
+
+/* A part of a picture, or of a tile. */
+struct rectangle {
+    uint32_t x;
+    uint32_t y;
+    uint32_t width;
+    uint32_t height;
+};
+
+/* The piece of `whole` that starts at (x, y) relative to it and has at most this side. */
+MLRT_INLINE struct rectangle cut_piece(const struct rectangle *whole, uint32_t x, uint32_t y, uint32_t side)
+{
+    return (struct rectangle){whole->x + x, whole->y + y, whole->width - x < side ? whole->width - x : side,
+                              whole->height - y < side ? whole->height - y : side};
+}
+
+/* Lanes of a block that exist: in the last row of a list some may not. */
+MLRT_INLINE uint32_t existing_lanes(const struct mlrt_source *source, const struct rectangle *block)
+{
+    uint32_t lanes = mlrt_block_lanes(block->width, block->height);
+    const uint64_t past = (uint64_t)(block->y + block->height - 1) * source->width + block->x + block->width;
+    if (MLRT_LIKELY(past <= source->count)) return lanes;
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint64_t row = block->y + (uint32_t)mlrt_lane_y[lane];
+        if (row * source->width + block->x + (uint32_t)mlrt_lane_x[lane] >= source->count) lanes &= ~(1u << lane);
+    }
+    return lanes;
+}
+
+/* The rays of a block of any source. `lanes` are those that exist. */
+static void get_packet(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
+                       struct mlrt_packet *packet)
+{
+    if (source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel) {
+        get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
+    } else {
+        mlrt_get_packet(source, block->x, block->y, block->width, block->height, packet);
+    }
+}

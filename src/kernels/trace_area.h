@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The levels of the tile method: an area of 64x64 pixels is sixteen cells of 16x16, and one of those sixteen packets of
+ * 4x4. Cells that one triangle covers, or nothing, are done at once; the others are cut.
+ *
+ * Only a camera's rays are known before they are made. Tiles of other sources begin with their packets.
+ */
+
+/* The closed cells of a camera's picture; 0 if there are none to be made. */
+static int gather_picture_cells(const struct mlrt_job *job, const struct rectangle *area, uint32_t side,
+                                struct cells *cells)
+{
+    if (job->source.kind != MLRT_SOURCE_CAMERA || !job->tree->bvh.float_safe) return 0;
+    return gather_camera_cells(&job->source.view, area->x, area->y, area->width, area->height, side, cells);
+}
+
+/* One triangle, or nothing, for a rectangle of pixels of a camera. */
+static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
+                         const struct rectangle *area)
+{
+    if (cover == MLRT_NONE) {
+        write_misses(job, worker, area);
+    } else {
+        write_cover(job, worker, cover, area);
+    }
+}
+
+/* Traces packets down the hierarchy of boxes: together, as far as they can go together. */
+static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+                          uint32_t waiting)
+{
+    while (waiting) {
+        const uint32_t gathered = gather_packets(tile, waiting);
+        if (gathered) {
+            traverse_bvh(job, worker, &tile->cells);
+            waiting &= ~gathered;
+        } else {
+            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(waiting)];
+            packet->single |= packet->active;
+            packet->active = 0;
+            waiting &= waiting - 1;
+        }
+    }
+}
+
+/* Makes all packets of a tile, and returns those with rays that can go together with others. */
+static uint32_t make_packets(const struct mlrt_job *job, struct ray_tile *tile)
+{
+    uint32_t waiting = 0;
+    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        if (!has_block(tile, place)) continue;
+        struct mlrt_packet *packet = &tile->packets[place];
+        const struct rectangle block = block_of_tile(tile, place);
+        get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
+        if (!packet->has_apex || !job->tree->bvh.float_safe) {
+            packet->single |= packet->active;
+            packet->active = 0;
+        }
+        waiting |= (packet->active != 0u) << place;
+    }
+    return waiting;
+}
+
+static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile, uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    const struct rectangle block = block_of_tile(tile, place);
+    if (packet->single) trace_single_rays(job, packet->single, packet, &worker->counters);
+    write_packet(job, worker, packet, existing_lanes(&job->source, &block), &block);
+}
+
+/* Traces a rectangle of at most 16 blocks. */
+static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+{
+    struct ray_tile tile;
+    tile.area = *area;
+    tile.columns = job->source.width <= 4 ? 1 : 4;
+    if (gather_picture_cells(job, area, 4, &tile.cells)) {
+        tile.limits_below = 0;
+        tile.cells.tile = &tile;
+        traverse_bvh(job, worker, &tile.cells);
+    } else {
+        tile.cells.closed = 0;
+        trace_packets(job, worker, &tile, make_packets(job, &tile));
+    }
+    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        if (!has_block(&tile, place)) continue;
+        if (tile.cells.closed >> place & 1) {
+            const struct rectangle block = block_of_tile(&tile, place);
+            write_closed(job, worker, tile.cells.cover[place], &block);
+        } else {
+            finish_block(job, worker, &tile, place);
+        }
+    }
+}
+
+/* Traces a rectangle of at most 4 x 4 tiles. */
+static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+{
+    struct cells cells;
+    cells.closed = 0;
+    if (gather_picture_cells(job, area, 16, &cells)) {
+        cells.tile = NULL;
+        traverse_bvh(job, worker, &cells);
+    }
+    for (uint32_t j = 0; j < area->height; j += 16) {
+        for (uint32_t i = 0; i < area->width; i += 16) {
+            const struct rectangle tile = cut_piece(area, i, j, 16);
+            const uint32_t place = j / 4 + i / 16;
+            if (cells.closed >> place & 1) {
+                write_closed(job, worker, cells.cover[place], &tile);
+            } else {
+                trace_ray_tile(job, worker, &tile);
+            }
+        }
+    }
+}
+
+/* Traces a part of a picture that starts at multiples of 4. */
+static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+{
+    if (job->source.width <= 4) {
+        for (uint32_t j = 0; j < area->height; j += 64) {
+            const struct rectangle tile = {area->x, area->y + j, area->width,
+                                           area->height - j < 64 ? area->height - j : 64};
+            trace_ray_tile(job, worker, &tile);
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < area->height; j += 64) {
+        for (uint32_t i = 0; i < area->width; i += 64) {
+            const struct rectangle square = cut_piece(area, i, j, 64);
+            trace_square(job, worker, &square);
+        }
+    }
+}
