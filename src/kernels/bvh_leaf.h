@@ -186,17 +186,19 @@ MLRT_INLINE void range_over_cells(const struct cells *cells, const struct leaf_t
 
 /*
  * Offers a triangle to closed cells: those that it covers in front of what covered them are closed by it from now on,
- * those that it misses, or lies behind the cover of, stay as they are. Returns the others: they have to be opened.
+ * those that it misses, or lies behind the cover of, stay as they are. Returns the others: they may have to be opened. All
+ * rays of `inside_cells` hit the triangle.
  *
  * Edge functions over slopes have the bound of triangle_filter.h with R = 1, or twice the steepest slope, and so has D;
  * all rays of a cell hit what is surely inside at its corners. There their depth is N / D.
  */
 static uint32_t offer_to_closed(struct cells *cells, const struct leaf_triangles *leaf, uint32_t place,
-                                uint32_t among, int any)
+                                uint32_t among, int any, uint32_t *inside_cells)
 {
     const uint32_t number = leaf->numbers[place];
     const float bound = SLOPE_EDGE_BOUND * cells->slope_bound, width = SLOPE_PLANE_BOUND * cells->slope_bound;
     uint32_t opened = 0;
+    *inside_cells = 0;
     for (int v = 0; v < CELL_COUNT; v += VW) {
         const vf farthest = v_load(cells->farthest + v);
         vm may = m_andnot(m_from_bits(among >> v), i_eq(i_load(cells->cover + v), i_set1(number)));
@@ -220,13 +222,14 @@ static uint32_t offer_to_closed(struct cells *cells, const struct leaf_triangles
         may = m_and(may, m_and(v_gt(greatest_d, v_set1(0)), v_le(near, farthest)));
         const vf far = v_mul(v_div(v_set1(leaf->greatest_n[place]), least_d), v_set1(1 + SLOPE_SLACK));
         const vf nearest = v_load(cells->cover_near + v);
-        const vm covered = m_and(m_and(v_gt(inside, v_set1(bound)), v_gt(least_d, v_set1(width))),
-                                 m_and(may, v_lt(far, nearest)));
+        const vm certain = m_and(may, m_and(v_gt(inside, v_set1(bound)), v_gt(least_d, v_set1(width))));
+        const vm covered = m_and(certain, v_lt(far, nearest));
         if (m_bits(covered)) {
             v_store(cells->farthest + v, v_select(covered, any ? v_set1(-INFINITY) : far, farthest));
             v_store(cells->cover_near + v, v_select(covered, near, nearest));
             i_store(cells->cover + v, i_select(covered, i_set1(number), i_load(cells->cover + v)));
         }
+        *inside_cells |= m_bits(certain) << v;
         opened |= m_bits(m_andnot(may, covered)) << v;
     }
     return opened;

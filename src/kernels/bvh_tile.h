@@ -171,6 +171,20 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
     cells->farthest[place] = farthest_depth(packet, cells->main_axis);
 }
 
+/*
+ * A triangle in the plane of a cell's cover is hit where that is, if at all, and the first of the two in the input
+ * wins: the later one changes nothing, and the earlier one may cover the cell instead. 0 if it is not as simple.
+ */
+static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct cells *cells, uint32_t place,
+                        uint32_t number, int is_inside)
+{
+    const uint32_t cover = cells->cover[place];
+    if (cover == MLRT_NONE || (number < cover && !is_inside)) return 0;
+    if (!share_plane(tree, number, cover, worker)) return 0;
+    if (number < cover) cells->cover[place] = number;
+    return 1;
+}
+
 /* Offers the triangles of a leaf to closed cells. Opens those that are left in doubt. */
 static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
                               const struct leaf_triangles *leaf, uint32_t seen, uint32_t met)
@@ -179,9 +193,11 @@ static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *wo
         const uint32_t among = met & cells->closed;
         if (!among) return;
         COUNT(&worker->counters, triangle_test_count, 1);
-        uint32_t opened = offer_to_closed(cells, leaf, mlrt_lowest_bit(seen), among, job->any);
+        const uint32_t triangle = mlrt_lowest_bit(seen);
+        uint32_t inside, opened = offer_to_closed(cells, leaf, triangle, among, job->any, &inside);
         for (; opened; opened &= opened - 1) {
             const uint32_t place = mlrt_lowest_bit(opened);
+            if (settle_cover(job->tree, worker, cells, place, leaf->numbers[triangle], inside >> place & 1)) continue;
             if (cells->tile) {
                 open_packet(job, worker, cells->tile, place);
             } else {
