@@ -54,6 +54,16 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #endif
 }
 
+/* Tells the processor that a cache line will be read soon. */
+MLRT_INLINE void mlrt_prefetch(const void *address)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(address);
+#else
+    (void)address;
+#endif
+}
+
 /* Bits set. */
 MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
 {
