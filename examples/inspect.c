@@ -37,12 +37,15 @@ int main(int argc, char **argv)
     const char *scene = "office";
     mlrt_build_options build = {.struct_size = sizeof build};
     double traversal = 0, intersection = 0;
+    uint32_t threads = 1;
     const struct option options[] = {
         {OPTION_TEXT, "--scene", &scene, "NAME|FILE",
          "room, office, building, scan, scan:N (about N triangles), or a mesh file:\nPLY, OBJ, STL, glTF, ... "
          "(default: office)",
          0, 0},
         TREE_OPTIONS(build),
+        {OPTION_COUNT, "--threads", &threads, "N", "threads to build with; 0 = one per processor (default: 1)", 0,
+         1024},
         {OPTION_COUNT, "--max-depth", &build.max_depth, "N", "inner nodes above a leaf at most", 1, 60},
         {OPTION_NUMBER, "--traversal-cost", &traversal, "X",
          "of a node step; only its ratio to --intersection-cost matters", 0, 0},
@@ -54,5 +57,11 @@ int main(int argc, char **argv)
         return exit_code;
     build.traversal_cost = (float)traversal;
     build.intersection_cost = (float)intersection;
-    return inspect(scene, &build);
+    if (mlrt_create_pool(threads, &build.pool) != MLRT_OK) {
+        fprintf(stderr, "cannot start %u threads\n", (unsigned)threads);
+        return 1;
+    }
+    int failed = inspect(scene, &build);
+    mlrt_destroy_pool(build.pool);
+    return failed;
 }

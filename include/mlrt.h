@@ -95,9 +95,10 @@ enum {
     MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed; nothing was kept */
     MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
     MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside of it, numbers that are not finite, no plane */
-    MLRT_ERROR_UNSUPPORTED = 7,   /* the instruction set asked for is not in this machine or build */
-    MLRT_ERROR_THREAD = 8,        /* the system would not start a thread */
-    MLRT_ERROR_CANCELLED = 9      /* a tile callback asked to stop */
+    MLRT_ERROR_UNSUPPORTED = 7, /* an instruction set that is not in this machine or build, or a method for a structure
+                                   that the tree does not have */
+    MLRT_ERROR_THREAD = 8,      /* the system would not start a thread */
+    MLRT_ERROR_CANCELLED = 9    /* a tile callback asked to stop */
 };
 
 /* The id reported for a miss; also what a `skip` entry holds to skip nothing. */
@@ -138,7 +139,9 @@ typedef struct mlrt_mesh {
 /* What kind of tree to build: mlrt_build_options.preset */
 enum {
     MLRT_TREE_DEFAULT = 0, /* the tree that renders fastest here */
-    MLRT_TREE_PAPER = 1    /* the paper's kind of tree: deep, small leaves. It stays as it is, for comparisons */
+    MLRT_TREE_PAPER = 1,   /* the paper's kind of kd-tree: deep, small leaves. It stays as it is, for comparisons */
+    MLRT_TREE_FAST = 2,    /* the one that is built fastest. A kd-tree is that of the default */
+    MLRT_TREE_BEST = 3     /* slower to build than the default, for many pictures of one scene. Likewise */
 };
 
 /* Rules of the builder that can be switched off to measure their effect: mlrt_build_options.rules_off */
@@ -245,7 +248,7 @@ enum {
     MLRT_METHOD_RAY = 1,     /* one ray at a time, plain C: the reference */
     MLRT_METHOD_PACKET2 =
         2, /* 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray Tracing", 2001) */
-    MLRT_METHOD_PACKET4 = 3,   /* 4x4 rays by interval traversal from the root (the paper, section 4.3) */
+    MLRT_METHOD_PACKET4 = 3,    /* 4x4 rays by interval traversal from the root (the paper, section 4.3) */
     MLRT_METHOD_MULTILEVEL = 4, /* the same from entry points found by beams (the paper, sections 3.3 to 4.2) */
     MLRT_METHOD_TILE = 5        /* 16 packets of 4x4 rays down the hierarchy of boxes together */
 };

@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "all_hits.h"
+#include "bvh_build.h"
 #include "dispatch.h"
 #include "kdtree_build.h"
 #include "offset.h"
@@ -112,12 +113,20 @@ static int32_t check_build_options(const mlrt_build_options *options)
 {
     if (!options) return MLRT_OK;
     if (options->struct_size != sizeof *options) return MLRT_ERROR_STRUCT_SIZE;
-    if (options->preset != MLRT_TREE_DEFAULT && options->preset != MLRT_TREE_PAPER) return MLRT_ERROR_ARGUMENT;
+    if (options->preset < MLRT_TREE_DEFAULT || options->preset > MLRT_TREE_BEST) return MLRT_ERROR_ARGUMENT;
     if (options->structures & ~3u || options->reserved != 0) return MLRT_ERROR_ARGUMENT;
     if (options->rules_off & ~31u || options->max_depth > MLRT_DEPTH_LIMIT) return MLRT_ERROR_ARGUMENT;
     if (!(options->traversal_cost >= 0 && options->traversal_cost <= 1e6f)) return MLRT_ERROR_ARGUMENT;
     if (!(options->intersection_cost >= 0 && options->intersection_cost <= 1e6f)) return MLRT_ERROR_ARGUMENT;
     return MLRT_OK;
+}
+
+/* The paper's kind of tree is a kd-tree. */
+static uint32_t resolve_structures(const mlrt_build_options *options)
+{
+    const uint32_t given = options ? options->structures : 0;
+    const int is_paper = options && options->preset == MLRT_TREE_PAPER;
+    return is_paper || given == 0 ? given | MLRT_STRUCTURE_KDTREE : given;
 }
 
 static int compare_ids(const void *a, const void *b)
@@ -179,7 +188,10 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_
         if (status != MLRT_OK) return status;
         tree->mesh_first[i + 1] = tree->mesh_first[i] + (uint32_t)mesh->triangle_count;
     }
-    return mlrt_build_nodes(tree, options);
+    tree->structures = resolve_structures(options);
+    if (tree->structures & MLRT_STRUCTURE_KDTREE) status = mlrt_build_nodes(tree, options);
+    if (status == MLRT_OK && tree->structures & MLRT_STRUCTURE_BVH) status = mlrt_build_bvh(tree, options);
+    return status;
 }
 
 static double seconds_now(void)
@@ -234,6 +246,7 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
     mlrt_free(&tree->memory, tree->mesh_ids, tree->mesh_count, sizeof *tree->mesh_ids);
     mlrt_free(&tree->memory, tree->mesh_by_id, tree->mesh_count, sizeof *tree->mesh_by_id);
     mlrt_free(&tree->memory, tree->mesh_first, (size_t)tree->mesh_count + 1, sizeof *tree->mesh_first);
+    mlrt_free_bvh(tree);
     mlrt_free(&tree->memory, tree->nodes, tree->node_count, sizeof *tree->nodes);
     mlrt_free(&tree->memory, tree->references, tree->reference_count, sizeof *tree->references);
     free(tree);
@@ -262,7 +275,7 @@ static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uin
 }
 
 /* Checks options and puts what they say into a job whose source is set. */
-static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_job *job)
+static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     static const mlrt_trace_options standard = {.struct_size = sizeof standard};
     if (!options) options = &standard;
@@ -280,6 +293,9 @@ static int32_t resolve_options(const mlrt_trace_options *options, struct mlrt_jo
 
     job->any = options->query == MLRT_QUERY_ANY;
     job->method = options->method == MLRT_METHOD_DEFAULT ? MLRT_METHOD_MULTILEVEL : options->method;
+    if (!(tree->structures & MLRT_STRUCTURE_KDTREE) && job->method >= MLRT_METHOD_PACKET2 &&
+        job->method <= MLRT_METHOD_MULTILEVEL)
+        return MLRT_ERROR_UNSUPPORTED;
     job->culling = options->culling;
     job->culling_check = options->culling_check != 0;
     const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;
@@ -316,7 +332,7 @@ static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_r
                                              struct mlrt_job *job)
 {
     int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
-    if (status == MLRT_OK) status = resolve_options(options, job);
+    if (status == MLRT_OK) status = resolve_options(tree, options, job);
     if (status == MLRT_OK) status = mlrt_make_sink(hits, job->any, job->source.width, 1, &job->frame);
     job->tree = tree;
     job->has_frame = 1;
@@ -406,7 +422,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     if (ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit) return MLRT_ERROR_STRUCT_SIZE;
     if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
     struct mlrt_job job = {.callback = NULL};
-    const int32_t status = resolve_options(options, &job);
+    const int32_t status = resolve_options(tree, options, &job);
     if (status != MLRT_OK) return status;
     if (options && options->method != MLRT_METHOD_DEFAULT && options->method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, options, job.any, hit);
@@ -422,7 +438,7 @@ static MLRT_NOINLINE int32_t make_list_source(const mlrt_tree *tree, const mlrt_
 {
     struct mlrt_job job = {.callback = NULL};
     const int32_t status = mlrt_make_ray_source(tree, rays, source);
-    return status == MLRT_OK ? resolve_options(options, &job) : status;
+    return status == MLRT_OK ? resolve_options(tree, options, &job) : status;
 }
 
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
@@ -442,7 +458,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
                                              struct mlrt_job *job)
 {
     int32_t status = mlrt_make_view_source(camera, &job->source);
-    if (status == MLRT_OK) status = resolve_options(options, job);
+    if (status == MLRT_OK) status = resolve_options(tree, options, job);
     if (status == MLRT_OK && frame) {
         status = mlrt_make_sink(frame, job->any, job->source.width, 0, &job->frame);
         job->has_frame = !mlrt_sink_is_empty(&job->frame);
@@ -520,7 +536,7 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
     any.query = MLRT_QUERY_ANY;
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     int32_t status = mlrt_make_light_source(tree, points, light, &job->source);
-    if (status == MLRT_OK) status = resolve_options(&any, job);
+    if (status == MLRT_OK) status = resolve_options(tree, &any, job);
     if (status == MLRT_OK) status = mlrt_make_sink(&hits, 1, job->source.width, 1, &job->frame);
     job->tree = tree;
     job->has_frame = 1;

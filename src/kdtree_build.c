@@ -87,7 +87,7 @@ static struct settings resolve_options(const mlrt_build_options *options, uint32
 {
     static const mlrt_build_options DEFAULTS;
     if (options == NULL) options = &DEFAULTS;
-    struct settings settings = {PRESETS[options->preset], options->rules_off, options->max_depth,
+    struct settings settings = {PRESETS[options->preset == MLRT_TREE_PAPER], options->rules_off, options->max_depth,
                                 options->max_references};
     if (options->traversal_cost > 0) settings.preset.model.traversal = options->traversal_cost;
     if (options->intersection_cost > 0) settings.preset.model.intersection = options->intersection_cost;

@@ -43,6 +43,11 @@ MLRT_INLINE f4 f4_div(f4 a, f4 b)
 {
     return (f4){{a.x[0] / b.x[0], a.x[1] / b.x[1], a.x[2] / b.x[2], a.x[3] / b.x[3]}};
 }
+MLRT_INLINE f4 f4_min(f4 a, f4 b)
+{
+    return (f4){{a.x[0] < b.x[0] ? a.x[0] : b.x[0], a.x[1] < b.x[1] ? a.x[1] : b.x[1],
+                 a.x[2] < b.x[2] ? a.x[2] : b.x[2], a.x[3] < b.x[3] ? a.x[3] : b.x[3]}};
+}
 MLRT_INLINE f4 f4_max(f4 a, f4 b)
 {
     return (f4){{a.x[0] > b.x[0] ? a.x[0] : b.x[0], a.x[1] > b.x[1] ? a.x[1] : b.x[1],

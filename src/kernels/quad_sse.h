@@ -39,6 +39,10 @@ MLRT_INLINE f4 f4_div(f4 a, f4 b)
 {
     return _mm_div_ps(a, b);
 }
+MLRT_INLINE f4 f4_min(f4 a, f4 b)
+{
+    return _mm_min_ps(a, b);
+}
 MLRT_INLINE f4 f4_max(f4 a, f4 b)
 {
     return _mm_max_ps(a, b);
