@@ -141,7 +141,7 @@ static MLRT_NOINLINE uint32_t set_up_leaf(const struct mlrt_tree *tree, const st
 }
 
 /* Of the triangles `seen`, those that the rays of one cell may hit. */
-static MLRT_NOINLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uint32_t seen,
+MLRT_INLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uint32_t seen,
                                     const struct leaf_triangles *leaf)
 {
     const float *slope_lo[2] = {&cells->slopes[0].lo[place], &cells->slopes[1].lo[place]};

@@ -18,7 +18,7 @@ struct pending_box {
 #define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
 
 /* The children of a node whose boxes the cells may meet; their least depths go to `near`. */
-static MLRT_NOINLINE uint32_t children_met(const struct cells *cells, const struct mlrt_bvh_node *node,
+MLRT_INLINE uint32_t children_met(const struct cells *cells, const struct mlrt_bvh_node *node,
                                   float near[MLRT_BVH_WIDTH])
 {
     const int a = cells->main_axis;
@@ -44,7 +44,7 @@ static MLRT_NOINLINE uint32_t children_met(const struct cells *cells, const stru
 }
 
 /* The cells that may meet a box, which is child `place` of a node. */
-static MLRT_NOINLINE uint32_t cells_met(const struct cells *cells, const struct mlrt_bvh_node *node, uint32_t place)
+MLRT_INLINE uint32_t cells_met(const struct cells *cells, const struct mlrt_bvh_node *node, uint32_t place)
 {
     const int a = cells->main_axis;
     const float below = node->lo[a][place] - cells->apex[a], above = node->hi[a][place] - cells->apex[a];
@@ -138,7 +138,7 @@ MLRT_INLINE struct verdict filter_leaf_vector(const struct leaf_triangles *leaf,
 }
 
 /* Tests a packet against one triangle of a leaf. Returns the lanes whose nearest hit changed. */
-static MLRT_NOINLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_worker *worker,
+MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         const struct leaf_triangles *leaf, uint32_t place, float reach,
                                         int limits_below, struct mlrt_packet *packet)
 {
@@ -164,6 +164,21 @@ static MLRT_NOINLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, str
     return outcome.nearer | decide_lanes(job->tree, number, &outcome, packet, worker);
 }
 
+/* Tests a packet against triangles of a leaf. */
+static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+                                      const struct leaf_triangles *leaf, uint32_t triangles, uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    uint32_t changed = 0;
+    for (; triangles; triangles &= triangles - 1) {
+        changed |= test_leaf_triangle(job, worker, leaf, mlrt_lowest_bit(triangles), tile->reach[place],
+                                      tile->limits_below, packet);
+    }
+    if (!changed) return;
+    if (job->any) packet->active &= ~changed;
+    tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
+}
+
 /* Makes the rays of a closed cell, and tests them against its cover. */
 static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
                                       uint32_t place)
@@ -177,9 +192,10 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
     if (cells->cover[place] != MLRT_NONE) {
         struct leaf_triangles leaf;
         set_up_triangle(job->tree, cells, &cells->cover[place], &leaf);
-        test_leaf_triangle(job, worker, &leaf, 0, tile->reach[place], 0, packet);
+        test_packet(job, worker, tile, &leaf, 1, place);
+    } else {
+        cells->farthest[place] = farthest_depth(packet, cells->main_axis);
     }
-    cells->farthest[place] = farthest_depth(packet, cells->main_axis);
 }
 
 /*
@@ -219,20 +235,6 @@ static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *wo
     }
 }
 
-static void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
-                        const struct leaf_triangles *leaf, uint32_t seen, uint32_t place)
-{
-    struct mlrt_packet *packet = &tile->packets[place];
-    uint32_t changed = 0;
-    for (uint32_t left = seen_by_cell(&tile->cells, place, seen, leaf); left; left &= left - 1) {
-        changed |= test_leaf_triangle(job, worker, leaf, mlrt_lowest_bit(left), tile->reach[place], tile->limits_below,
-                                      packet);
-    }
-    if (!changed) return;
-    if (job->any) packet->active &= ~changed;
-    tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
-}
-
 static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
                                          uint32_t child, uint32_t met)
 {
@@ -242,7 +244,8 @@ static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt
     if (met & cells->closed) test_closed_cells(job, worker, cells, &leaf, seen, met);
     if (cells->tile) {
         for (uint32_t open = met & ~cells->closed; open; open &= open - 1) {
-            test_packet(job, worker, cells->tile, &leaf, seen, mlrt_lowest_bit(open));
+            const uint32_t place = mlrt_lowest_bit(open), left = seen_by_cell(cells, place, seen, &leaf);
+            if (left) test_packet(job, worker, cells->tile, &leaf, left, place);
         }
     }
     set_whole_farthest(cells);

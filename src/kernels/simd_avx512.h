@@ -102,15 +102,15 @@ MLRT_INLINE vf v_select(vm m, vf a, vf b)
 
 MLRT_INLINE vm m_and(vm a, vm b)
 {
-    return (vm)(a & b);
+    return _kand_mask16(a, b);
 }
 MLRT_INLINE vm m_or(vm a, vm b)
 {
-    return (vm)(a | b);
+    return _kor_mask16(a, b);
 }
 MLRT_INLINE vm m_andnot(vm a, vm b)
 {
-    return (vm)(a & ~b);
+    return _kandn_mask16(b, a);
 }
 MLRT_INLINE unsigned m_bits(vm a)
 {
