@@ -2,34 +2,19 @@
 /*
  * One ray through the tree: near child first, far child on a stack, nearest hit so far cuts both short.
  *
- * Node tests are in double, where no finite float overflows or underflows: with x = fl(c - o) and r = fl(1 / d), the
- * distance to a plane is x r with a relative error under 3 * 2^-53 (1 + 2^-50), so [x r (1 - 2^-50), x r (1 + 2^-50)]
- * contains it, and a cell is left out only if its interval is surely empty or surely behind the nearest hit.
+ * Node tests are in double (ray_interval.h): a cell is left out only if its interval is surely empty or surely behind the
+ * nearest hit. Trees that have only a hierarchy of boxes go to bvh_ray.c.
  *
  * Based on: V. Havran, "Heuristic Ray Shooting Algorithms", 2000, appendix C (recursive traversal with a stack).
  */
 #include "trace_ray.h"
 
-#include "platform.h"
-
-#define SLACK 0x1p-50
-
-struct interval {
-    double enter;
-    double exit;
-};
-
-/* Distances at which the ray can cross the plane x_k = c; d_k is not 0. */
-MLRT_INLINE struct interval plane_distance(double c, double origin, double reciprocal)
-{
-    double t = (c - origin) * reciprocal;
-    double slack = (t < 0 ? -t : t) * SLACK;
-    return (struct interval){t - slack, t + slack};
-}
+#include "bvh_ray.h"
+#include "ray_interval.h"
 
 /* The part of the ray inside the closed box, or a little more. 0 if there is surely none. */
 static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciprocal[3], const struct mlrt_box *box,
-                       struct interval *part)
+                       struct mlrt_interval *part)
 {
     part->enter = ray->t_min;
     part->exit = ray->t_max;
@@ -39,8 +24,8 @@ static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciproc
             continue;
         }
         int negative = ray->direction[k] < 0;
-        struct interval near = plane_distance(negative ? box->hi[k] : box->lo[k], ray->origin[k], reciprocal[k]);
-        struct interval far = plane_distance(negative ? box->lo[k] : box->hi[k], ray->origin[k], reciprocal[k]);
+        struct mlrt_interval near = mlrt_plane_distance(negative ? box->hi[k] : box->lo[k], ray->origin[k], reciprocal[k]);
+        struct mlrt_interval far = mlrt_plane_distance(negative ? box->lo[k] : box->hi[k], ray->origin[k], reciprocal[k]);
         if (near.enter > part->enter) part->enter = near.enter;
         if (far.exit < part->exit) part->exit = far.exit;
     }
@@ -49,7 +34,7 @@ static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciproc
 
 struct pending {
     uint32_t node;
-    struct interval part;
+    struct mlrt_interval part;
 };
 
 /* With a list, all hits go there and none ends the search. */
@@ -58,12 +43,12 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
 {
     struct mlrt_nearest nearest = {MLRT_NONE, ray->t_max, ray->t_max};
     double reciprocal[3];
-    for (int k = 0; k < 3; ++k) reciprocal[k] = ray->direction[k] == 0 ? 0 : 1.0 / ray->direction[k];
+    mlrt_reciprocal_direction(ray, reciprocal);
 
     struct pending stack[MLRT_DEPTH_LIMIT];
     int pending_count = 0;
     uint32_t node = 0;
-    struct interval part;
+    struct mlrt_interval part;
     if (!clip_to_box(ray, reciprocal, &tree->bounds, &part)) return MLRT_NONE;
 
     for (;;) {
@@ -73,9 +58,9 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
             uint32_t axis = mlrt_node_axis(here), child = mlrt_node_child(here);
             float d = ray->direction[axis], o = ray->origin[axis], c = here->u.split;
             uint32_t first = child + (d < 0), second = child + !(d < 0);
-            struct interval plane = {part.enter, part.exit};
+            struct mlrt_interval plane = {part.enter, part.exit};
             if (d != 0) {
-                plane = plane_distance(c, o, reciprocal[axis]);
+                plane = mlrt_plane_distance(c, o, reciprocal[axis]);
             } else if (o != c) {
                 node = o < c ? child : child + 1;
                 continue;
@@ -85,7 +70,7 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
             } else if (part.enter > plane.exit) {
                 node = second;
             } else {
-                struct interval far = {plane.enter > part.enter ? plane.enter : part.enter, part.exit};
+                struct mlrt_interval far = {plane.enter > part.enter ? plane.enter : part.enter, part.exit};
                 stack[pending_count++] = (struct pending){second, far};
                 if (plane.exit < part.exit) part.exit = plane.exit;
                 node = first;
@@ -113,9 +98,15 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
     }
 }
 
+static int has_boxes_only(const struct mlrt_tree *tree)
+{
+    return tree->structures == MLRT_STRUCTURE_BVH;
+}
+
 uint32_t mlrt_trace_segment(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
                             mlrt_counters *counters)
 {
+    if (has_boxes_only(tree)) return mlrt_trace_boxes(tree, ray, skip, any, NULL, counters);
     return counters ? trace(tree, ray, skip, any, NULL, counters) : trace(tree, ray, skip, any, NULL, NULL);
 }
 
@@ -123,6 +114,10 @@ void mlrt_gather_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segmen
                       struct mlrt_hit_list *list, mlrt_counters *counters)
 {
     list->count = 0;
-    trace(tree, ray, skip, 0, list, counters);
+    if (has_boxes_only(tree)) {
+        mlrt_trace_boxes(tree, ray, skip, 0, list, counters);
+    } else {
+        trace(tree, ray, skip, 0, list, counters);
+    }
     mlrt_remove_repetitions(list);
 }

@@ -794,7 +794,7 @@ static double attack_group_plane(const float *input)
 static double attack_ray_plane(const float *input)
 {
     if (input[2] == 0 || input[0] == input[1]) return -1;
-    const struct interval t = plane_distance(input[0], input[1], 1.0 / input[2]);
+    const struct mlrt_interval t = mlrt_plane_distance(input[0], input[1], 1.0 / input[2]);
     find_plane_distance(input[0], input[1], input[2]);
     return place_in(truth, t.enter, t.exit);
 }

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One ray through the hierarchy of boxes: of a node's children those that it can meet, the nearest first, the others on a
+ * stack; the nearest hit so far cuts all of them short.
+ *
+ * Box tests are in double (ray_interval.h), so a box is left out only if the ray surely passes it or comes to it surely
+ * behind the nearest hit. Where d_k is 0 the ray keeps its coordinate, and the comparison with the box is exact.
+ */
+#include "bvh_ray.h"
+
+#include "ray_interval.h"
+
+/* A child, or the root, that the ray can meet from t = enter on. */
+struct pending {
+    double enter;
+    uint32_t child;
+};
+
+/* Of a node all children but one wait, and so on down. */
+#define PENDING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
+
+struct search {
+    const struct mlrt_tree *tree;
+    const struct mlrt_ray_segment *ray;
+    double reciprocal[3];
+    struct mlrt_nearest nearest;
+    struct pending stack[PENDING_LIMIT];
+    uint32_t pending_count;
+};
+
+/* Narrows the parts of the ray inside each of a node's boxes to what lies between their planes along one axis. */
+static void clip_to_slabs(const struct search *search, const struct mlrt_bvh_node *node, int k,
+                          struct mlrt_interval part[MLRT_BVH_WIDTH])
+{
+    const float d = search->ray->direction[k], o = search->ray->origin[k];
+    const float *near = d < 0 ? node->hi[k] : node->lo[k], *far = d < 0 ? node->lo[k] : node->hi[k];
+    for (uint32_t i = 0; i < MLRT_BVH_WIDTH && node->child[i]; ++i) {
+        if (d == 0) {
+            if (o < near[i] || o > far[i]) part[i].exit = -1;
+            continue;
+        }
+        const double enter = mlrt_plane_distance(near[i], o, search->reciprocal[k]).enter;
+        const double exit = mlrt_plane_distance(far[i], o, search->reciprocal[k]).exit;
+        if (enter > part[i].enter) part[i].enter = enter;
+        if (exit < part[i].exit) part[i].exit = exit;
+    }
+}
+
+/* Puts the children that the ray can meet on the stack, the nearest on top. */
+static void push_children(const struct mlrt_bvh_node *node, struct search *search)
+{
+    struct mlrt_interval part[MLRT_BVH_WIDTH];
+    for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
+        part[i] = (struct mlrt_interval){search->ray->t_min, search->nearest.hi};
+    }
+    for (int k = 0; k < 3; ++k) clip_to_slabs(search, node, k, part);
+    const uint32_t first = search->pending_count;
+    for (uint32_t i = 0; i < MLRT_BVH_WIDTH && node->child[i]; ++i) {
+        if (part[i].enter > part[i].exit) continue;
+        uint32_t place = search->pending_count++;
+        for (; place > first && search->stack[place - 1].enter < part[i].enter; --place) {
+            search->stack[place] = search->stack[place - 1];
+        }
+        search->stack[place] = (struct pending){part[i].enter, node->child[i]};
+    }
+}
+
+/* Offers the triangles of a leaf. Returns 1 if the search is over. */
+static int test_leaf(struct search *search, uint32_t leaf, uint32_t skip, int any, struct mlrt_hit_list *list,
+                     mlrt_counters *counters)
+{
+    const uint32_t *numbers = search->tree->bvh.numbers + 4 * mlrt_bvh_offset(leaf);
+    const uint32_t limit = 4 * mlrt_bvh_quad_count(leaf);
+    for (uint32_t i = 0; i < limit && numbers[i] != MLRT_NONE; ++i) {
+        if (numbers[i] == skip) continue;
+        if (counters) ++counters->triangle_test_count;
+        if (list) {
+            mlrt_gather_hit(search->tree, search->ray, numbers[i], list, counters);
+        } else if (numbers[i] != search->nearest.triangle) {
+            if (mlrt_offer_triangle(search->tree, search->ray, numbers[i], &search->nearest, counters) && any) return 1;
+        }
+    }
+    return 0;
+}
+
+uint32_t mlrt_trace_boxes(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
+                          struct mlrt_hit_list *list, mlrt_counters *counters)
+{
+    struct search search;
+    if (tree->bvh.node_count == 0) return MLRT_NONE;
+    search.tree = tree;
+    search.ray = ray;
+    search.nearest = (struct mlrt_nearest){MLRT_NONE, ray->t_max, ray->t_max};
+    search.pending_count = 0;
+    mlrt_reciprocal_direction(ray, search.reciprocal);
+    if (counters) ++counters->cell_count;
+    push_children(&tree->bvh.nodes[0], &search);
+    while (search.pending_count > 0) {
+        const struct pending next = search.stack[--search.pending_count];
+        if (next.enter > search.nearest.hi) continue;
+        if (counters) ++counters->cell_count;
+        if (mlrt_bvh_quad_count(next.child) == 0) {
+            push_children(&tree->bvh.nodes[mlrt_bvh_offset(next.child)], &search);
+        } else if (test_leaf(&search, next.child, skip, any, list, counters)) {
+            break;
+        }
+    }
+    return search.nearest.triangle;
+}
