@@ -274,6 +274,16 @@ static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uin
     return is_power_of_two(given) && given >= lo && given <= hi ? given : 0;
 }
 
+/* A method, with the default resolved; MLRT_METHOD_DEFAULT if the tree lacks what the method searches in. */
+static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
+{
+    const int has_boxes = (tree->structures & MLRT_STRUCTURE_BVH) != 0;
+    const int has_kdtree = (tree->structures & MLRT_STRUCTURE_KDTREE) != 0;
+    if (method == MLRT_METHOD_DEFAULT) return has_boxes ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
+    if (method == MLRT_METHOD_TILE) return has_boxes ? method : MLRT_METHOD_DEFAULT;
+    return has_kdtree || method == MLRT_METHOD_RAY ? method : MLRT_METHOD_DEFAULT;
+}
+
 /* Checks options and puts what they say into a job whose source is set. */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
@@ -292,10 +302,8 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (options->counters && options->counters->struct_size != sizeof *options->counters) return MLRT_ERROR_STRUCT_SIZE;
 
     job->any = options->query == MLRT_QUERY_ANY;
-    job->method = options->method == MLRT_METHOD_DEFAULT ? MLRT_METHOD_MULTILEVEL : options->method;
-    if (!(tree->structures & MLRT_STRUCTURE_KDTREE) && job->method >= MLRT_METHOD_PACKET2 &&
-        job->method <= MLRT_METHOD_MULTILEVEL)
-        return MLRT_ERROR_UNSUPPORTED;
+    job->method = resolve_method(options->method, tree);
+    if (job->method == MLRT_METHOD_DEFAULT) return MLRT_ERROR_UNSUPPORTED;
     job->culling = options->culling;
     job->culling_check = options->culling_check != 0;
     const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;

@@ -38,7 +38,7 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     const uint32_t lanes = existing_lanes(&job->source, block);
     struct mlrt_packet packet;
     get_packet(&job->source, block, lanes, &packet);
-    if (job->method == MLRT_METHOD_RAY || !job->tree->float_safe) {
+    if (job->method == MLRT_METHOD_RAY || job->method == MLRT_METHOD_TILE || !job->tree->float_safe) {
         packet.single |= packet.active;
         packet.active = 0;
     }
