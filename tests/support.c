@@ -337,15 +337,28 @@ static struct reference_scene *reference_of_meshes(const mlrt_mesh *meshes, size
     return scene;
 }
 
+static mlrt_tree *build_or_fail(const struct fixture *fixture, const mlrt_mesh *meshes, size_t count,
+                                const mlrt_build_options *options, uint32_t structures)
+{
+    mlrt_build_options build = {.struct_size = sizeof build};
+    mlrt_tree *tree = NULL;
+    if (options) build = *options;
+    build.structures = structures;
+    int32_t status = mlrt_build_kdtree(meshes, count, &build, &tree);
+    if (status != MLRT_OK)
+        print_error("%s (seed %llu): %s\n", fixture->name, (unsigned long long)fixture->seed,
+                    mlrt_status_string(status));
+    assert_int_equal(status, MLRT_OK);
+    assert_non_null(tree);
+    return tree;
+}
+
 struct fixture make_fixture_with(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count,
                                  const mlrt_build_options *options)
 {
-    struct fixture fixture = {name, seed, NULL, NULL};
-    int32_t status = mlrt_build_kdtree(meshes, count, options, &fixture.tree);
-    if (status != MLRT_OK)
-        print_error("%s (seed %llu): %s\n", name, (unsigned long long)seed, mlrt_status_string(status));
-    assert_int_equal(status, MLRT_OK);
-    assert_non_null(fixture.tree);
+    struct fixture fixture = {name, seed, NULL, NULL, NULL};
+    fixture.tree = build_or_fail(&fixture, meshes, count, options, MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH);
+    fixture.boxes = build_or_fail(&fixture, meshes, count, options, MLRT_STRUCTURE_BVH);
     fixture.reference = reference_of_meshes(meshes, count);
     return fixture;
 }
@@ -380,6 +393,7 @@ struct fixture fixture_of_example(const char *scene_name)
 void free_fixture(struct fixture *fixture)
 {
     mlrt_destroy_tree(fixture->tree);
+    mlrt_destroy_tree(fixture->boxes);
     reference_destroy(fixture->reference);
     memset(fixture, 0, sizeof *fixture);
 }
@@ -684,6 +698,9 @@ static void list_variants_of(int32_t isa)
                                             {32, 32, 4}, {128, 8, 16}, {1024, 4, 16}};
     static const struct tiling fine = {64, 4, 4};
     add_variant(MLRT_METHOD_RAY, isa, whole, 0);
+    add_variant(MLRT_METHOD_RAY, isa, whole, 0)->boxes_only = 1;
+    add_variant(MLRT_METHOD_TILE, isa, whole, 1);
+    add_variant(MLRT_METHOD_TILE, isa, whole, 0)->boxes_only = 1;
     add_variant(MLRT_METHOD_PACKET2, isa, whole, 1);
     add_variant(MLRT_METHOD_PACKET4, isa, whole, 1);
     for (int32_t switches = 0; switches < 8; switches++) {
@@ -701,6 +718,7 @@ static void list_variants(void)
 {
     struct tiling whole = {0, 0, 0};
     add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1);
+    add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1)->boxes_only = 1;
     list_variants_of(MLRT_ISA_SCALAR);
     for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; isa++) {
         if (isa_is_supported(isa)) list_variants_of(isa);
@@ -717,6 +735,11 @@ const struct variant *variant_at(size_t index)
 {
     assert_true(index < variant_count());
     return &variants[index];
+}
+
+const mlrt_tree *variant_tree(const struct variant *variant, const struct fixture *fixture)
+{
+    return variant->boxes_only && fixture->boxes ? fixture->boxes : fixture->tree;
 }
 
 #define POOL_LIMIT 8
@@ -747,7 +770,7 @@ mlrt_pool *shared_pool(uint32_t threads)
 
 void describe(const char *call, const mlrt_trace_options *o, uint32_t threads, char *text, size_t size)
 {
-    static const char *const methods[] = {"default", "ray", "packet2", "packet4", "multilevel"};
+    static const char *const methods[] = {"default", "ray", "packet2", "packet4", "multilevel", "tile"};
     static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512"};
     snprintf(text, size, "%s, method %s, isa %s, culling %s%s, tiles %u/%u/%u, %u threads", call, methods[o->method],
              isas[o->isa], o->culling ? "direct" : "inverse", o->culling_check ? " with check" : "",
@@ -867,11 +890,11 @@ static void check_singles(const struct fixture *fixture, const struct ray_list *
         const struct reference_ray *ray = &list->rays[i];
         if (ray->t_max == 0) continue; // a single ray cannot say this: 0 means no limit there
         mlrt_trace_options options = variant->options;
-        struct reference_hit got = trace_one(fixture->tree, ray, &options);
+        struct reference_hit got = trace_one(variant_tree(variant, fixture), ray, &options);
         describe("trace_ray", &options, 0, text, sizeof text);
         check_hit(fixture, text, i, ray, &expected[i], &got);
         options.query = MLRT_QUERY_ANY;
-        got = trace_one(fixture->tree, ray, &options);
+        got = trace_one(variant_tree(variant, fixture), ray, &options);
         describe("trace_ray, any hit", &options, 0, text, sizeof text);
         check_occluded(fixture, text, i, ray, &expected[i], got.mesh != MLRT_NONE);
     }
@@ -887,7 +910,7 @@ static void check_closest(const struct fixture *fixture, const struct ray_list *
     mlrt_trace_options options = variant->options;
     options.pool = shared_pool(variant->threads);
     memset(got, 0xA5, list->count * sizeof *got);
-    assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+    assert_int_equal(mlrt_trace_packet(variant_tree(variant, fixture), &rays, &options, &hits), MLRT_OK);
     describe("trace_packet", &options, variant->threads, text, sizeof text);
     for (size_t i = 0; i < list->count; i++) check_hit(fixture, text, i, &list->rays[i], &expected[i], &got[i]);
 }
@@ -902,7 +925,7 @@ static void check_any(const struct fixture *fixture, const struct ray_list *list
     options.pool = shared_pool(variant->threads);
     options.query = MLRT_QUERY_ANY;
     memset(got, 0xA5, list->count);
-    assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+    assert_int_equal(mlrt_trace_packet(variant_tree(variant, fixture), &rays, &options, &hits), MLRT_OK);
     describe("trace_packet, any hit", &options, variant->threads, text, sizeof text);
     for (size_t i = 0; i < list->count; i++) check_occluded(fixture, text, i, &list->rays[i], &expected[i], got[i]);
 }
@@ -1033,7 +1056,8 @@ static void check_picture(const struct fixture *fixture, const mlrt_camera *came
     options.outputs = MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_IDS | MLRT_OUTPUT_FACING;
     memset(frame, 0xA5, list->count * sizeof *frame);
     memset(occluded, 0xA5, list->count);
-    int32_t status = mlrt_render_tiles(fixture->tree, camera, &options, &hits, collect_tile, &collected);
+    int32_t status =
+        mlrt_render_tiles(variant_tree(variant, fixture), camera, &options, &hits, collect_tile, &collected);
     assert_int_equal(status, MLRT_OK);
     describe(query == MLRT_QUERY_ANY ? "render_tiles, any hit" : "render_tiles", &options, variant->threads, text,
              sizeof text);
@@ -1140,7 +1164,8 @@ void check_points(const struct fixture *fixture, const float *positions, const u
         mlrt_trace_options options = variant->options;
         options.pool = shared_pool(variant->threads);
         memset(got, 0xA5, count);
-        assert_int_equal(mlrt_occluded_points(fixture->tree, &points, light, &options, &occluded), MLRT_OK);
+        assert_int_equal(mlrt_occluded_points(variant_tree(variant, fixture), &points, light, &options, &occluded),
+                         MLRT_OK);
         describe("occluded_points", &options, variant->threads, text, sizeof text);
         for (size_t i = 0; i < count; i++) check_occluded(fixture, text, i, &list.rays[i], &expected[i], got[i]);
     }

@@ -63,11 +63,12 @@ mlrt_mesh soup_mesh(const struct soup *soup);
 struct fixture {
     const char *name;
     uint64_t seed;
-    mlrt_tree *tree;
+    mlrt_tree *tree; /* with all structures */
     struct reference_scene *reference;
+    mlrt_tree *boxes; /* with boxes alone; may be NULL */
 };
 
-/* Tree and reference of the same meshes. */
+/* Trees and reference of the same meshes. `structures` of the options does not count. */
 struct fixture make_fixture(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count);
 struct fixture make_fixture_with(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count,
                                  const mlrt_build_options *options);
@@ -112,10 +113,12 @@ struct variant {
     mlrt_trace_options options;
     uint32_t threads; /* 0 = no pool */
     int probe;        /* 1 = one of the few that small tests use */
+    int boxes_only;   /* 1 = in the tree without a kd-tree, if the fixture has one */
 };
 
 size_t variant_count(void);
 const struct variant *variant_at(size_t index);
+const mlrt_tree *variant_tree(const struct variant *variant, const struct fixture *fixture);
 int isa_is_supported(int32_t isa);
 
 /* The pool of that many threads, made when it is first asked for. NULL for 0. */

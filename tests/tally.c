@@ -92,7 +92,7 @@ static void tally_singles(struct tally *tally, const struct fixture *fixture, co
     mlrt_trace_options options = options_of(variant);
     for (size_t i = 0; i < list->count; i += 64) {
         if (list->rays[i].t_max == 0) continue; // a single ray cannot say this: 0 means no limit there
-        struct reference_hit got = trace_one(fixture->tree, &list->rays[i], &options);
+        struct reference_hit got = trace_one(variant_tree(variant_at(variant), fixture), &list->rays[i], &options);
         tally->answer_count++;
         if (!same_hit(&expected[i], &got))
             note(tally, fixture, "trace_ray", variant, i, &list->rays[i], &expected[i], &got);
@@ -111,7 +111,7 @@ void tally_rays(struct tally *tally, const struct fixture *fixture, const struct
         mlrt_hits hits = public_hits(got, 0);
         memset(got, 0xA5, list->count * sizeof *got);
         double start = processor_seconds();
-        assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+        assert_int_equal(mlrt_trace_packet(variant_tree(variant_at(v), fixture), &rays, &options, &hits), MLRT_OK);
         tally->library_seconds += processor_seconds() - start;
         compare_hits(tally, fixture, "trace_packet", v, list, expected, got);
         if (options.method == MLRT_METHOD_RAY) tally_singles(tally, fixture, list, expected, v);
@@ -120,7 +120,7 @@ void tally_rays(struct tally *tally, const struct fixture *fixture, const struct
         options.query = MLRT_QUERY_ANY;
         memset(occluded, 0xA5, list->count);
         start = processor_seconds();
-        assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+        assert_int_equal(mlrt_trace_packet(variant_tree(variant_at(v), fixture), &rays, &options, &hits), MLRT_OK);
         tally->library_seconds += processor_seconds() - start;
         compare_any(tally, fixture, "trace_packet, any hit", v, list, expected, occluded);
     }
@@ -173,10 +173,12 @@ void tally_camera(struct tally *tally, const struct fixture *fixture, const mlrt
         memset(got, 0xA5, list.count * sizeof *got);
         memset(occluded, 0xA5, list.count);
         double start = processor_seconds();
-        assert_int_equal(mlrt_render_tiles(fixture->tree, camera, &options, &hits, NULL, NULL), MLRT_OK);
+        assert_int_equal(mlrt_render_tiles(variant_tree(variant_at(v), fixture), camera, &options, &hits, NULL, NULL),
+                         MLRT_OK);
         hits = (mlrt_hits){.struct_size = sizeof hits, .occluded = {occluded, 0, 0}};
         options.query = MLRT_QUERY_ANY;
-        assert_int_equal(mlrt_render_tiles(fixture->tree, camera, &options, &hits, NULL, NULL), MLRT_OK);
+        assert_int_equal(mlrt_render_tiles(variant_tree(variant_at(v), fixture), camera, &options, &hits, NULL, NULL),
+                         MLRT_OK);
         tally->library_seconds += processor_seconds() - start;
         compare_hits(tally, fixture, "render_tiles", v, &list, expected, got);
         compare_any(tally, fixture, "render_tiles, any hit", v, &list, expected, occluded);
@@ -204,7 +206,9 @@ void tally_points(struct tally *tally, const struct fixture *fixture, const floa
         mlrt_trace_options options = options_of(v);
         memset(occluded, 0xA5, count);
         double start = processor_seconds();
-        assert_int_equal(mlrt_occluded_points(fixture->tree, &public_points, light, &options, &answers), MLRT_OK);
+        assert_int_equal(
+            mlrt_occluded_points(variant_tree(variant_at(v), fixture), &public_points, light, &options, &answers),
+            MLRT_OK);
         tally->library_seconds += processor_seconds() - start;
         compare_any(tally, fixture, "occluded_points", v, &list, expected, occluded);
     }

@@ -65,7 +65,8 @@ static void check_list(const struct fixture *fixture, const struct ray_list *lis
     free(expected);
 }
 
-static void check_lists(const struct fixture *fixture, const struct ray_list *list, uint32_t capacity, uint32_t threads)
+static void check_lists_of(const mlrt_tree *tree, const struct fixture *fixture, const struct ray_list *list,
+                           uint32_t capacity, uint32_t threads)
 {
     struct element *elements = allocate_or_fail(list->count * capacity, sizeof *elements);
     struct totals *totals = allocate_or_fail(list->count, sizeof *totals);
@@ -74,10 +75,16 @@ static void check_lists(const struct fixture *fixture, const struct ray_list *li
     mlrt_rays rays = public_rays(list);
     mlrt_hit_lists lists = lists_of(elements, totals, capacity);
     mlrt_trace_options options = {.struct_size = sizeof options, .pool = shared_pool(threads)};
-    assert_int_equal(mlrt_trace_all_hits(fixture->tree, &rays, &options, &lists), MLRT_OK);
+    assert_int_equal(mlrt_trace_all_hits(tree, &rays, &options, &lists), MLRT_OK);
     for (size_t i = 0; i < list->count; i++) check_list(fixture, list, i, elements + i * capacity, capacity, totals[i]);
     free(elements);
     free(totals);
+}
+
+static void check_lists(const struct fixture *fixture, const struct ray_list *list, uint32_t capacity, uint32_t threads)
+{
+    check_lists_of(fixture->tree, fixture, list, capacity, threads);
+    check_lists_of(fixture->boxes, fixture, list, capacity, threads);
 }
 
 static void check_at_every_capacity(const struct fixture *fixture, const struct ray_list *list)

@@ -950,7 +950,9 @@ static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_
     mlrt_tree_info info = {.struct_size = sizeof info};
     mlrt_trace_options options = *how;
     options.pool = pool;
-    int32_t status = mlrt_build_kdtree(&mesh, 1, NULL, &tree);
+    const mlrt_build_options build = {.struct_size = sizeof build,
+                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
+    int32_t status = mlrt_build_kdtree(&mesh, 1, &build, &tree);
     status += mlrt_get_tree_info(tree, &info);
     a->tree_hash = info.tree_hash;
     a->zero_area_count = info.zero_area_count;

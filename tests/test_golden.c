@@ -119,7 +119,8 @@ static void every_picture_gives_the_golden_number(void **state)
         options.pool = shared_pool(variant_at(v)->threads);
         for (int s = 0; s < SCENES; s++) {
             mlrt_hits out = outputs_of(hits);
-            int32_t status = mlrt_render_tiles(scenes[s].fixture.tree, &scenes[s].camera, &options, &out, NULL, NULL);
+            int32_t status = mlrt_render_tiles(variant_tree(variant_at(v), &scenes[s].fixture), &scenes[s].camera,
+                                               &options, &out, NULL, NULL);
             assert_int_equal(status, MLRT_OK);
             hash = hash_hits(hash, hits);
         }
@@ -142,7 +143,8 @@ static void every_packet_gives_the_golden_number(void **state)
             scenes[s].list.row_length = v % 2 ? WIDTH : 0;
             mlrt_rays rays = public_rays(&scenes[s].list);
             mlrt_hits out = outputs_of(hits);
-            assert_int_equal(mlrt_trace_packet(scenes[s].fixture.tree, &rays, &options, &out), MLRT_OK);
+            assert_int_equal(mlrt_trace_packet(variant_tree(variant_at(v), &scenes[s].fixture), &rays, &options, &out),
+                             MLRT_OK);
             hash = hash_hits(hash, hits);
         }
         assert_golden("packet", hash);

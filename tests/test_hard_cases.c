@@ -34,7 +34,8 @@ static void assert_all_hit(const struct fixture *fixture, const struct ray_list 
         mlrt_rays rays = public_rays(list);
         mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {triangles, 0, 0}};
         if (!variant_at(v)->probe) continue;
-        assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &variant_at(v)->options, &hits), MLRT_OK);
+        assert_int_equal(mlrt_trace_packet(variant_tree(variant_at(v), fixture), &rays, &variant_at(v)->options, &hits),
+                         MLRT_OK);
         for (size_t i = 0; i < list->count; i++) {
             if (triangles[i] != MLRT_NONE) continue;
             const struct reference_ray *ray = &list->rays[i];
@@ -586,7 +587,9 @@ static void many_identical_triangles(void **state)
     mlrt_mesh mesh = soup_mesh(&soup);
     mlrt_tree *tree = NULL;
     mlrt_tree_info info = {.struct_size = sizeof info};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    const mlrt_build_options build = {.struct_size = sizeof build,
+                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
     assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
     assert_true(info.reference_count <= 8 * count + 1024);
     for (size_t v = 0; v < variant_count(); v++) {

@@ -177,7 +177,9 @@ static size_t count_differences(const char *name, const char *view, uint32_t pix
                             .vertex_count = subject.scene.vertex_count,
                             .indices = subject.scene.indices,
                             .triangle_count = subject.scene.triangle_count};
-    if (mlrt_build_kdtree(&mesh, 1, NULL, &subject.tree) != MLRT_OK) return SIZE_MAX;
+    const mlrt_build_options build = {.struct_size = sizeof build,
+                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
+    if (mlrt_build_kdtree(&mesh, 1, &build, &subject.tree) != MLRT_OK) return SIZE_MAX;
     subject.reference = make_reference(&subject.scene);
     subject.pixels = allocate(pixel_count, sizeof *subject.pixels);
     subject.hits = allocate(pixel_count, sizeof *subject.hits);
@@ -190,7 +192,7 @@ static size_t count_differences(const char *name, const char *view, uint32_t pix
 
     find_answers(&subject, light);
     compare_methods(&subject, light);
-    const struct fixture fixture = {name, 1, subject.tree, subject.reference};
+    const struct fixture fixture = {name, 1, subject.tree, subject.reference, NULL};
     tally_hostile(tally, &fixture, ray_count, INFINITY);
     subject.difference_count += (size_t)tally->difference_count;
 

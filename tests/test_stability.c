@@ -271,10 +271,12 @@ static size_t run_column(const struct column *column, uint32_t step, int verbose
                       .vertex_count = VERTEX_COUNT,
                       .indices = sphere->indices,
                       .triangle_count = TRIANGLE_COUNT};
+    const mlrt_build_options build = {.struct_size = sizeof build,
+                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
     mlrt_tree *tree = NULL;
     size_t misses[4] = {0}, way_count = 0;
     const uint32_t side = step == 1 ? FACE_SIDE : FACE_SIDE / 8;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
     list_rays(sphere, column, step, kinds);
     for (size_t v = 0; v < variant_count(); v++) {
         const struct variant *variant = variant_at(v);
