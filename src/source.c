@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Where rays come from: reading them out of the caller's arrays, one by one and sixteen at a time.
+ *
+ * Elements are fetched one by one, since arrays are aligned to 4 bytes only and have any stride. What is known of all
+ * sixteen rays is found on vectors (kernels/packet_check.h).
  */
 #include "source.h"
 
@@ -135,34 +138,94 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
 
 /* ---- packets ---- */
 
-void mlrt_get_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                     struct mlrt_packet *packet)
+/*
+ * The elements of the rays of a block. Lanes that do not exist get that of the block's first ray, which does: nothing
+ * may be read beside the elements.
+ */
+static void find_elements(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                          uint32_t elements[MLRT_PACKET_RAYS])
 {
-    packet->active = packet->single = 0;
-    packet->has_apex = 1;
-    packet->has_skip = source->skip.data != NULL;
-    const uint32_t lanes = mlrt_block_lanes(width, height);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        struct mlrt_ray_segment ray;
-        uint32_t skip = MLRT_NONE;
-        const int valid = (lanes >> lane & 1) && mlrt_get_ray(source, x + (uint32_t)mlrt_lane_x[lane],
-                                                              y + (uint32_t)mlrt_lane_y[lane], &ray, &skip);
-        if (!valid) ray = (struct mlrt_ray_segment){{0, 0, 0}, {0, 0, 0}, 0, 0};
+        const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
+        const uint32_t offset = lanes >> lane & 1 ? row * source->width + column : 0;
+        elements[lane] = y * source->width + x + offset;
+    }
+}
+
+static void fetch_vectors(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS],
+                          float vectors[3][MLRT_PACKET_RAYS])
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const float *vector = float_at(array, elements[lane]);
+        for (int k = 0; k < 3; ++k) vectors[k][lane] = vector[k];
+    }
+}
+
+static void fill(float value, float numbers[MLRT_PACKET_RAYS])
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) numbers[lane] = value;
+}
+
+/* Numbers out of an array, or `standard` if there is none. */
+static void fetch_numbers(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS], float standard,
+                          float numbers[MLRT_PACKET_RAYS])
+{
+    if (!array->data) {
+        fill(standard, numbers);
+        return;
+    }
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) numbers[lane] = *float_at(array, elements[lane]);
+}
+
+static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        float p[3];
+        mlrt_view_point(view, x + (uint32_t)mlrt_lane_x[lane], y + (uint32_t)mlrt_lane_y[lane], p);
         for (int k = 0; k < 3; ++k) {
-            packet->origin[k][lane] = ray.origin[k];
-            packet->direction[k][lane] = ray.direction[k];
+            packet->origin[k][lane] = view->parallel ? p[k] : view->eye[k];
+            packet->direction[k][lane] = view->parallel ? view->direction[k] : p[k];
         }
-        packet->t_min[lane] = ray.t_min;
-        packet->t_max[lane] = packet->lo[lane] = packet->hi[lane] = ray.t_max;
-        packet->triangle[lane] = MLRT_NONE;
-        packet->skip[lane] = skip;
-        if (!valid) continue;
-        if (!(packet->active | packet->single)) memcpy(packet->apex, ray.origin, sizeof packet->apex);
-        packet->has_apex &= memcmp(packet->apex, ray.origin, sizeof packet->apex) == 0;
-        if (mlrt_is_safe_ray(&ray)) {
-            packet->active |= 1u << lane;
-        } else {
-            packet->single |= 1u << lane;
+    }
+    fill(view->t_min, packet->t_min);
+    fill(view->t_max, packet->t_max);
+}
+
+/* Of the points, which are where the origins go. */
+static void set_light_rays(const struct mlrt_source *source, struct mlrt_packet *packet)
+{
+    const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    for (int k = 0; k < 3; ++k) {
+        for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+            const float light = source->light[k], point = packet->origin[k][lane];
+            packet->direction[k][lane] = is_point ? point - light : light;
+            packet->origin[k][lane] = is_point ? light : point;
         }
+    }
+    fill(0, packet->t_min);
+    fill(is_point ? 1 : INFINITY, packet->t_max);
+}
+
+void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                       struct mlrt_packet *packet)
+{
+    packet->has_skip = 0;
+    if (source->kind == MLRT_SOURCE_CAMERA) {
+        fetch_camera_rays(&source->view, x, y, packet);
+        return;
+    }
+    uint32_t elements[MLRT_PACKET_RAYS];
+    find_elements(source, x, y, lanes, elements);
+    fetch_vectors(&source->points, elements, packet->origin);
+    if (source->kind == MLRT_SOURCE_RAYS) {
+        fetch_vectors(&source->directions, elements, packet->direction);
+        fetch_numbers(&source->t_min, elements, 0, packet->t_min);
+        fetch_numbers(&source->t_max, elements, INFINITY, packet->t_max);
+    } else {
+        set_light_rays(source, packet);
+    }
+    packet->has_skip = source->skip.data != NULL;
+    for (int lane = 0; packet->has_skip && lane < MLRT_PACKET_RAYS; ++lane) {
+        packet->skip[lane] = skip_at(source, elements[lane]);
     }
 }

@@ -14,6 +14,7 @@
 #include "trace_ray.h"
 
 #include "camera_packet.h"
+#include "packet_check.h"
 #include "picture.h"
 #include "outline.h"
 #include "ray_group.h"

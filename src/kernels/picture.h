@@ -37,7 +37,9 @@ static void get_packet(const struct mlrt_source *source, const struct rectangle 
 {
     if (source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel) {
         get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
-    } else {
-        mlrt_get_packet(source, block->x, block->y, block->width, block->height, packet);
+        return;
     }
+    mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
+    check_packet(lanes, packet);
+    find_apex(packet);
 }

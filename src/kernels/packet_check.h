@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What hit.h's mlrt_make_segment and source.h's mlrt_is_safe_ray say of one ray, for the rays of a packet as a source
+ * gave them (mlrt_fetch_packet), a vector at a time.
+ */
+
+/* Rule R1 (hit.h), and which rays float can carry (packet.h). */
+MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
+{
+    uint32_t valid = 0, safe = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf size = v_set1(0), difference = v_set1(0);
+        vm is_safe = m_from_bits(0xFFFFFFFFu);
+        for (int k = 0; k < 3; ++k) {
+            const vf o = v_load(packet->origin[k] + v), d = v_load(packet->direction[k] + v);
+            v_store(packet->direction[k] + v, v_add(d, v_set1(0))); /* -0 becomes 0 */
+            is_safe = m_and(is_safe, m_and(safe_lanes(o), safe_lanes(d)));
+            size = v_max(size, v_abs(d));
+            /* 0, or NaN where a number is not finite */
+            difference = v_add(difference, v_add(v_sub(d, d), v_sub(o, o)));
+        }
+        const vf given = v_load(packet->t_min + v), t_max = v_load(packet->t_max + v);
+        const vf t_min = v_select(v_lt(given, v_set1(0)), v_set1(0), given);
+        const vm can_hit = m_and(m_andnot(v_lt(t_min, t_max), v_eq(size, v_set1(0))), v_eq(difference, v_set1(0)));
+        v_store(packet->t_min + v, t_min);
+        v_store(packet->lo + v, t_max);
+        v_store(packet->hi + v, t_max);
+        i_store(packet->triangle + v, i_set1(MLRT_NONE));
+        valid |= m_bits(can_hit) << v;
+        safe |= m_bits(is_safe) << v;
+    }
+    packet->active = lanes & valid & safe;
+    packet->single = lanes & valid & ~safe;
+}
+
+/* Do all rays that can hit something start at one point? */
+MLRT_INLINE void find_apex(struct mlrt_packet *packet)
+{
+    const uint32_t valid = packet->active | packet->single;
+    uint32_t first = 0, elsewhere = 0;
+    while (first < MLRT_PACKET_RAYS - 1 && !(valid >> first & 1)) ++first;
+    for (int k = 0; k < 3; ++k) {
+        packet->apex[k] = packet->origin[k][first];
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const unsigned same = m_bits(v_eq(v_load(packet->origin[k] + v), v_set1(packet->apex[k])));
+            elsewhere |= (~same & ALL_LANES) << v;
+        }
+    }
+    packet->has_apex = (elsewhere & valid) == 0;
+}
