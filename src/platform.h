@@ -72,6 +72,16 @@ MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
     return count;
 }
 
+/* The place of the lowest of the bits set; there must be one. */
+MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
+{
+#if defined(__GNUC__)
+    return (uint32_t)__builtin_ctz(bits);
+#else
+    return mlrt_count_bits((bits & (0u - bits)) - 1);
+#endif
+}
+
 #if defined(__SIZEOF_INT128__)
 #define MLRT_HAVE_INT128 1
 #else

@@ -4,6 +4,7 @@
  * names of its tables, and this. Compiled twice, with and without MLRT_COUNTING (counters.h). Everything is static but
  * the table.
  */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -30,6 +31,7 @@
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "write_ids.h"
+#include "bvh_single.h"
 #include "trace_tile.h"
 
 #if MLRT_COUNTING

@@ -3,7 +3,7 @@
  * The vocabulary of the kernels, one lane wide and in plain C: what every other simd_*.h must mean lane by lane.
  *
  *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to
- * the width. v_min and v_max return their second operand if either is a NaN; comparisons with a NaN are false. A mask
+ * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN; comparisons with a NaN are false. A mask
  * lane is all ones or all zeros; m_bits has lane i in bit i.
  */
 #ifndef MLRT_SIMD_SCALAR_H

@@ -31,6 +31,24 @@ static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
+/* Traces the active rays of a packet. */
+MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
+{
+    if (job->method == MLRT_METHOD_TILE) {
+        trace_singles(job, packet->active, packet, worker);
+        return;
+    }
+    if (packet->has_apex && memcmp(packet->apex, worker->apex, sizeof packet->apex) != 0) {
+        forget_setups(packet->apex, worker);
+    }
+    if (job->method == MLRT_METHOD_PACKET2) {
+        traverse_masked(job, packet, worker);
+    } else {
+        traverse_interval(job, list, packet, worker);
+    }
+}
+
 /* Traces a block of at most 4x4 rays from where they may start and writes the results. */
 static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *block,
                         const struct entry_list *list)
@@ -38,20 +56,12 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     const uint32_t lanes = existing_lanes(&job->source, block);
     struct mlrt_packet packet;
     get_packet(&job->source, block, lanes, &packet);
-    if (job->method == MLRT_METHOD_RAY || job->method == MLRT_METHOD_TILE || !job->tree->float_safe) {
+    const int float_safe = job->method == MLRT_METHOD_TILE ? job->tree->bvh.float_safe : job->tree->float_safe;
+    if (job->method == MLRT_METHOD_RAY || !float_safe) {
         packet.single |= packet.active;
         packet.active = 0;
     }
-    if (packet.active) {
-        if (packet.has_apex && memcmp(packet.apex, worker->apex, sizeof packet.apex) != 0) {
-            forget_setups(packet.apex, worker);
-        }
-        if (job->method == MLRT_METHOD_PACKET2) {
-            traverse_masked(job, &packet, worker);
-        } else {
-            traverse_interval(job, list, &packet, worker);
-        }
-    }
+    if (packet.active) trace_active(job, list, &packet, worker);
     if (packet.single) trace_single_rays(job, packet.single, &packet, &worker->counters);
     write_packet(job, worker, &packet, lanes, block);
 }

@@ -148,6 +148,45 @@ MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, cons
     return verdict;
 }
 
+/* What the decision needs: computed numbers, and bounds of their errors. */
+struct float_test {
+    vf least; /* of the edge functions */
+    vf greatest;
+    vf above; /* their bound, and its negative */
+    vf below;
+    vf determinant;
+    vf plane_bound;
+    vf distance;
+    vf distance_bound;
+};
+
+/* Lanes that are not surely outside. */
+MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
+{
+    return m_andnot(active, m_and(v_gt(test->greatest, test->above), v_lt(test->least, test->below)));
+}
+
+/* The verdict on lanes that are not surely outside; lo and hi are of the nearest hits so far. */
+MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi)
+{
+    struct verdict verdict;
+    const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
+    const vf least_d = v_sub(size, test->plane_bound), greatest_d = v_add(size, test->plane_bound);
+    const vf least_n = v_sub(distance, test->distance_bound), greatest_n = v_add(distance, test->distance_bound);
+    const vm certain = m_and(candidates, v_gt(least_d, test->plane_bound));
+    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_le(greatest_n, v_mul(t_min, least_d)));
+    const vm nearer = m_and(v_lt(greatest_n, v_mul(lo, least_d)), v_gt(least_n, v_mul(t_min, greatest_d)));
+    verdict.inside = m_and(certain, m_or(v_gt(test->least, test->above), v_lt(test->greatest, test->below)));
+    verdict.nearer = m_and(verdict.inside, nearer);
+    verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
+    verdict.lo = verdict.hi = v_set1(0);
+    if (!m_bits(verdict.nearer)) return verdict;
+    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, test->plane_bound);
+    verdict.lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
+    verdict.hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
+    return verdict;
+}
+
 /* `reach` is R. */
 MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, float reach,
                                          const struct mlrt_packet *packet, int v, vm active)
@@ -157,30 +196,19 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
                      v_load(packet->direction[2] + v)};
     const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
              ca = dot_product(d, terms->cross[2]);
-    const vf least = v_min(v_min(ab, bc), ca), greatest = v_max(v_max(ab, bc), ca);
-    const vf above = v_set1(EDGE_BOUND * reach), below = v_set1(-EDGE_BOUND * reach);
-    struct verdict verdict;
-    const vm candidates = m_andnot(active, m_and(v_gt(greatest, above), v_lt(least, below)));
-    verdict.nearer = verdict.undecided = verdict.inside = candidates;
-    verdict.lo = verdict.hi = v_set1(0);
-    if (!m_bits(candidates)) return verdict;
-
-    const vf determinant = dot_product(d, terms->cross[3]), size = v_abs(determinant);
-    const vf distance = v_flip(terms->distance, determinant);
-    const vf least_d = v_sub(size, v_set1(PLANE_BOUND * reach)), greatest_d = v_add(size, v_set1(PLANE_BOUND * reach));
-    const vf least_n = v_sub(distance, terms->distance_bound), greatest_n = v_add(distance, terms->distance_bound);
-    const vf t_min = v_load(packet->t_min + v), lo = v_load(packet->lo + v), hi = v_load(packet->hi + v);
-    const vm certain = m_and(candidates, v_gt(least_d, v_set1(PLANE_BOUND * reach)));
-    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_le(greatest_n, v_mul(t_min, least_d)));
-    const vm nearer = m_and(v_lt(greatest_n, v_mul(lo, least_d)), v_gt(least_n, v_mul(t_min, greatest_d)));
-    verdict.inside = m_and(certain, m_or(v_gt(least, above), v_lt(greatest, below)));
-    verdict.nearer = m_and(verdict.inside, nearer);
-    verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
-    if (!m_bits(verdict.nearer)) return verdict;
-    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, v_set1(PLANE_BOUND * reach));
-    verdict.lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
-    verdict.hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
-    return verdict;
+    struct float_test test;
+    test.least = v_min(v_min(ab, bc), ca);
+    test.greatest = v_max(v_max(ab, bc), ca);
+    test.above = v_set1(EDGE_BOUND * reach);
+    test.below = v_set1(-EDGE_BOUND * reach);
+    const vm candidates = may_be_inside(&test, active);
+    if (!m_bits(candidates)) return (struct verdict){candidates, candidates, candidates, v_set1(0), v_set1(0)};
+    test.determinant = dot_product(d, terms->cross[3]);
+    test.plane_bound = v_set1(PLANE_BOUND * reach);
+    test.distance = terms->distance;
+    test.distance_bound = terms->distance_bound;
+    return compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->lo + v),
+                             v_load(packet->hi + v));
 }
 
 /* Do two triangles lie in one plane? A worker remembers the last answers, since neighbours ask the same. */

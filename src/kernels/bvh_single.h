@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One ray at a time down the hierarchy of boxes: a vector is the boxes of a node, or the triangles of a leaf. For rays
+ * that have nothing in common. Of a node's children the nearest comes first, the others wait on a stack, and the
+ * nearest hit so far cuts all of them short.
+ *
+ * BOXES. A ray is in a slab between t_near and t_far, x r with x = c - o for the plane at c and r = 1 / d. As computed,
+ * x and r are off by one rounding each; r is multiplied by 1 -+ RECIPROCAL_SLACK (8 u), which is one more. So before
+ * its last rounding, that of the product, t_near is surely too small and t_far too large where they are positive (and
+ * where they are not, a t_near does not matter and a t_far says rightly that the box is behind). That rounding is
+ * monotone: as t_min and the nearest hit's `hi` are floats, it turns no true t_near <= t_far, t_near <= hi or t_min <=
+ * t_far around, even where it underflows. So a box is left out only if the ray surely passes it or comes to it surely
+ * behind `hi`.
+ *
+ * Where d_k = 0, r is infinite: t_near is -inf and t_far inf inside the slab, both are inf or -inf outside, and on a
+ * plane of it one is a NaN, which v_min and v_max drop, as it is their first operand. Distances beyond FLT_MAX are no
+ * hits (triangle_filter.h: t <= 2^121), so that is where rays end, and t_near = inf is out. It is also that of an empty
+ * slot, whose lo is inf and hi -inf: so slots need not be counted.
+ *
+ * TRIANGLES. Let s = fl(o - a), f = fl(b - a), g = fl(c - a), p = g x d, q = f x s. Then
+ *
+ *     e_ca = s . p     e_ab = d . q     D = f . p     N = g . q     e_bc = D - e_ca - e_ab
+ *
+ * With u = 2^-24: s, f, g have 1 rounding per component, p has 3 (g, product, difference), q 4. So D and e_ca have 1 +
+ * 3 and, for product and sums, 3 more: 7, and so has e_ab (4 + 3); N has 8. All are determinants of three vectors, and
+ * the error is relative to the sum of the magnitudes of their six products. Where m is the largest |d_k|, and S, F, G
+ * are the sums of the magnitudes of the components of s, f, g, that is no more than m S G for e_ca: |g_i| |d_j| + |g_j|
+ * |d_i| <= m G, times |s_k|, summed. Likewise m S F for e_ab, m F G for D, S F G for N. e_bc has two roundings more, of
+ * no more than the sum of the three. So 9.001 u m (S F + S G + F G) is a bound for all edges, of which EDGE_BOUND makes
+ * 11 u. With PLANE_BOUND, 16 u of m F G, D has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u:
+ * more than triangle_filter.h, which derives how distances are compared, needs (6.9 and 1.9). The bounds themselves are
+ * off by a few u of themselves, which is nothing.
+ *
+ * Nothing here is scaled. Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S,
+ * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds.
+ * Overflow: p and q are finite, magnitudes being 2^60 at most. What is more than 2^126 in the rest has a bound that
+ * overflows when it is multiplied by 4 on the way: then everything is undecided. So scenes much smaller than 2^-20 or
+ * larger than 2^40 are slow here, not wrong.
+ *
+ * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
+ * Rid of Packets", 2008 (one ray, wide nodes).
+ */
+
+/*
+ * What waits is a child, with the distance from which on it is met in the upper half: floats that are not negative are
+ * in order as integers. Of a node all children but one wait, and so on down; where one is taken off the stack, no more
+ * are put there than its node has.
+ */
+#define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
+
+/* What boxes need of the rays of a packet. */
+struct reciprocals {
+    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];
+};
+
+struct single_ray {
+    vf origin[3];
+    vf direction[3];
+    vf near[3];
+    vf far[3];
+    vf t_min;
+    uint32_t near_row[3]; /* of a node's floats: where the planes are that the ray comes to first */
+    uint32_t far_row[3];
+    float reach; /* 4 m */
+    uint32_t lane;
+};
+
+MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct reciprocals *reciprocals)
+{
+    for (int k = 0; k < 3; ++k) {
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vf r = v_div(v_set1(1), v_load(packet->direction[k] + v));
+            v_store(reciprocals->near[k] + v, v_mul(r, v_set1(1 - RECIPROCAL_SLACK)));
+            v_store(reciprocals->far[k] + v, v_mul(r, v_set1(1 + RECIPROCAL_SLACK)));
+        }
+    }
+}
+
+MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct reciprocals *reciprocals, uint32_t lane,
+                                struct single_ray *ray)
+{
+    float reach = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float d = packet->direction[k][lane];
+        const uint32_t lo = (uint32_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
+        ray->origin[k] = v_set1(packet->has_apex ? packet->apex[k] : packet->origin[k][lane]);
+        ray->direction[k] = v_set1(d);
+        ray->near[k] = v_set1(reciprocals->near[k][lane]);
+        ray->far[k] = v_set1(reciprocals->far[k][lane]);
+        ray->near_row[k] = d < 0 ? hi : lo;
+        ray->far_row[k] = d < 0 ? lo : hi;
+        reach = larger_of(fabsf(d), reach);
+    }
+    ray->reach = 4 * reach;
+    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* no -0: see WAITING_LIMIT */
+    ray->lane = lane;
+}
+
+/* Which of a node's boxes the ray can meet up to `limit`, and from where on. */
+MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_bvh_node *node, float limit,
+                                float enter[MLRT_BVH_WIDTH])
+{
+    const float *planes = &node->lo[0][0];
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+        vf first = ray->t_min, last = v_set1(limit);
+        for (int k = 0; k < 3; ++k) {
+            const vf to_near = v_sub(v_load(planes + ray->near_row[k] + v), ray->origin[k]);
+            const vf to_far = v_sub(v_load(planes + ray->far_row[k] + v), ray->origin[k]);
+            first = v_max(v_mul(to_near, ray->near[k]), first);
+            last = v_min(v_mul(to_far, ray->far[k]), last);
+        }
+        v_store(enter + v, first);
+        met |= m_bits(v_le(first, last)) << v;
+    }
+    return met;
+}
+
+MLRT_INLINE uint64_t waiting_entry(float enter, uint32_t child)
+{
+    uint32_t bits;
+    memcpy(&bits, &enter, sizeof bits);
+    return (uint64_t)bits << 32 | child;
+}
+
+/* Puts the children in `met` on the stack, the nearest on top. Returns how many are there then. */
+MLRT_INLINE uint32_t push_children(const struct mlrt_bvh_node *node, uint32_t met, const float enter[MLRT_BVH_WIDTH],
+                                   uint64_t *stack, uint32_t count)
+{
+    const uint32_t first = count;
+    for (; met; met &= met - 1) {
+        const uint32_t i = mlrt_lowest_bit(met);
+        const uint64_t entry = waiting_entry(enter[i], node->child[i]);
+        uint32_t place = count++;
+        for (; place > first && stack[place - 1] < entry; --place) stack[place] = stack[place - 1];
+        stack[place] = entry;
+    }
+    return count;
+}
+
+MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
+{
+    return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
+}
+
+/* The filter for one ray and triangles in a row. `corners` is where the vector's lanes begin, rows are `stride` apart.
+ */
+MLRT_INLINE struct verdict filter_triangles(const struct single_ray *ray, const struct mlrt_packet *packet,
+                                            const float *corners, uint32_t stride, vm active)
+{
+    vf s[3], f[3], g[3], p[3], q[3];
+    for (int k = 0; k < 3; ++k) {
+        const vf a = v_load_any(corners + (uint32_t)k * stride);
+        s[k] = v_sub(ray->origin[k], a);
+        f[k] = v_sub(v_load_any(corners + (uint32_t)(3 + k) * stride), a);
+        g[k] = v_sub(v_load_any(corners + (uint32_t)(6 + k) * stride), a);
+    }
+    cross_product(g, ray->direction, p);
+    cross_product(f, s, q);
+    const vf determinant = dot_product(f, p), ca = dot_product(s, p), ab = dot_product(ray->direction, q);
+    const vf bc = v_sub(v_sub(determinant, ca), ab);
+    const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
+    const vf reach = v_set1(ray->reach), floor = v_set1(DISTANCE_FLOOR);
+    const vf plane_size = v_mul(size_f, size_g);
+    const vf edge_size = v_add(v_mul(size_s, v_add(size_f, size_g)), plane_size);
+    struct float_test test;
+    test.above = v_add(v_mul(v_mul(edge_size, reach), v_set1(EDGE_BOUND / 4)), floor);
+    test.below = v_sub(v_set1(0), test.above);
+    test.least = v_min(v_min(ab, bc), ca);
+    test.greatest = v_max(v_max(ab, bc), ca);
+    const vm candidates = may_be_inside(&test, active);
+    if (!m_bits(candidates)) return (struct verdict){candidates, candidates, candidates, v_set1(0), v_set1(0)};
+    test.determinant = determinant;
+    test.plane_bound = v_add(v_mul(v_mul(plane_size, reach), v_set1(PLANE_BOUND / 4)), floor);
+    test.distance = dot_product(g, q);
+    test.distance_bound = v_add(v_mul(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4)), floor);
+    return compare_distances(&test, candidates, ray->t_min, v_set1(packet->lo[ray->lane]),
+                             v_set1(packet->hi[ray->lane]));
+}
+
+/* Makes the nearest of the triangles that are surely hit the nearest hit. Returns those that need to be compared with
+ * it. */
+MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, const uint32_t *numbers, uint32_t lane,
+                                  struct mlrt_packet *packet)
+{
+    MLRT_ALIGNED(64) float lo[VW];
+    MLRT_ALIGNED(64) float hi[VW];
+    uint32_t nearer = m_bits(verdict->nearer), close = 0, nearest = mlrt_lowest_bit(nearer);
+    v_store(lo, verdict->lo);
+    v_store(hi, verdict->hi);
+    for (uint32_t left = nearer & (nearer - 1); left; left &= left - 1) {
+        const uint32_t i = mlrt_lowest_bit(left);
+        if (hi[i] < hi[nearest]) nearest = i;
+    }
+    packet->triangle[lane] = numbers[nearest];
+    packet->lo[lane] = lo[nearest];
+    packet->hi[lane] = hi[nearest];
+    for (nearer &= ~(1u << nearest); nearer; nearer &= nearer - 1) {
+        const uint32_t i = mlrt_lowest_bit(nearer);
+        if (lo[i] <= hi[nearest]) close |= 1u << i;
+    }
+    return close;
+}
+
+/* Hands triangles that the filter left to the judge, one by one. Returns 1 if one of them became the nearest hit. */
+static MLRT_NOINLINE int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided,
+                                          uint32_t inside, uint32_t lane, struct mlrt_packet *packet,
+                                          struct mlrt_worker *worker)
+{
+    uint32_t hit = 0;
+    for (; undecided; undecided &= undecided - 1) {
+        const uint32_t i = mlrt_lowest_bit(undecided);
+        const struct outcome outcome = {0, 1u << lane, inside >> i & 1 ? 1u << lane : 0};
+        hit |= decide_lanes(job->tree, numbers[i], &outcome, packet, worker);
+        if (hit && job->any) break;
+    }
+    return hit != 0;
+}
+
+/* Tests the triangles of a leaf. Returns 1 if the nearest hit changed. */
+MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
+                          struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const struct mlrt_bvh *bvh = &job->tree->bvh;
+    const uint32_t lane = ray->lane, place_count = 4 * mlrt_bvh_quad_count(leaf);
+    const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
+    const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
+    int changed = 0;
+    for (uint32_t v = 0; v < place_count; v += VW) {
+        const vi number = i_load_any(numbers + v);
+        vm active = m_from_bits((1u << (place_count - v < VW ? place_count - v : VW)) - 1);
+        active = m_andnot(active, i_eq(number, i_set1(MLRT_NONE)));
+        /* A triangle met again in another leaf is no news. */
+        active = m_andnot(active, i_eq(number, i_set1(packet->triangle[lane])));
+        if (packet->has_skip) active = m_andnot(active, i_eq(number, i_set1(packet->skip[lane])));
+        COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(m_bits(active)));
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
+        const struct verdict verdict = filter_triangles(ray, packet, corners + v, place_count, active);
+        uint32_t undecided = m_bits(verdict.undecided);
+        if (m_bits(verdict.nearer)) {
+            undecided |= keep_nearest(&verdict, numbers + v, lane, packet);
+            changed = 1;
+            if (job->any) return 1;
+        }
+        if (MLRT_UNLIKELY(undecided)) {
+            changed |= decide_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker);
+            if (changed && job->any) return 1;
+        }
+    }
+    return changed;
+}
+
+MLRT_INLINE float finite_limit(float hi)
+{
+    return hi < FLT_MAX ? hi : FLT_MAX;
+}
+
+static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct single_ray *ray,
+                                       struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
+    MLRT_ALIGNED(64) float enter[MLRT_BVH_WIDTH];
+    uint64_t stack[WAITING_LIMIT];
+    uint32_t count = 0, child = 0;
+    float limit = finite_limit(packet->hi[ray->lane]);
+    COUNT(&worker->counters, packet_count, 1);
+    for (;;) {
+        COUNT(&worker->counters, cell_count, 1);
+        if (mlrt_bvh_quad_count(child) == 0) {
+            const struct mlrt_bvh_node *node = &nodes[mlrt_bvh_offset(child)];
+            const uint32_t met = meet_boxes(ray, node, limit, enter);
+            if (met && !(met & (met - 1))) {
+                child = node->child[mlrt_lowest_bit(met)];
+                continue;
+            }
+            count = push_children(node, met, enter, stack, count);
+        } else if (test_leaf(job, ray, child, packet, worker)) {
+            if (job->any) return;
+            limit = finite_limit(packet->hi[ray->lane]);
+        }
+        do {
+            if (count == 0) return;
+            --count;
+        } while (stack[count] > waiting_entry(limit, 0xFFFFFFFFu));
+        child = (uint32_t)stack[count];
+    }
+}
+
+/* Traces the rays of a packet in the lanes `lanes`, which float can carry, through a hierarchy that is float_safe. */
+static void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                          struct mlrt_worker *worker)
+{
+    if (job->tree->bvh.node_count == 0) return;
+    struct reciprocals reciprocals;
+    set_reciprocals(packet, &reciprocals);
+    for (; lanes; lanes &= lanes - 1) {
+        struct single_ray ray;
+        set_single_ray(packet, &reciprocals, mlrt_lowest_bit(lanes), &ray);
+        trace_single(job, &ray, packet, worker);
+    }
+}
