@@ -42,18 +42,6 @@
 #define MLRT_UNLIKELY(condition) (condition)
 #endif
 
-/* The number of the lowest bit that is set; there is one. */
-MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
-{
-#if defined(__GNUC__)
-    return (uint32_t)__builtin_ctz(bits);
-#else
-    uint32_t i = 0;
-    while (!(bits >> i & 1)) ++i;
-    return i;
-#endif
-}
-
 /* Tells the processor that a cache line will be read soon. */
 MLRT_INLINE void mlrt_prefetch(const void *address)
 {

@@ -77,7 +77,7 @@ MLRT_INLINE void prefetch_child(const struct mlrt_bvh *bvh, uint32_t child)
 }
 
 /* Puts children on the stack, the nearest on top. */
-MLRT_INLINE uint32_t push_children(const struct mlrt_bvh *bvh, uint32_t node, uint32_t met,
+MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint32_t met,
                                    const float near[MLRT_BVH_WIDTH], struct pending_box *stack, uint32_t count)
 {
     const uint32_t base = count;
@@ -258,9 +258,10 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
     struct pending_box stack[TILE_STACK_SIZE];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     uint32_t node = 0, count = 0;
+    if (bvh->node_count == 0) return;
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
-        count = push_children(bvh, node, children_met(cells, &bvh->nodes[node], near), near, stack, count);
+        count = push_boxes(bvh, node, children_met(cells, &bvh->nodes[node], near), near, stack, count);
         for (;;) {
             if (count == 0) return;
             const struct pending_box *top = &stack[--count];

@@ -36,15 +36,14 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
             waiting &= ~gathered;
         } else {
             struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(waiting)];
-            packet->single |= packet->active;
-            packet->active = 0;
+            trace_singles(job, packet->active, packet, worker);
             waiting &= waiting - 1;
         }
     }
 }
 
-/* Makes all packets of a tile, and returns those with rays that can go together with others. */
-static uint32_t make_packets(const struct mlrt_job *job, struct ray_tile *tile)
+/* Makes all packets of a tile, and returns those with rays from one origin. Others are traced. */
+static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
 {
     uint32_t waiting = 0;
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
@@ -52,11 +51,15 @@ static uint32_t make_packets(const struct mlrt_job *job, struct ray_tile *tile)
         struct mlrt_packet *packet = &tile->packets[place];
         const struct rectangle block = block_of_tile(tile, place);
         get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
-        if (!packet->has_apex || !job->tree->bvh.float_safe) {
+        if (!job->tree->bvh.float_safe) {
             packet->single |= packet->active;
             packet->active = 0;
         }
-        waiting |= (packet->active != 0u) << place;
+        if (packet->active && !packet->has_apex) {
+            trace_singles(job, packet->active, packet, worker);
+        } else {
+            waiting |= (packet->active != 0u) << place;
+        }
     }
     return waiting;
 }
@@ -81,7 +84,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         traverse_bvh(job, worker, &tile.cells);
     } else {
         tile.cells.closed = 0;
-        trace_packets(job, worker, &tile, make_packets(job, &tile));
+        trace_packets(job, worker, &tile, make_packets(job, worker, &tile));
     }
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(&tile, place)) continue;

@@ -35,10 +35,6 @@ static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    if (job->method == MLRT_METHOD_TILE) {
-        trace_singles(job, packet->active, packet, worker);
-        return;
-    }
     if (packet->has_apex && memcmp(packet->apex, worker->apex, sizeof packet->apex) != 0) {
         forget_setups(packet->apex, worker);
     }
@@ -56,8 +52,7 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     const uint32_t lanes = existing_lanes(&job->source, block);
     struct mlrt_packet packet;
     get_packet(&job->source, block, lanes, &packet);
-    const int float_safe = job->method == MLRT_METHOD_TILE ? job->tree->bvh.float_safe : job->tree->float_safe;
-    if (job->method == MLRT_METHOD_RAY || !float_safe) {
+    if (job->method == MLRT_METHOD_RAY || !job->tree->float_safe) {
         packet.single |= packet.active;
         packet.active = 0;
     }
