@@ -6,12 +6,22 @@
  * Only a camera's rays are known before they are made. Tiles of other sources begin with their packets.
  */
 
+/* A list of rays is a picture four rays wide: its tiles are one packet wide. */
+MLRT_INLINE int is_list(const struct mlrt_source *source)
+{
+    return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
+}
+
 /* The closed cells of a camera's picture; 0 if there are none to be made. */
 static int gather_picture_cells(const struct mlrt_job *job, const struct rectangle *area, uint32_t side,
                                 struct cells *cells)
 {
-    if (job->source.kind != MLRT_SOURCE_CAMERA || !job->tree->bvh.float_safe) return 0;
-    return gather_camera_cells(&job->source.view, area->x, area->y, area->width, area->height, side, cells);
+    if (job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
+        gather_camera_cells(&job->source.view, area->x, area->y, area->width, area->height, side, cells)) {
+        return 1;
+    }
+    cells->closed = 0;
+    return 0;
 }
 
 /* One triangle, or nothing, for a rectangle of pixels of a camera. */
@@ -77,13 +87,12 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 {
     struct ray_tile tile;
     tile.area = *area;
-    tile.columns = job->source.width <= 4 ? 1 : 4;
+    tile.columns = is_list(&job->source) ? 1 : 4;
     if (gather_picture_cells(job, area, 4, &tile.cells)) {
         tile.limits_below = 0;
         tile.cells.tile = &tile;
         traverse_bvh(job, worker, &tile.cells);
     } else {
-        tile.cells.closed = 0;
         trace_packets(job, worker, &tile, make_packets(job, worker, &tile));
     }
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
@@ -101,7 +110,6 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
 {
     struct cells cells;
-    cells.closed = 0;
     if (gather_picture_cells(job, area, 16, &cells)) {
         cells.tile = NULL;
         traverse_bvh(job, worker, &cells);
@@ -122,7 +130,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
 /* Traces a part of a picture that starts at multiples of 4. */
 static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
 {
-    if (job->source.width <= 4) {
+    if (is_list(&job->source)) {
         for (uint32_t j = 0; j < area->height; j += 64) {
             const struct rectangle tile = {area->x, area->y + j, area->width,
                                            area->height - j < 64 ? area->height - j : 64};
