@@ -3,11 +3,12 @@
  * The builder of the hierarchy of boxes. References are cut in two, over and over, which gives a binary hierarchy;
  * bvh_collapse.c says which of its nodes become nodes of sixteen; these are written in depth-first order.
  *
- * The upper levels are built one after the other, and below them each subtree by itself, shared out to the pool. What
- * becomes of a set depends on its references and its shares of depth and leaves only, and everything has its place
- * before it is made, so the number of threads changes nothing.
+ * The upper levels are built one set after the other, with the pool looking for the split, and below them each subtree
+ * by itself, shared out to the pool. What becomes of a set depends on its references and its shares of depth, leaves
+ * and room only, and everything has its place before it is made, so the number of threads changes nothing. (Bins that
+ * several workers fill are put together by minima, maxima and sums of integers: it does not matter who filled which.)
  *
- * Two things are bounded for any input:
+ * Three things are bounded for any input:
  *
  *   Leaves. A set of n references has a budget of leaves, at least reserve(n), so that halving it until 16 are left
  *   always stays within. A split that would leave one side with less than its reserve is not made. A binary hierarchy
@@ -25,6 +26,7 @@
 
 #include "bvh_check.h"
 #include "bvh_collapse.h"
+#include "bvh_spatial.h"
 #include "bvh_split.h"
 #include "platform.h"
 #include "predicate.h"
@@ -32,19 +34,33 @@
 
 /* ---- settings ------------------------------------------------------------------------------------------------ */
 
-static const struct mlrt_bvh_costs COSTS = {1.0f, 0.5f, 0.05f, 0.03f};
+struct preset {
+    struct mlrt_bvh_costs costs;
+    float spare_share; /* room for references of triangles that are cut, per triangle */
+    float
+        overlap_limit; /* sets are only cut by planes if the sides overlap by more than this part of the scene's area */
+    uint32_t spatial_size; /* and if they have more references than this, at least MLRT_BVH_LEAF_LIMIT */
+};
 
-/* References per leaf that the budget allows for on average: memory for nodes while building is 104 / 3 bytes each. */
-#define LEAF_SHARE 3
+static const struct preset PRESETS[] = {
+    {{1.0f, 0.5f, 0.05f, 0.03f}, 0.15f, 1e-5f, 32}, /* MLRT_TREE_DEFAULT */
+    {{1.0f, 0.5f, 0.05f, 0.03f}, 0.15f, 1e-5f, 32}, /* MLRT_TREE_PAPER: the default's */
+    {{1.0f, 0.5f, 0.05f, 0.03f}, 0, 1, 32},         /* MLRT_TREE_FAST */
+    {{1.0f, 0.5f, 0.05f, 0.03f}, 0.5f, 1e-6f, 16},  /* MLRT_TREE_BEST */
+};
+
+/* References per leaf that the budget allows for on average: memory for nodes while building is 104 / 4 bytes each. */
+#define LEAF_SHARE 4
 
 /* Binary levels in the first attempt. It bounds the stack. */
 #define BINARY_DEPTH 64
 
 /* Subtrees of at most so many references, or of this part of all, are built by one worker. */
-#define ITEM_SIZE  4096
-#define ITEM_SHARE 256
+#define TASK_SIZE  4096
+#define TASK_SHARE 64
 
-#define CHUNK_SIZE 16384
+/* The pool is given so many references, or triangles, at a time. */
+#define CHUNK_SIZE 8192
 
 /* Quads and nodes have 29 bits in a child. */
 #define COUNT_LIMIT (UINT32_MAX >> 3)
@@ -52,32 +68,57 @@ static const struct mlrt_bvh_costs COSTS = {1.0f, 0.5f, 0.05f, 0.03f};
 /* ---- one build ----------------------------------------------------------------------------------------------- */
 
 /* A set to be cut, its place among the binary nodes, and what it may use. */
-struct task {
+struct portion {
     struct mlrt_bvh_set set;
+    uint32_t spare; /* places for references behind those of the set */
     uint32_t node;
     uint32_t depth;
     uint32_t budget; /* of leaves */
-    uint32_t padding;
+};
+
+/* A subtree that one worker builds. */
+struct task {
+    struct portion portion;
+    struct mlrt_forest_costs costs;
+    uint32_t slots; /* children of the node above that it may become */
+    uint32_t depth; /* of that node */
+    struct mlrt_bvh_size size;
+    struct mlrt_bvh_cursor cursor;
+};
+
+/* What a worker counts for all. */
+struct share {
+    struct mlrt_bvh_bins bins;
+    struct mlrt_spatial_bins slabs;
+};
+
+/* References made of a chunk of triangles, and those that are left out. */
+struct chunk {
+    uint32_t count;
+    uint32_t non_finite_count;
+    uint32_t zero_area_count;
 };
 
 struct build {
     struct mlrt_tree *tree;
-    struct mlrt_pool *pool;
-    struct mlrt_bvh_costs costs;
+    mlrt_pool *pool;
+    const struct preset *preset;
     struct mlrt_quad_box *references;
-    struct mlrt_binary_node *nodes;
+    struct mlrt_binary_tree binary;
     struct task *tasks;
-    struct mlrt_forest_costs *task_costs;
-    struct mlrt_bvh_size *task_sizes;
-    uint32_t *triangles; /* of the references, in their order */
-    uint32_t capacity;   /* references that there is room for */
+    struct share *shares;
+    struct chunk *chunks;
+    uint32_t capacity; /* references that there is room for */
     uint32_t reference_count;
-    uint32_t node_capacity;
+    uint32_t leaf_limit;
     uint32_t task_capacity;
     uint32_t task_count;
     uint32_t task_size; /* sets up to this are tasks */
+    uint32_t chunk_count;
     uint32_t depth_limit;
+    int may_cut; /* 0 = coordinates are too large for bvh_spatial.c */
     double scene_area;
+    const struct portion *together; /* the set that the pool is looking at */
 };
 
 static float relative_area(const struct build *build, const struct mlrt_quad_box *box)
@@ -109,22 +150,48 @@ static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_tri
     reference->hi[3] = 0;
 }
 
-/* One reference for each triangle that can be hit. The others are counted. */
+/* One reference for each triangle of the chunk that can be hit, from the chunk's own place on. */
+static MLRT_NOINLINE void refer_to_chunk(struct build *build, uint32_t number)
+{
+    struct chunk *chunk = &build->chunks[number];
+    uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
+    uint32_t last = first + (left < CHUNK_SIZE ? left : CHUNK_SIZE);
+    memset(chunk, 0, sizeof *chunk);
+    for (uint32_t i = first; i < last; i++) {
+        const struct mlrt_triangle *triangle = &build->tree->triangles[i];
+        if (!is_finite(triangle))
+            chunk->non_finite_count++;
+        else if (!mlrt_triangle_has_area(triangle))
+            chunk->zero_area_count++;
+        else
+            set_reference(&build->references[first + chunk->count++], triangle, i);
+    }
+}
+
+static int32_t run_chunk(void *work, uint32_t item, uint32_t worker)
+{
+    (void)worker;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    refer_to_chunk(work, item);
+    mlrt_leave_fp_environment(environment);
+    return 0;
+}
+
+/* References to all triangles, without gaps. Those left out are counted. */
 static void refer_to_all(struct build *build)
 {
-    struct mlrt_tree *tree = build->tree;
-    uint64_t non_finite_count = 0, zero_area_count = 0;
-    for (uint32_t i = 0; i < tree->triangle_count; i++) {
-        const struct mlrt_triangle *triangle = &tree->triangles[i];
-        if (!is_finite(triangle))
-            non_finite_count++;
-        else if (!mlrt_triangle_has_area(triangle))
-            zero_area_count++;
-        else
-            set_reference(&build->references[build->reference_count++], triangle, i);
+    mlrt_tree_info *info = &build->tree->info;
+    info->non_finite_count = info->zero_area_count = 0;
+    mlrt_run_items(build->pool, build->chunk_count, run_chunk, build);
+    for (uint32_t i = 0; i < build->chunk_count; i++) {
+        const struct chunk *chunk = &build->chunks[i];
+        if (build->reference_count != i * CHUNK_SIZE)
+            memmove(&build->references[build->reference_count], &build->references[i * CHUNK_SIZE],
+                    chunk->count * sizeof *build->references);
+        build->reference_count += chunk->count;
+        info->non_finite_count += chunk->non_finite_count;
+        info->zero_area_count += chunk->zero_area_count;
     }
-    tree->info.non_finite_count = non_finite_count;
-    tree->info.zero_area_count = zero_area_count;
 }
 
 /* ---- budgets ------------------------------------------------------------------------------------------------- */
@@ -143,243 +210,379 @@ static uint32_t halving_depth(uint32_t count)
     return depth;
 }
 
-static uint32_t leaf_budget(uint32_t count)
+/* a * b / c */
+static uint32_t scale(uint32_t a, uint32_t b, uint64_t c)
 {
-    return count / LEAF_SHARE + 1;
+    return (uint32_t)((uint64_t)a * b / c);
 }
 
-/* The lower side's part of a budget that has enough for both reserves: the rest is shared out by size. */
-static uint32_t lower_budget(uint32_t budget, uint32_t lower_count, uint32_t upper_count)
+static int may_split(const struct build *build, const struct portion *portion, uint32_t lower, uint32_t upper)
 {
-    uint32_t rest = budget - reserve(lower_count) - reserve(upper_count);
-    return reserve(lower_count) + (uint32_t)((uint64_t)rest * lower_count / ((uint64_t)lower_count + upper_count));
-}
-
-static int may_split(const struct build *build, const struct task *task, const struct mlrt_bvh_split *split)
-{
-    uint32_t lower = split->lower_count, upper = task->set.count - lower;
     uint32_t larger = lower > upper ? lower : upper;
-    return split->cost < HUGE_VAL && reserve(lower) + reserve(upper) <= task->budget &&
-           task->depth + 1 + halving_depth(larger) <= build->depth_limit;
+    return reserve(lower) + reserve(upper) <= portion->budget &&
+           portion->depth + 1 + halving_depth(larger) <= build->depth_limit;
 }
 
-/* ---- binary hierarchy ---------------------------------------------------------------------------------------- */
-
-static struct mlrt_binary_node *start_node(const struct build *build, const struct task *task)
+/*
+ * Shares out what a portion may use to its sides: first what each needs, the rest by size. Sets that will not be cut by
+ * planes have no use for room, and those that may become one leaf must have none between their sides.
+ */
+static void share_out(const struct build *build, const struct portion *portion, const struct mlrt_bvh_set sets[2],
+                      struct portion sides[2])
 {
-    struct mlrt_binary_node *node = &build->nodes[task->node];
-    memcpy(node->lo, task->set.box.lo, sizeof node->lo);
-    memcpy(node->hi, task->set.box.hi, sizeof node->hi);
-    node->first = task->set.first;
-    node->count = task->set.count;
-    node->upper = 0;
-    return node;
+    uint64_t count = (uint64_t)sets[0].count + sets[1].count;
+    uint32_t rest = portion->budget - reserve(sets[0].count) - reserve(sets[1].count);
+    uint32_t lower_budget = reserve(sets[0].count) + scale(rest, sets[0].count, count);
+    int is_last = portion->set.count <= build->preset->spatial_size;
+    uint32_t spare = is_last ? 0 : (uint32_t)(portion->set.count + portion->spare - count);
+    uint32_t lower_spare = scale(spare, sets[0].count, count);
+    sides[0] = (struct portion){sets[0], lower_spare, portion->node + 1, portion->depth + 1, lower_budget};
+    sides[1] = (struct portion){sets[1], spare - lower_spare, portion->node + 2 * lower_budget, portion->depth + 1,
+                                portion->budget - lower_budget};
 }
+
+/* ---- looking for a split --------------------------------------------------------------------------------------- */
+
+struct choice {
+    int spatial; /* 1 = by a plane */
+    struct mlrt_bvh_split split;
+    struct mlrt_spatial_split plane;
+};
+
+static uint32_t chunk_end(const struct portion *portion, uint32_t chunk)
+{
+    uint32_t left = portion->set.count - chunk * CHUNK_SIZE;
+    return left < CHUNK_SIZE ? left : CHUNK_SIZE;
+}
+
+static int32_t fill_bins_item(void *work, uint32_t item, uint32_t worker)
+{
+    struct build *build = work;
+    const struct portion *portion = build->together;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    mlrt_fill_bins(build->references, portion->set.first + item * CHUNK_SIZE, chunk_end(portion, item),
+                   &portion->set.centres, &build->shares[worker].bins);
+    mlrt_leave_fp_environment(environment);
+    return 0;
+}
+
+static int32_t fill_slabs_item(void *work, uint32_t item, uint32_t worker)
+{
+    struct build *build = work;
+    const struct portion *portion = build->together;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    mlrt_fill_spatial_bins(build->tree->triangles, build->references, portion->set.first + item * CHUNK_SIZE,
+                           chunk_end(portion, item), &portion->set.box, &build->shares[worker].slabs);
+    mlrt_leave_fp_environment(environment);
+    return 0;
+}
+
+static uint32_t chunks_of(uint32_t count)
+{
+    return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
+}
+
+static void fill_bins(struct build *build, const struct portion *portion, struct mlrt_bvh_bins *bins)
+{
+    const struct mlrt_bvh_set *set = &portion->set;
+    mlrt_clear_bins(bins);
+    if (build->together != portion) {
+        mlrt_fill_bins(build->references, set->first, set->count, &set->centres, bins);
+        return;
+    }
+    uint32_t worker_count = mlrt_worker_count(build->pool);
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_bins(&build->shares[i].bins);
+    mlrt_run_items(build->pool, chunks_of(set->count), fill_bins_item, build);
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_bins(&build->shares[i].bins, bins);
+}
+
+static void fill_slabs(struct build *build, const struct portion *portion, struct mlrt_spatial_bins *slabs)
+{
+    const struct mlrt_bvh_set *set = &portion->set;
+    mlrt_clear_spatial_bins(slabs);
+    if (build->together != portion) {
+        mlrt_fill_spatial_bins(build->tree->triangles, build->references, set->first, set->count, &set->box, slabs);
+        return;
+    }
+    uint32_t worker_count = mlrt_worker_count(build->pool);
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_spatial_bins(&build->shares[i].slabs);
+    mlrt_run_items(build->pool, chunks_of(set->count), fill_slabs_item, build);
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_spatial_bins(&build->shares[i].slabs, slabs);
+}
+
+static MLRT_NOINLINE void look_for_split(struct build *build, const struct portion *portion,
+                                         struct mlrt_bvh_split *split)
+{
+    if (portion->set.count <= MLRT_SWEEP_LIMIT) {
+        mlrt_sweep_set(&build->preset->costs, build->references, &portion->set, split);
+    } else {
+        struct mlrt_bvh_bins bins;
+        fill_bins(build, portion, &bins);
+        mlrt_choose_split(&build->preset->costs, &bins, portion->set.count, split);
+    }
+    uint32_t lower = split->lower_count;
+    if (split->cost < HUGE_VAL && !may_split(build, portion, lower, portion->set.count - lower)) split->cost = HUGE_VAL;
+}
+
+static MLRT_NOINLINE void look_for_plane(struct build *build, const struct portion *portion,
+                                         struct mlrt_spatial_split *plane)
+{
+    struct mlrt_spatial_bins slabs;
+    fill_slabs(build, portion, &slabs);
+    mlrt_choose_spatial_split(&build->preset->costs, &slabs, portion->set.count, portion->spare, plane);
+    if (plane->cost < HUGE_VAL && !may_split(build, portion, plane->count[0], plane->count[1])) plane->cost = HUGE_VAL;
+}
+
+/* The paper's measure of when to look for planes: how much the sides of the best other split overlap. */
+static int overlaps(const struct build *build, const struct mlrt_bvh_split *split)
+{
+    struct mlrt_quad_box common;
+    for (int k = 0; k < 3; k++) {
+        const struct mlrt_quad_box *a = &split->box[0], *b = &split->box[1];
+        common.lo[k] = a->lo[k] > b->lo[k] ? a->lo[k] : b->lo[k];
+        common.hi[k] = a->hi[k] < b->hi[k] ? a->hi[k] : b->hi[k];
+        if (common.lo[k] > common.hi[k]) return 0;
+    }
+    return mlrt_quad_box_area(&common) > build->preset->overlap_limit * build->scene_area;
+}
+
+static void choose(struct build *build, const struct portion *portion, struct choice *choice)
+{
+    look_for_split(build, portion, &choice->split);
+    choice->spatial = 0;
+    if (!build->may_cut || portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
+    if (choice->split.cost < HUGE_VAL && !choice->split.sorted && !overlaps(build, &choice->split)) return;
+    look_for_plane(build, portion, &choice->plane);
+    choice->spatial = choice->plane.cost < choice->split.cost;
+}
+
+/* ---- cutting ------------------------------------------------------------------------------------------------- */
 
 /* A sixteenth of a node is what another child of it costs. */
 static int split_pays(const struct build *build, const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split)
 {
+    const struct mlrt_bvh_costs *costs = &build->preset->costs;
     double area = mlrt_quad_box_area(&set->box);
-    return split->cost + area * (build->costs.node / MLRT_BVH_WIDTH) <
-           area * mlrt_bvh_leaf_cost(&build->costs, set->count);
+    return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * mlrt_bvh_leaf_cost(costs, set->count);
+}
+
+/* Moves a set, whose order does not matter, to another first place. */
+static void move_set(struct mlrt_quad_box *references, struct mlrt_bvh_set *set, uint32_t first)
+{
+    uint32_t distance = first > set->first ? first - set->first : set->first - first;
+    uint32_t count = distance < set->count ? distance : set->count;
+    if (first > set->first)
+        memcpy(references + first + set->count - count, references + set->first, count * sizeof *references);
+    else if (first < set->first)
+        memcpy(references + first, references + set->first + set->count - count, count * sizeof *references);
+    set->first = first;
+}
+
+/* Halves a set in which planes cut nothing off after all. */
+static void halve(struct build *build, struct mlrt_bvh_set sets[2])
+{
+    static const struct mlrt_bvh_split NO_SPLIT = {.cost = HUGE_VAL};
+    struct mlrt_bvh_set whole = sets[0].count > 0 ? sets[0] : sets[1];
+    mlrt_apply_bvh_split(build->references, &whole, &NO_SPLIT, sets);
+}
+
+/* Deals the references of a portion out to its sides. */
+static void apply(struct build *build, const struct portion *portion, const struct choice *choice,
+                  struct portion sides[2])
+{
+    struct mlrt_bvh_set sets[2];
+    if (choice->spatial)
+        mlrt_apply_spatial_split(build->tree->triangles, build->references, &portion->set, &choice->plane, sets);
+    else
+        mlrt_apply_bvh_split(build->references, &portion->set, &choice->split, sets);
+    if (sets[0].count == 0 || sets[1].count == 0) halve(build, sets);
+    share_out(build, portion, sets, sides);
+    move_set(build->references, &sides[0].set, portion->set.first);
+    move_set(build->references, &sides[1].set, portion->set.first + sides[0].set.count + sides[0].spare);
+}
+
+static struct mlrt_binary_node *start_node(const struct build *build, const struct portion *portion)
+{
+    struct mlrt_binary_node *node = &build->binary.nodes[portion->node];
+    memcpy(node->lo, portion->set.box.lo, sizeof node->lo);
+    memcpy(node->hi, portion->set.box.hi, sizeof node->hi);
+    node->first = portion->set.first;
+    node->count = portion->set.count;
+    node->upper = 0;
+    return node;
 }
 
 /* Cuts a set in two, unless it is to be a leaf. Returns whether it did. */
-static int cut_set(const struct build *build, const struct task *task, struct mlrt_binary_node *node,
-                   struct task sides[2])
+static int cut(struct build *build, const struct portion *portion, struct mlrt_binary_node *node,
+               struct portion sides[2])
 {
-    struct mlrt_bvh_split split;
-    struct mlrt_bvh_set sets[2];
-    int is_small = task->set.count <= MLRT_BVH_LEAF_LIMIT;
-    if (is_small && (task->budget < 2 || task->set.count < 2)) return 0;
-    mlrt_find_bvh_split(&build->costs, build->references, &task->set, &split);
-    if (!may_split(build, task, &split)) split.cost = HUGE_VAL;
-    if (is_small && (split.cost == HUGE_VAL || !split_pays(build, &task->set, &split))) return 0;
-    mlrt_apply_bvh_split(build->references, &task->set, &split, sets);
-    uint32_t budget = lower_budget(task->budget, sets[0].count, sets[1].count);
-    for (int side = 0; side < 2; side++) {
-        sides[side].set = sets[side];
-        sides[side].depth = task->depth + 1;
-        sides[side].budget = side == 0 ? budget : task->budget - budget;
-        sides[side].node = side == 0 ? task->node + 1 : task->node + 2 * budget;
-    }
+    struct choice choice;
+    int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
+    if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
+    choose(build, portion, &choice);
+    if (is_small && (choice.split.cost == HUGE_VAL || !split_pays(build, &portion->set, &choice.split))) return 0;
+    apply(build, portion, &choice, sides);
     node->upper = sides[1].node;
     return 1;
 }
 
-static void build_subtree(const struct build *build, const struct task *task, struct mlrt_forest_costs *costs)
+/* ---- binary hierarchy ---------------------------------------------------------------------------------------- */
+
+static void build_subtree(struct build *build, const struct portion *portion, struct mlrt_forest_costs *costs)
 {
-    struct mlrt_binary_node *node = start_node(build, task);
-    struct task sides[2];
+    struct mlrt_binary_node *node = start_node(build, portion);
+    struct portion sides[2];
     struct mlrt_forest_costs side_costs[2];
-    float area = relative_area(build, &task->set.box);
-    if (!cut_set(build, task, node, sides)) {
-        mlrt_choose_leaf(&build->costs, area, node, costs);
+    float area = relative_area(build, &portion->set.box);
+    if (!cut(build, portion, node, sides)) {
+        mlrt_choose_leaf(&build->preset->costs, area, node, costs);
+        for (uint32_t i = node->first; i < node->first + node->count; i++)
+            build->binary.triangles[i] = mlrt_reference_triangle(&build->references[i]);
         return;
     }
     for (int side = 0; side < 2; side++) build_subtree(build, &sides[side], &side_costs[side]);
-    mlrt_choose_cut(&build->costs, area, side_costs, node, costs);
+    mlrt_choose_cut(&build->preset->costs, area, side_costs, node, costs);
 }
 
-/* The references of a task have their last order: their numbers are all that is needed from now on. */
-static void take_triangles(const struct build *build, const struct mlrt_bvh_set *set)
+static int32_t build_task(void *work, uint32_t item, uint32_t worker)
 {
-    for (uint32_t i = 0; i < set->count; i++)
-        build->triangles[set->first + i] = mlrt_reference_triangle(&build->references[set->first + i]);
-}
-
-static MLRT_NOINLINE void run_task(struct build *build, uint32_t item)
-{
-    build_subtree(build, &build->tasks[item], &build->task_costs[item]);
-    take_triangles(build, &build->tasks[item].set);
-}
-
-static int32_t run_task_item(void *work, uint32_t item, uint32_t worker)
-{
+    struct build *build = work;
     (void)worker;
     const uint64_t environment = mlrt_enter_fp_environment();
-    run_task(work, item);
+    build_subtree(build, &build->tasks[item].portion, &build->tasks[item].costs);
     mlrt_leave_fp_environment(environment);
     return 0;
 }
 
 /* Cuts sets until they are small enough for tasks, and notes these in the order of the hierarchy. */
-static void find_tasks(struct build *build, const struct task *task)
+static void find_tasks(struct build *build, const struct portion *portion)
 {
-    struct task sides[2];
-    if (task->set.count <= build->task_size || !cut_set(build, task, start_node(build, task), sides)) {
-        build->tasks[build->task_count++] = *task;
+    struct portion sides[2];
+    if (portion->set.count <= build->task_size) {
+        build->tasks[build->task_count++].portion = *portion;
         return;
     }
+    build->together = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
+    cut(build, portion, start_node(build, portion), sides);
     for (int side = 0; side < 2; side++) find_tasks(build, &sides[side]);
+}
+
+static int is_next_task(const struct build *build, uint32_t number, uint32_t next_task)
+{
+    return next_task < build->task_count && build->tasks[next_task].portion.node == number;
 }
 
 /* The choices of the upper levels, when the tasks below them are done. */
 static void choose_upper(const struct build *build, uint32_t number, uint32_t *next_task,
                          struct mlrt_forest_costs *costs)
 {
-    struct mlrt_binary_node *node = &build->nodes[number];
-    if (*next_task < build->task_count && build->tasks[*next_task].node == number) {
-        *costs = build->task_costs[(*next_task)++];
+    if (is_next_task(build, number, *next_task)) {
+        *costs = build->tasks[(*next_task)++].costs;
         return;
     }
+    struct mlrt_binary_node *node = &build->binary.nodes[number];
     struct mlrt_forest_costs side_costs[2];
     struct mlrt_quad_box box;
     memcpy(box.lo, node->lo, sizeof node->lo);
     memcpy(box.hi, node->hi, sizeof node->hi);
     choose_upper(build, number + 1, next_task, &side_costs[0]);
     choose_upper(build, node->upper, next_task, &side_costs[1]);
-    mlrt_choose_cut(&build->costs, relative_area(build, &box), side_costs, node, costs);
+    mlrt_choose_cut(&build->preset->costs, relative_area(build, &box), side_costs, node, costs);
 }
 
 /* ---- nodes of sixteen ---------------------------------------------------------------------------------------- */
 
-static uint32_t quads_of(uint32_t count)
+/* Counts the nodes above the tasks, and tells these what they are to become. */
+static void measure_upper(struct build *build, uint32_t number, uint32_t slots, uint32_t depth, uint32_t *next_task,
+                          struct mlrt_bvh_size *size)
 {
-    return (count + 3) / 4;
-}
-
-static void measure_forest(const struct build *build, uint32_t number, uint32_t slots, uint32_t depth,
-                           struct mlrt_bvh_size *size)
-{
-    const struct mlrt_binary_node *node = &build->nodes[number];
-    while (slots > 1 && node->choice[slots] == 0) slots--;
-    uint32_t lower_slots = node->choice[slots];
-    if (slots == 1) {
-        if (node->choice[1] == 0) {
-            size->quad_count += quads_of(node->count);
-            return;
-        }
+    if (is_next_task(build, number, *next_task)) {
+        struct task *task = &build->tasks[(*next_task)++];
+        task->slots = slots;
+        task->depth = depth;
+        return;
+    }
+    const struct mlrt_binary_node *node = &build->binary.nodes[number];
+    struct mlrt_cut cut = mlrt_cut_of(node, slots);
+    if (cut.kind == MLRT_CUT_NODE) {
         size->node_count++;
         depth++;
-        if (depth > size->depth) size->depth = depth;
-        slots = MLRT_BVH_WIDTH;
-        lower_slots = node->choice[0];
     }
-    measure_forest(build, number + 1, lower_slots, depth, size);
-    measure_forest(build, node->upper, slots - lower_slots, depth, size);
+    measure_upper(build, number + 1, cut.slots[0], depth, next_task, size);
+    measure_upper(build, node->upper, cut.slots[1], depth, next_task, size);
 }
 
-static void clear_node(struct mlrt_bvh_node *node)
+static int32_t measure_task(void *work, uint32_t item, uint32_t worker)
 {
-    for (int i = 0; i < MLRT_BVH_WIDTH; i++) {
-        for (int k = 0; k < 3; k++) {
-            node->lo[k][i] = INFINITY;
-            node->hi[k][i] = -INFINITY;
-        }
-        node->child[i] = 0;
-    }
+    static const struct mlrt_bvh_size NOTHING;
+    struct build *build = work;
+    struct task *task = &build->tasks[item];
+    (void)worker;
+    task->size = NOTHING;
+    mlrt_measure_forest(&build->binary, task->portion.node, task->slots, task->depth, &task->size);
+    return 0;
 }
 
-/* Ascending, so that the first of equal hits is met first. */
-static void sort_numbers(uint32_t *numbers, uint32_t count)
+static struct mlrt_bvh_size measure_all(struct build *build)
 {
-    for (uint32_t i = 1; i < count; i++) {
-        uint32_t number = numbers[i], j = i;
-        for (; j > 0 && numbers[j - 1] > number; j--) numbers[j] = numbers[j - 1];
-        numbers[j] = number;
+    struct mlrt_bvh_size size = {0, 0, 0, 0};
+    uint32_t next_task = 0;
+    measure_upper(build, 0, 1, 0, &next_task, &size);
+    mlrt_run_items(build->pool, build->task_count, measure_task, build);
+    for (uint32_t i = 0; i < build->task_count; i++) {
+        const struct mlrt_bvh_size *part = &build->tasks[i].size;
+        size.node_count += part->node_count;
+        size.quad_count += part->quad_count;
+        size.depth = part->depth > size.depth ? part->depth : size.depth;
     }
+    if (build->binary.nodes[0].choice[1] == 0) size.node_count = size.depth = 1;
+    return size;
 }
 
-static void write_leaf(const struct build *build, const struct mlrt_binary_node *node, uint32_t quad)
+/* Writes the nodes above the tasks, and tells these where theirs go. */
+static void write_upper(struct build *build, uint32_t number, uint32_t slots, uint32_t *next_task,
+                        struct mlrt_bvh_cursor *cursor)
 {
-    const struct mlrt_bvh *bvh = &build->tree->bvh;
-    uint32_t *numbers = bvh->numbers + 4 * (size_t)quad;
-    uint32_t place_count = 4 * quads_of(node->count);
-    memcpy(numbers, build->triangles + node->first, node->count * sizeof *numbers);
-    sort_numbers(numbers, node->count);
-    for (uint32_t place = node->count; place < place_count; place++) numbers[place] = MLRT_NONE;
-    float *row = bvh->corners + 36 * (size_t)quad;
-    for (uint32_t place = 0; place < place_count; place++) {
-        const float *corners = place < node->count ? build->tree->triangles[numbers[place]].v[0] : NULL;
-        for (uint32_t i = 0; i < 9; i++) row[i * place_count + place] = corners != NULL ? corners[i] : NAN;
+    if (is_next_task(build, number, *next_task)) {
+        struct task *task = &build->tasks[(*next_task)++];
+        task->cursor = *cursor;
+        cursor->node += (uint32_t)task->size.node_count;
+        cursor->quad += (uint32_t)task->size.quad_count;
+        cursor->slot += task->size.slot_count;
+        return;
     }
+    const struct mlrt_binary_node *node = &build->binary.nodes[number];
+    struct mlrt_cut cut = mlrt_cut_of(node, slots);
+    struct mlrt_bvh_cursor below, *inner = cursor;
+    if (cut.kind == MLRT_CUT_NODE) {
+        below = mlrt_start_node(node, build->tree, cursor);
+        inner = &below;
+    }
+    write_upper(build, number + 1, cut.slots[0], next_task, inner);
+    write_upper(build, node->upper, cut.slots[1], next_task, inner);
+    cursor->node = inner->node;
+    cursor->quad = inner->quad;
 }
 
-static void write_child(struct mlrt_bvh_cursor *cursor, const struct mlrt_binary_node *node, uint32_t child)
+static int32_t write_task(void *work, uint32_t item, uint32_t worker)
 {
-    for (int k = 0; k < 3; k++) {
-        cursor->parent->lo[k][cursor->slot] = node->lo[k];
-        cursor->parent->hi[k][cursor->slot] = node->hi[k];
-    }
-    cursor->parent->child[cursor->slot++] = child;
+    struct build *build = work;
+    struct task *task = &build->tasks[item];
+    (void)worker;
+    mlrt_write_forest(&build->binary, task->portion.node, task->slots, build->tree, &task->cursor);
+    return 0;
 }
 
-/* Writes a binary node as at most `slots` children of the cursor's node, and all that lies below it. */
-static void write_forest(const struct build *build, uint32_t number, uint32_t slots, struct mlrt_bvh_cursor *cursor)
+/* The root is a node even if one leaf would do. Otherwise it is the only child of a node that nobody needs. */
+static void write_all(struct build *build)
 {
-    const struct mlrt_binary_node *node = &build->nodes[number];
-    while (slots > 1 && node->choice[slots] == 0) slots--;
-    if (slots > 1) {
-        write_forest(build, number + 1, node->choice[slots], cursor);
-        write_forest(build, node->upper, slots - node->choice[slots], cursor);
-    } else if (node->choice[1] == 0) {
-        write_child(cursor, node, cursor->quad << 3 | quads_of(node->count));
-        write_leaf(build, node, cursor->quad);
-        cursor->quad += quads_of(node->count);
-    } else {
-        struct mlrt_bvh_cursor below = {cursor->node + 1, cursor->quad, &build->tree->bvh.nodes[cursor->node], 0};
-        write_child(cursor, node, cursor->node << 3);
-        clear_node(below.parent);
-        write_forest(build, number + 1, node->choice[0], &below);
-        write_forest(build, node->upper, MLRT_BVH_WIDTH - node->choice[0], &below);
-        cursor->node = below.node;
-        cursor->quad = below.quad;
-    }
-}
-
-/* The root is a node even if one leaf would do. */
-static void write_root(const struct build *build)
-{
-    struct mlrt_bvh_cursor cursor = {1, 0, build->tree->bvh.nodes, 0};
-    const struct mlrt_binary_node *root = &build->nodes[0];
-    clear_node(cursor.parent);
-    if (root->choice[1] == 0) {
-        write_forest(build, 0, 1, &cursor);
-    } else {
-        write_forest(build, 1, root->choice[0], &cursor);
-        write_forest(build, root->upper, MLRT_BVH_WIDTH - root->choice[0], &cursor);
-    }
+    struct mlrt_bvh_node above;
+    uint32_t next_task = 0;
+    int is_leaf = build->binary.nodes[0].choice[1] == 0;
+    struct mlrt_bvh_cursor cursor = {is_leaf ? 1 : 0, 0, 0, is_leaf ? build->tree->bvh.nodes : &above};
+    mlrt_clear_node(cursor.parent);
+    write_upper(build, 0, 1, &next_task, &cursor);
+    mlrt_run_items(build->pool, build->task_count, write_task, build);
 }
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
@@ -389,34 +592,45 @@ static void release(const struct build *build, void *block, size_t count, size_t
     mlrt_free(&build->tree->memory, block, count, size);
 }
 
+static size_t share_count(const struct build *build)
+{
+    uint32_t worker_count = mlrt_worker_count(build->pool);
+    return worker_count > 1 ? worker_count : 0;
+}
+
+static size_t node_capacity(const struct build *build)
+{
+    return 2 * (size_t)build->leaf_limit - 1;
+}
+
 static int allocate_work(struct build *build)
 {
     struct mlrt_memory *memory = &build->tree->memory;
-    build->node_capacity = 2 * leaf_budget(build->capacity) - 1;
+    build->chunks = mlrt_allocate(memory, build->chunk_count, sizeof *build->chunks);
     build->references = mlrt_allocate(memory, build->capacity, sizeof *build->references);
-    build->nodes = mlrt_allocate(memory, build->node_capacity, sizeof *build->nodes);
-    build->triangles = mlrt_allocate(memory, build->capacity, sizeof *build->triangles);
+    build->binary.nodes = mlrt_allocate(memory, node_capacity(build), sizeof *build->binary.nodes);
+    build->binary.triangles = mlrt_allocate(memory, build->capacity, sizeof *build->binary.triangles);
     build->tasks = mlrt_allocate(memory, build->task_capacity, sizeof *build->tasks);
-    build->task_costs = mlrt_allocate(memory, build->task_capacity, sizeof *build->task_costs);
-    return build->references != NULL && build->nodes != NULL && build->triangles != NULL && build->tasks != NULL &&
-           build->task_costs != NULL;
+    if (share_count(build) > 0) build->shares = mlrt_allocate(memory, share_count(build), sizeof *build->shares);
+    return build->chunks != NULL && build->references != NULL && build->binary.nodes != NULL &&
+           build->binary.triangles != NULL && build->tasks != NULL &&
+           (share_count(build) == 0 || build->shares != NULL);
 }
 
 static void release_references(struct build *build)
 {
     release(build, build->references, build->capacity, sizeof *build->references);
-    release(build, build->tasks, build->task_capacity, sizeof *build->tasks);
-    release(build, build->task_costs, build->task_capacity, sizeof *build->task_costs);
     build->references = NULL;
-    build->tasks = NULL;
-    build->task_costs = NULL;
 }
 
 static void release_work(struct build *build)
 {
     release_references(build);
-    release(build, build->nodes, build->node_capacity, sizeof *build->nodes);
-    release(build, build->triangles, build->capacity, sizeof *build->triangles);
+    release(build, build->chunks, build->chunk_count, sizeof *build->chunks);
+    release(build, build->binary.nodes, node_capacity(build), sizeof *build->binary.nodes);
+    release(build, build->binary.triangles, build->capacity, sizeof *build->binary.triangles);
+    release(build, build->tasks, build->task_capacity, sizeof *build->tasks);
+    release(build, build->shares, share_count(build), sizeof *build->shares);
 }
 
 void mlrt_free_bvh(struct mlrt_tree *tree)
@@ -446,29 +660,31 @@ static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_siz
 
 /* ---- the whole hierarchy ------------------------------------------------------------------------------------- */
 
-static struct mlrt_bvh_size measure_root(const struct build *build)
+static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 {
-    struct mlrt_bvh_size size = {0, 0, 0};
-    measure_forest(build, 0, 1, 0, &size);
-    if (build->nodes[0].choice[1] == 0) size.node_count = size.depth = 1;
-    return size;
+    struct mlrt_tree *tree = build->tree;
+    memcpy(tree->bounds.lo, box->lo, sizeof tree->bounds.lo);
+    memcpy(tree->bounds.hi, box->hi, sizeof tree->bounds.hi);
+    build->scene_area = mlrt_quad_box_area(box);
+    build->may_cut = 1;
+    for (int k = 0; k < 3; k++)
+        if (box->lo[k] < -MLRT_SAFE_MAX || box->hi[k] > MLRT_SAFE_MAX) build->may_cut = 0;
 }
 
 static struct mlrt_bvh_size build_binary(struct build *build, uint32_t depth_limit)
 {
-    struct task root = {mlrt_measure_set(build->references, 0, build->reference_count), 0, 0,
-                        leaf_budget(build->reference_count), 0};
+    struct portion root = {mlrt_measure_set(build->references, 0, build->reference_count),
+                           build->capacity - build->reference_count, 0, 0, build->leaf_limit};
     struct mlrt_forest_costs costs;
     uint32_t next_task = 0;
+    measure_scene(build, &root.set.box);
     build->task_count = 0;
     build->depth_limit = depth_limit;
-    build->scene_area = mlrt_quad_box_area(&root.set.box);
-    memcpy(build->tree->bounds.lo, root.set.box.lo, sizeof build->tree->bounds.lo);
-    memcpy(build->tree->bounds.hi, root.set.box.hi, sizeof build->tree->bounds.hi);
     find_tasks(build, &root);
-    mlrt_run_items(build->pool, build->task_count, run_task_item, build);
+    build->together = NULL;
+    mlrt_run_items(build->pool, build->task_count, build_task, build);
     choose_upper(build, 0, &next_task, &costs);
-    return measure_root(build);
+    return measure_all(build);
 }
 
 static int32_t build_hierarchy(struct build *build)
@@ -479,10 +695,14 @@ static int32_t build_hierarchy(struct build *build)
     memset(&tree->bounds, 0, sizeof tree->bounds);
     if (build->reference_count == 0) return MLRT_OK;
     struct mlrt_bvh_size size = build_binary(build, BINARY_DEPTH);
-    if (size.depth > MLRT_BVH_DEPTH_LIMIT) size = build_binary(build, MLRT_BVH_DEPTH_LIMIT);
+    if (size.depth > MLRT_BVH_DEPTH_LIMIT) {
+        build->reference_count = 0;
+        refer_to_all(build); // some were cut
+        size = build_binary(build, MLRT_BVH_DEPTH_LIMIT);
+    }
     release_references(build);
     int32_t status = allocate_result(tree, &size);
-    if (status == MLRT_OK) write_root(build);
+    if (status == MLRT_OK) write_all(build);
     return status;
 }
 
@@ -491,20 +711,22 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_build_options *options
     static const struct mlrt_bvh NONE;
     static const struct build NOTHING_BUILT;
     struct build build = NOTHING_BUILT;
-    build.tree = tree;
-    build.pool = options != NULL ? options->pool : NULL;
-    build.costs = COSTS;
-    build.capacity = tree->triangle_count;
-    build.task_size = build.capacity / ITEM_SHARE > ITEM_SIZE ? build.capacity / ITEM_SHARE : ITEM_SIZE;
-    build.task_capacity = BINARY_DEPTH * (build.capacity / build.task_size) + 1; // as many on each level
     tree->bvh = NONE;
     if (tree->triangle_count >= MLRT_REFERENCE_MARK) return MLRT_ERROR_TOO_LARGE;
+    build.tree = tree;
+    build.pool = options != NULL ? options->pool : NULL;
+    build.preset = &PRESETS[options != NULL ? options->preset : MLRT_TREE_DEFAULT];
+    build.capacity = tree->triangle_count + (uint32_t)((float)tree->triangle_count * build.preset->spare_share);
+    build.leaf_limit = build.capacity / LEAF_SHARE + 1;
+    build.task_size = build.capacity / TASK_SHARE > TASK_SIZE ? build.capacity / TASK_SHARE : TASK_SIZE;
+    build.task_capacity = BINARY_DEPTH * (build.capacity / build.task_size) + 1; // as many on each level
+    build.chunk_count = chunks_of(tree->triangle_count);
     int32_t status = build_hierarchy(&build);
     release_work(&build);
     if (status != MLRT_OK) {
         mlrt_free_bvh(tree);
         return status;
     }
-    mlrt_measure_bvh(tree, &build.costs);
+    mlrt_measure_bvh(tree, &build.preset->costs);
     return MLRT_OK;
 }

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Where to cut a set of references in two: see bvh_split.h.
- *
- * A centre here is a quarter of lo + hi per axis, in float, each half quartered before: so neither it nor the
- * difference of two overflows. It is only a place to sort by; that it is rounded does no harm as long as it is always
- * the same.
  */
 #include "bvh_split.h"
 
@@ -12,89 +8,18 @@
 #include <math.h>
 #include <string.h>
 
-#include "kernels/quad.h"
+#include "bvh_box.h"
 
-/* ---- boxes --------------------------------------------------------------------------------------------------- */
-
-MLRT_INLINE void clear_box(struct mlrt_quad_box *box)
-{
-    f4_store(box->lo, f4_set1(INFINITY));
-    f4_store(box->hi, f4_set1(-INFINITY));
-}
-
-MLRT_INLINE void extend_box(struct mlrt_quad_box *box, f4 lo, f4 hi)
-{
-    f4_store(box->lo, f4_min(f4_load(box->lo), lo));
-    f4_store(box->hi, f4_max(f4_load(box->hi), hi));
-}
-
-MLRT_INLINE f4 centre_of(f4 lo, f4 hi)
-{
-    f4 quarter = f4_set1(0.25f);
-    return f4_add(f4_mul(lo, quarter), f4_mul(hi, quarter));
-}
-
-MLRT_INLINE double area_of(const struct mlrt_quad_box *box)
-{
-    double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1],
-           z = (double)box->hi[2] - box->lo[2];
-    return x * y + y * z + z * x;
-}
+/* ---- sets ---------------------------------------------------------------------------------------------------- */
 
 double mlrt_quad_box_area(const struct mlrt_quad_box *box)
 {
     return area_of(box);
 }
 
-/* A box that grows in registers. */
-struct growing_box {
-    f4 lo;
-    f4 hi;
-};
-
-MLRT_INLINE struct growing_box nothing(void)
-{
-    return (struct growing_box){f4_set1(INFINITY), f4_set1(-INFINITY)};
-}
-
-MLRT_INLINE void grow(struct growing_box *box, f4 lo, f4 hi)
-{
-    box->lo = f4_min(box->lo, lo);
-    box->hi = f4_max(box->hi, hi);
-}
-
-MLRT_INLINE void keep(const struct growing_box *box, struct mlrt_quad_box *kept)
-{
-    f4_store(kept->lo, box->lo);
-    f4_store(kept->hi, box->hi);
-}
-
-/* What a set is while references are added to it. */
-struct growing_set {
-    struct growing_box box;
-    struct growing_box centres;
-};
-
-MLRT_INLINE void add_reference(struct growing_set *set, f4 lo, f4 hi)
-{
-    f4 centre = centre_of(lo, hi);
-    grow(&set->box, lo, hi);
-    grow(&set->centres, centre, centre);
-}
-
-MLRT_INLINE struct mlrt_bvh_set finish_set(const struct growing_set *growing, uint32_t first, uint32_t count)
-{
-    struct mlrt_bvh_set set;
-    keep(&growing->box, &set.box);
-    keep(&growing->centres, &set.centres);
-    set.first = first;
-    set.count = count;
-    return set;
-}
-
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count)
 {
-    struct growing_set set = {nothing(), nothing()};
+    struct growing_set set = no_references();
     for (uint32_t i = 0; i < count; i++)
         add_reference(&set, f4_load(references[first + i].lo), f4_load(references[first + i].hi));
     return finish_set(&set, first, count);
@@ -105,16 +30,6 @@ struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uin
 float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
 {
     return costs->leaf + costs->quad * (float)((count + 3) / 4) + costs->triangle * (float)count;
-}
-
-/*
- * What a set of any size is expected to cost: that of leaves that are full but for the last. Counting whole leaves and
- * quads makes splits that fill them cheaper.
- */
-MLRT_INLINE double set_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
-{
-    return costs->leaf * (float)((count + 15) / 16) + costs->quad * (float)((count + 3) / 4) +
-           costs->triangle * (float)count;
 }
 
 /* ---- few references: every place between two of them ---------------------------------------------------------- */
@@ -152,8 +67,8 @@ static void sweep_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_qua
     }
 }
 
-static MLRT_NOINLINE void find_by_sweep(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
-                                        const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
+void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
+                    const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
 {
     MLRT_ALIGNED(16) float centre[MLRT_SWEEP_LIMIT][4];
     uint8_t order[3][MLRT_SWEEP_LIMIT];
@@ -180,17 +95,10 @@ static void apply_order(struct mlrt_quad_box *references, const struct mlrt_bvh_
 
 /* ---- many references: between bins ----------------------------------------------------------------------------- */
 
-#define BIN_COUNT 32
-
 /* The bin of a centre along each axis is the whole part of (centre - start) * scale. */
 struct binning {
     MLRT_ALIGNED(16) float start[4];
     MLRT_ALIGNED(16) float scale[4];
-};
-
-struct bins {
-    struct mlrt_quad_box box[3][BIN_COUNT];
-    uint32_t count[3][BIN_COUNT];
 };
 
 /* A scale that is 0 puts all into bin 0: where the centres are one, or so near each other that it would overflow. */
@@ -199,7 +107,7 @@ static struct binning cut_bins(const struct mlrt_quad_box *centres)
     struct binning binning;
     for (int k = 0; k < 4; k++) {
         float extent = k < 3 ? centres->hi[k] - centres->lo[k] : 0;
-        float scale = extent > 0 ? BIN_COUNT * (1 - 0x1p-10f) / extent : 0;
+        float scale = extent > 0 ? MLRT_BVH_BINS * (1 - 0x1p-10f) / extent : 0;
         binning.start[k] = k < 3 ? centres->lo[k] : 0;
         binning.scale[k] = scale <= FLT_MAX ? scale : 0;
     }
@@ -211,14 +119,19 @@ MLRT_INLINE f4 bin_of(f4 lo, f4 hi, f4 start, f4 scale)
     return f4_mul(f4_sub(centre_of(lo, hi), start), scale);
 }
 
-static void fill_bins(const struct mlrt_quad_box *references, uint32_t count, const struct binning *binning,
-                      struct bins *bins)
+void mlrt_clear_bins(struct mlrt_bvh_bins *bins)
 {
-    f4 start = f4_load(binning->start), scale = f4_load(binning->scale);
     for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < BIN_COUNT; i++) clear_box(&bins->box[axis][i]);
+        for (int i = 0; i < MLRT_BVH_BINS; i++) clear_box(&bins->box[axis][i]);
     memset(bins->count, 0, sizeof bins->count);
-    for (uint32_t i = 0; i < count; i++) {
+}
+
+void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
+                    const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins)
+{
+    struct binning binning = cut_bins(centres);
+    f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
+    for (uint32_t i = first; i < first + count; i++) {
         MLRT_ALIGNED(16) float bin[4];
         f4 lo = f4_load(references[i].lo), hi = f4_load(references[i].hi);
         f4_store(bin, bin_of(lo, hi, start, scale));
@@ -230,20 +143,29 @@ static void fill_bins(const struct mlrt_quad_box *references, uint32_t count, co
     }
 }
 
-static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct bins *bins, uint32_t count, uint32_t axis,
-                       struct mlrt_bvh_split *split)
+void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum)
 {
-    double upper_area[BIN_COUNT];
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < MLRT_BVH_BINS; i++) {
+            extend_box(&sum->box[axis][i], f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
+            sum->count[axis][i] += bins->count[axis][i];
+        }
+}
+
+static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
+                       uint32_t axis, struct mlrt_bvh_split *split)
+{
+    double upper_area[MLRT_BVH_BINS];
     struct growing_box box = nothing();
     struct mlrt_quad_box kept;
-    for (int i = BIN_COUNT - 1; i > 0; i--) {
+    for (int i = MLRT_BVH_BINS - 1; i > 0; i--) {
         grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
         keep(&box, &kept);
         upper_area[i] = area_of(&kept);
     }
     box = nothing();
     uint32_t lower_count = 0;
-    for (int i = 0; i < BIN_COUNT - 1; i++) {
+    for (int i = 0; i < MLRT_BVH_BINS - 1; i++) {
         if (bins->count[axis][i] == 0) continue;
         lower_count += bins->count[axis][i];
         if (lower_count == count) break;
@@ -259,15 +181,24 @@ static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct bins *bi
     }
 }
 
-static MLRT_NOINLINE void find_by_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
-                                       const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
+/* The box of what is in bins first, ..., last of the axis. */
+static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last,
+                      struct mlrt_quad_box *joined)
 {
-    struct bins bins;
-    struct binning binning = cut_bins(&set->centres);
-    fill_bins(references + set->first, set->count, &binning, &bins);
+    struct growing_box box = nothing();
+    for (uint32_t i = first; i <= last; i++) grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
+    keep(&box, joined);
+}
+
+void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
+                       struct mlrt_bvh_split *split)
+{
     split->cost = HUGE_VAL;
     split->sorted = 0;
-    for (uint32_t axis = 0; axis < 3; axis++) sweep_bins(costs, &bins, set->count, axis, split);
+    for (uint32_t axis = 0; axis < 3; axis++) sweep_bins(costs, bins, count, axis, split);
+    if (split->cost == HUGE_VAL) return;
+    join_bins(bins, split->axis, 0, split->bin, &split->box[0]);
+    join_bins(bins, split->axis, split->bin + 1, MLRT_BVH_BINS - 1, &split->box[1]);
 }
 
 /* Where the lower side ends is known: references change places across it, from both ends. */
@@ -276,7 +207,7 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
 {
     struct binning binning = cut_bins(&set->centres);
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
-    struct growing_set lower = {nothing(), nothing()}, upper = {nothing(), nothing()};
+    struct growing_set lower = no_references(), upper = no_references();
     struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *back = end;
     float limit = (float)(split->bin + 1);
     while (next < back) {
@@ -298,15 +229,6 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
 }
 
 /* ---- both ---------------------------------------------------------------------------------------------------- */
-
-void mlrt_find_bvh_split(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
-                         const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
-{
-    if (set->count <= MLRT_SWEEP_LIMIT)
-        find_by_sweep(costs, references, set, split);
-    else
-        find_by_bins(costs, references, set, split);
-}
 
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                           const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2])
