@@ -17,14 +17,15 @@
 /* ---- slabs --------------------------------------------------------------------------------------------------- */
 
 struct slabs {
-    float start[3];
-    float scale[3]; /* slabs per length; 0 = all is in slab 0 */
+    MLRT_ALIGNED(16) float start[4];
+    MLRT_ALIGNED(16) float scale[4]; /* slabs per length; 0 = all is in slab 0 */
     float width[3];
 };
 
 static struct slabs cut_slabs(const struct mlrt_quad_box *box)
 {
     struct slabs slabs;
+    slabs.start[3] = slabs.scale[3] = 0;
     for (int k = 0; k < 3; k++) {
         float extent = box->hi[k] - box->lo[k];
         float scale = extent > 0 && extent <= FLT_MAX ? MLRT_SPATIAL_BINS * (1 - 0x1p-10f) / extent : 0;
@@ -37,7 +38,7 @@ static struct slabs cut_slabs(const struct mlrt_quad_box *box)
 
 MLRT_INLINE uint32_t slab_of(const struct slabs *slabs, uint32_t axis, float x)
 {
-    return (uint32_t)((x - slabs->start[axis]) * slabs->scale[axis]);
+    return (uint32_t)(int32_t)((x - slabs->start[axis]) * slabs->scale[axis]);
 }
 
 /* Where slab number `slab` starts, about. */
@@ -54,40 +55,65 @@ MLRT_INLINE f4 load_vertex(const float vertex[3])
     return f4_load(place);
 }
 
-/* The boxes of what a triangle has below and above a plane. */
-static void halve_triangle(const struct mlrt_triangle *triangle, uint32_t axis, float position,
-                           struct growing_box halves[2])
+/* A triangle along an axis: its vertices by their heights, and how far its edges move per unit of height. */
+struct stretched {
+    f4 low, middle;
+    float low_height, middle_height, high_height;
+    f4 whole_slope, lower_slope, upper_slope; /* of the edges low - high, low - middle, middle - high */
+};
+
+MLRT_INLINE f4 slope_of(f4 from, f4 to, float height)
 {
-    f4 corner[3];
-    for (int i = 0; i < 3; i++) corner[i] = load_vertex(triangle->v[i]);
-    halves[0] = halves[1] = nothing();
-    for (int i = 0; i < 3; i++) {
-        int next = i == 2 ? 0 : i + 1;
-        float a = triangle->v[i][axis], b = triangle->v[next][axis];
-        if (a <= position) grow(&halves[0], corner[i], corner[i]);
-        if (a >= position) grow(&halves[1], corner[i], corner[i]);
-        if ((a < position && b > position) || (a > position && b < position)) {
-            f4 part = f4_set1((position - a) / (b - a));
-            f4 point = f4_add(corner[i], f4_mul(part, f4_sub(corner[next], corner[i])));
-            grow(&halves[0], point, point);
-            grow(&halves[1], point, point);
-        }
-    }
+    return height > 0 ? f4_mul(f4_sub(to, from), f4_set1(1 / height)) : f4_set1(0);
 }
 
+static struct stretched stretch(const struct mlrt_triangle *triangle, uint32_t axis)
+{
+    const float *low = triangle->v[0], *middle = triangle->v[1], *high = triangle->v[2], *swap;
+    if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
+    if (high[axis] < middle[axis]) swap = middle, middle = high, high = swap;
+    if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
+    struct stretched result = {load_vertex(low), load_vertex(middle), low[axis],  middle[axis],
+                               high[axis],       f4_set1(0),          f4_set1(0), f4_set1(0)};
+    f4 top = load_vertex(high);
+    result.whole_slope = slope_of(result.low, top, high[axis] - low[axis]);
+    result.lower_slope = slope_of(result.low, result.middle, middle[axis] - low[axis]);
+    result.upper_slope = slope_of(result.middle, top, high[axis] - middle[axis]);
+    return result;
+}
+
+/* The box of what a plane shares with the triangle. */
+MLRT_INLINE struct growing_box cross_section(const struct stretched *triangle, float height)
+{
+    f4 above_low = f4_set1(height - triangle->low_height), above_middle = f4_set1(height - triangle->middle_height);
+    f4 a = f4_add(triangle->low, f4_mul(triangle->whole_slope, above_low));
+    f4 b = height < triangle->middle_height ? f4_add(triangle->low, f4_mul(triangle->lower_slope, above_low))
+                                            : f4_add(triangle->middle, f4_mul(triangle->upper_slope, above_middle));
+    return (struct growing_box){f4_min(a, b), f4_max(a, b)};
+}
+
+/* Adds a reference to slabs first, ..., last: what is between two planes is bounded by what is in them, and by
+ * vertices. */
 static void fill_axis(const struct mlrt_triangle *triangle, const struct mlrt_quad_box *reference,
                       const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
                       struct mlrt_spatial_bins *bins)
 {
-    struct growing_box rest = {f4_load(reference->lo), f4_load(reference->hi)};
-    for (uint32_t slab = first; slab < last; slab++) {
-        struct growing_box halves[2];
-        halve_triangle(triangle, axis, slab_start(slabs, axis, slab + 1), halves);
-        extend_box(&bins->box[axis][slab], f4_max(halves[0].lo, rest.lo), f4_min(halves[0].hi, rest.hi));
-        rest.lo = f4_max(halves[1].lo, rest.lo);
-        rest.hi = f4_min(halves[1].hi, rest.hi);
+    struct stretched stretched = stretch(triangle, axis);
+    f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
+    float height = reference->lo[axis], end = reference->hi[axis];
+    if (height < stretched.low_height) height = stretched.low_height;
+    if (end > stretched.high_height) end = stretched.high_height;
+    struct growing_box below = cross_section(&stretched, height);
+    for (uint32_t slab = first; slab <= last; slab++) {
+        float next_height = slab < last ? slab_start(slabs, axis, slab + 1) : end;
+        struct growing_box above = cross_section(&stretched, next_height), box = below;
+        grow(&box, above.lo, above.hi);
+        if (height <= stretched.middle_height && stretched.middle_height <= next_height)
+            grow(&box, stretched.middle, stretched.middle);
+        extend_box(&bins->box[axis][slab], f4_max(box.lo, lo), f4_min(box.hi, hi));
+        below = above;
+        height = next_height;
     }
-    extend_box(&bins->box[axis][last], rest.lo, rest.hi);
 }
 
 void mlrt_clear_spatial_bins(struct mlrt_spatial_bins *bins)
@@ -102,15 +128,19 @@ void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, const struct 
                             struct mlrt_spatial_bins *bins)
 {
     struct slabs slabs = cut_slabs(box);
+    f4 start = f4_load(slabs.start), scale = f4_load(slabs.scale);
     for (uint32_t i = first; i < first + count; i++) {
         const struct mlrt_quad_box *reference = &references[i];
+        MLRT_ALIGNED(16) float low[4], high[4];
+        f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
+        f4_store(low, f4_mul(f4_sub(lo, start), scale));
+        f4_store(high, f4_mul(f4_sub(hi, start), scale));
         for (uint32_t axis = 0; axis < 3; axis++) {
-            uint32_t first_slab = slab_of(&slabs, axis, reference->lo[axis]);
-            uint32_t last_slab = slab_of(&slabs, axis, reference->hi[axis]);
+            uint32_t first_slab = (uint32_t)(int32_t)low[axis], last_slab = (uint32_t)(int32_t)high[axis];
             bins->first_count[axis][first_slab]++;
             bins->last_count[axis][last_slab]++;
             if (first_slab == last_slab)
-                extend_box(&bins->box[axis][first_slab], f4_load(reference->lo), f4_load(reference->hi));
+                extend_box(&bins->box[axis][first_slab], lo, hi);
             else
                 fill_axis(&triangles[mlrt_reference_triangle(reference)], reference, &slabs, axis, first_slab,
                           last_slab, bins);
