@@ -55,6 +55,7 @@ HAVE_GMP    = $(call pkg,--exists gmp && echo 1)
 HAVE_EMBREE = $(shell $(CC) $(CPPFLAGS) -fsyntax-only -include embree3/rtcore.h -x c /dev/null 2>/dev/null && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
 STUDY       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o
+BENCH       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/bench/*.c))
 EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
                 $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
@@ -109,6 +110,13 @@ $(BUILD)/examples/study/%.o: examples/study/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
 
+# What the benchmark does itself, for everyone alike, is compiled for the machine at hand.
+NATIVE = $(if $(filter -O2,$(OPTIMIZE)),-O3 $(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
+
+$(BUILD)/examples/bench/%.o: examples/bench/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(NATIVE) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -c $< -o $@
+
 $(BUILD)/examples/%.o: examples/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) -Iexamples -c $< -o $@
@@ -124,6 +132,10 @@ $(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $
 $(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
+$(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
 
 # ---- dependencies --------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * bench.c - how fast the library is, beside Embree 3 if that is installed
+ *
+ *     bench                                          procedural scenes, all kinds of rays
+ *     bench --scene FILE,... --views cameras.json    mesh files from the first views that the file has for them
+ *     bench --threads 2                              one thread and two, and what a loop of integers gains by two
+ *     bench --study build                            seconds and bytes per triangle
+ *
+ * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has millions
+ * of rays per second (medians), the way to call Embree that was the fastest, ratios, and how many answers of the library
+ * differ from those of Embree robust, which is no error: where two triangles are equally near, either may be named.
+ *
+ * Exit codes: 0, 1 if something failed or answers are wrong, 2 for a mistake on the command line.
+ */
+#include "bench/contest.h"
+#include "bench/study.h"
+#include "common/options.h"
+#include "common/tree.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define LENGTH(array) (sizeof(array) / sizeof *(array))
+
+static const char *const default_scenes[] = {"room", "office", "building", "scan", "sphere"};
+
+/* ---- output -------------------------------------------------------------------------------------------------------
+ */
+
+static void print_csv(const struct contest *contest)
+{
+    for (size_t i = 0; i < contest->count; i++) {
+        const struct contender *c = &contest->contenders[i];
+        if (c->who != LIBRARY || c->unsupported) continue;
+        print_csv_line(contest, c);
+        putchar('\n');
+    }
+    fflush(stdout);
+}
+
+static double ratio_of(double value, const struct contender *other)
+{
+    return other && other->mrays > 0 ? value / other->mrays : 0;
+}
+
+static void print_gains(const struct contest *contest, const struct contender *contender)
+{
+    const struct contender *fast[2] = {find_contender(contest, PEER_FAST, 1),
+                                       find_contender(contest, PEER_FAST, contender->threads)};
+    const struct contender *spin[2] = {find_contender(contest, SPIN_LOOP, 1),
+                                       find_contender(contest, SPIN_LOOP, contender->threads)};
+    // One thread of the same contender stands just before.
+    printf("   x%.2f", ratio_of(contender->mrays, contender - 1));
+    if (fast[0] && fast[1]) printf(" (Embree x%.2f", ratio_of(fast[1]->mrays, fast[0]));
+    if (spin[0] && spin[1]) printf("%s integers x%.2f)", fast[0] ? "," : " (", ratio_of(spin[1]->mrays, spin[0]));
+}
+
+static void print_row(const struct contest *contest, const struct contender *contender)
+{
+    const struct contender *fast = find_contender(contest, PEER_FAST, contender->threads);
+    const struct contender *robust = find_contender(contest, PEER_ROBUST, contender->threads);
+    printf("%-8s %-10s %-7s %3u ", kind_names[contest->task->kind], method_names[contender->method],
+           isa_names[contender->isa], (unsigned)contender->threads);
+    if (contender->unsupported) {
+        printf("unsupported\n");
+        return;
+    }
+    printf("%8.2f", contender->mrays);
+    if (fast && robust) {
+        printf(" %8.2f %-3s %8.2f %-3s %7.2f %7.2f %9zu %9zu", fast->mrays,
+               peer_variant_name(contest->task->kind, fast->variant), robust->mrays,
+               peer_variant_name(contest->task->kind, robust->variant), ratio_of(contender->mrays, fast),
+               ratio_of(contender->mrays, robust), contender->different, fast->different);
+    }
+    if (contender->threads > 1) print_gains(contest, contender);
+    putchar('\n');
+    fflush(stdout);
+}
+
+static void print_table(const struct contest *contest)
+{
+    for (size_t i = 0; i < contest->count; i++) {
+        if (contest->contenders[i].who == LIBRARY) print_row(contest, &contest->contenders[i]);
+    }
+}
+
+static void print_head(const struct subject *subject, uint32_t size, double build_seconds)
+{
+    printf("\n%s: %zu triangles, %lu x %lu pixels, tree built in %.2f s\n", subject->name,
+           subject->scene.triangle_count, (unsigned long)size, (unsigned long)size, build_seconds);
+    printf("%-8s %-10s %-7s %3s %8s", "kind", "method", "isa", "thr", "Mray/s");
+    if (have_peer()) {
+        printf(" %8s %-3s %8s %-3s %7s %7s %9s %9s", "E. fast", "by", "E.robust", "by", "/ fast", "/robust", "differ",
+               "fast diff");
+    }
+    putchar('\n');
+}
+
+/* ---- scenes -------------------------------------------------------------------------------------------------------
+ */
+
+static int bench_scene(const struct bench_settings *settings, const char *word)
+{
+    struct arena arena;
+    int failed = open_arena(settings, word, &arena) || set_size(&arena.subject, settings->size);
+    if (!failed && arena.tree && !settings->csv) print_head(&arena.subject, settings->size, arena.build_seconds);
+    for (int kind = 0; kind < KIND_COUNT && arena.tree && !failed; kind++) {
+        if (!(settings->kinds & 1u << kind)) continue;
+        struct contest contest;
+        struct task task;
+        failed = start_contest(settings, &arena, (enum kind)kind, &task, &contest) || hold_contest(&contest);
+        if (!failed) (settings->csv ? print_csv : print_table)(&contest);
+        free_task(&task);
+    }
+    close_arena(&arena);
+    return failed;
+}
+
+static int bench_scenes(const struct bench_settings *settings)
+{
+    if (settings->csv) puts("scene,kind,method,isa,threads,mrays,embree_fast_mrays,embree_robust_mrays");
+    if (!settings->csv && !have_peer()) puts("Embree 3 is not installed (make deps-study): the library alone");
+    int failed = 0;
+    for (size_t i = 0; i < settings->scenes.count; i++) failed |= bench_scene(settings, settings->scenes.words[i]);
+    return failed;
+}
+
+/* ---- command line -------------------------------------------------------------------------------------------------
+ */
+
+// The kinds of the command line: "array" asks for rows and for lists.
+static uint32_t kinds_of(uint32_t words)
+{
+    static const uint32_t kinds[] = {1u << FRAME, 1u << PRIMARY, 1u << SHADOW, 1u << ARRAY | 1u << LIST, 1u << BOUNCE};
+    uint32_t result = 0;
+    for (size_t i = 0; i < LENGTH(kinds); i++) result |= words & 1u << i ? kinds[i] : 0;
+    return result;
+}
+
+static int complete_settings(struct bench_settings *settings, uint32_t kind_words)
+{
+    const int is_resolution = settings->study == STUDY_RESOLUTION;
+    settings->kinds = kind_words ? kinds_of(kind_words) : default_kinds(settings->study);
+    if (settings->size == 0) settings->size = is_resolution ? 8192 : 1024;
+    if (settings->methods == 0) settings->methods = 1;
+    if (settings->isas == 0) settings->isas = 1;
+    for (size_t i = 0; settings->scenes.count == 0 && settings->study != STUDY_TRIANGLES && i < LENGTH(default_scenes);
+         i++) {
+        settings->default_scenes.words[settings->default_scenes.count++] = default_scenes[i];
+    }
+    if (settings->scenes.count == 0) settings->scenes = settings->default_scenes;
+    if (settings->size % 64 == 0) return 0;
+    fprintf(stderr, "--size: a multiple of 64, so that everyone's tiles are whole\n");
+    return 1;
+}
+
+int main(int argc, char **argv)
+{
+    struct bench_settings settings = {.runs = 11, .threads = 1};
+    uint32_t kind_words = 0;
+    const struct option options[] = {
+        {OPTION_HEADING, NULL, NULL, NULL, "What:", 0, 0},
+        {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...",
+         "scenes (default: room,office,building,scan,sphere)\nalso scan:N and sphere:N, of about N triangles", 0, 0},
+        {OPTION_TEXT, "--views", &settings.views, "FILE.json", "views of scenes that are files", 0, 0},
+        {OPTION_TEXT, "--view", &settings.view, "FILE.json:SCENE/VIEW", "one view for all scenes", 0, 0},
+        {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
+         16384},
+        {OPTION_SET, "--kind", &kind_words, "frame,primary,shadow,array,bounce", "kinds of rays, a list (default: all)",
+         0, 0},
+        {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build",
+         "time against the number of triangles or pixels; building. CSV", STUDY_NONE, 0},
+        {OPTION_HEADING, NULL, NULL, NULL, "How:", 0, 0},
+        {OPTION_SET, "--method", &settings.methods, "default,ray,packet2,packet4,multilevel,tile",
+         "methods, a list (default: default)", 0, 0},
+        {OPTION_SET, "--isa", &settings.isas, "auto,scalar,sse,avx2,avx512", "instruction sets, a list (default: auto)",
+         0, 0},
+        {OPTION_CHOICE, "--structure", &settings.structure, "default|kdtree|bvh", "what to search in", 0, 0},
+        {OPTION_CHOICE, "--preset", &settings.preset, "default|paper", "the kind of tree", MLRT_TREE_DEFAULT, 0},
+        {OPTION_COUNT, "--threads", &settings.threads, "N", "threads; more than 1: one as well (default: 1)", 1, 256},
+        {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11)", 1, MAXIMUM_RUNS},
+        {OPTION_FLAG, "--csv", &settings.csv, NULL, "comma-separated values instead of tables", 0, 0},
+    };
+    int exit_code;
+    if (!parse_options("bench - how fast the library is, beside Embree 3", options, LENGTH(options), argc, argv,
+                       &exit_code))
+        return exit_code;
+    if (complete_settings(&settings, kind_words)) return 2;
+    return settings.study == STUDY_NONE ? bench_scenes(&settings) : run_study(&settings);
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/* arena.c - a scene, its trees and who takes part: see arena.h */
+#include "arena.h"
+
+#include "common/timer.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char *const method_names[6] = {"default", "ray", "packet2", "packet4", "multilevel", "tile"};
+const char *const isa_names[5] = {"auto", "scalar", "sse", "avx2", "avx512"};
+
+int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options, mlrt_tree **tree, double *seconds)
+{
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh,
+                            .vertices = scene->vertices,
+                            .vertex_count = scene->vertex_count,
+                            .indices = scene->indices,
+                            .triangle_count = scene->triangle_count};
+    const double start = seconds_now();
+    const int32_t status = mlrt_build_kdtree(&mesh, 1, options, tree);
+    *seconds = seconds_now() - start;
+    return status;
+}
+
+// Structures are counted from 1 as the choice is, and are bits.
+static int build_own_tree(const struct bench_settings *settings, struct arena *arena)
+{
+    const mlrt_build_options options = {.struct_size = sizeof options,
+                                        .preset = settings->preset,
+                                        .pool = arena->pool,
+                                        .structures = (uint32_t)settings->structure};
+    const int32_t status = build_mlrt(&arena->subject.scene, &options, &arena->tree, &arena->build_seconds);
+    const int cannot = status == MLRT_ERROR_UNSUPPORTED || (status == MLRT_ERROR_ARGUMENT && settings->structure);
+    if (status != MLRT_OK) {
+        fprintf(stderr, "%s: the tree: %s\n", arena->subject.name,
+                cannot ? "unsupported by this library" : mlrt_status_string(status));
+    }
+    return status != MLRT_OK && !cannot;
+}
+
+static int build_peers(struct arena *arena)
+{
+    const struct peer_settings fast = {.quality = PEER_HIGH_QUALITY}, robust = {1, PEER_HIGH_QUALITY, 0};
+    if (!have_peer() || !arena->tree) return 0;
+    arena->fast = create_peer(&arena->subject.scene, &fast, NULL);
+    arena->robust = create_peer(&arena->subject.scene, &robust, NULL);
+    return !arena->fast || !arena->robust;
+}
+
+int open_arena(const struct bench_settings *settings, const char *word, struct arena *arena)
+{
+    memset(arena, 0, sizeof *arena);
+    if (settings->threads > 1) {
+        if (mlrt_create_pool(settings->threads, &arena->pool) != MLRT_OK) return 1;
+        arena->crew = create_crew(settings->threads);
+        if (!arena->crew) return 1;
+    }
+    return load_subject(word, settings->views, settings->view, &arena->subject) || build_own_tree(settings, arena) ||
+           build_peers(arena);
+}
+
+void close_arena(struct arena *arena)
+{
+    mlrt_destroy_tree(arena->tree);
+    destroy_peer(arena->fast);
+    destroy_peer(arena->robust);
+    mlrt_destroy_pool(arena->pool);
+    destroy_crew(arena->crew);
+    free_subject(&arena->subject);
+}
+
+// With one thread, and with all if they are more.
+static void add_contender(const struct bench_settings *settings, enum who who, int32_t method, int32_t isa,
+                          struct contest *contest)
+{
+    for (int all = 0; all <= (settings->threads > 1) && contest->count < MAXIMUM_CONTENDERS; all++) {
+        contest->contenders[contest->count++] = (struct contender){
+            .who = who, .method = method, .isa = isa, .threads = all ? settings->threads : 1};
+    }
+}
+
+int start_contest(const struct bench_settings *settings, const struct arena *arena, enum kind kind, struct task *task,
+                  struct contest *contest)
+{
+    *contest = (struct contest){.task = task,
+                                .tree = arena->tree,
+                                .fast = arena->fast,
+                                .robust = arena->robust,
+                                .pool = arena->pool,
+                                .crew = arena->crew,
+                                .runs = settings->runs};
+    for (int32_t i = 0; i < 6 * 5; i++) {
+        const int32_t method = i / 5, isa = i % 5;
+        if (!(settings->methods & 1u << method) || !(settings->isas & 1u << isa)) continue;
+        add_contender(settings, LIBRARY, method, isa, contest);
+    }
+    if (arena->robust) {
+        add_contender(settings, PEER_FAST, 0, 0, contest);
+        add_contender(settings, PEER_ROBUST, 0, 0, contest);
+    }
+    if (settings->threads > 1) add_contender(settings, SPIN_LOOP, 0, 0, contest);
+    return make_task(kind, &arena->subject, arena->tree, arena->pool, task);
+}
+
+static double mrays_of(const struct contender *contender)
+{
+    return contender ? contender->mrays : 0;
+}
+
+void print_csv_line(const struct contest *contest, const struct contender *contender)
+{
+    printf("%s,%s,%s,%s,%u,%.3f,%.3f,%.3f", contest->task->subject->name, kind_names[contest->task->kind],
+           method_names[contender->method], isa_names[contender->isa], (unsigned)contender->threads, contender->mrays,
+           mrays_of(find_contender(contest, PEER_FAST, contender->threads)),
+           mrays_of(find_contender(contest, PEER_ROBUST, contender->threads)));
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/* arena.h - what the command line asks for, and everything about one scene that contests need */
+#ifndef ARENA_H
+#define ARENA_H
+
+#include "common/options.h"
+#include "contest.h"
+
+enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD };
+
+struct bench_settings {
+    struct word_list scenes, default_scenes;
+    const char *views, *view;
+    uint32_t size, threads, runs;
+    uint32_t kinds, methods, isas; /* a bit for each */
+    int32_t structure, preset, study;
+    int csv;
+};
+
+extern const char *const method_names[6], *const isa_names[5];
+
+struct arena {
+    struct subject subject;
+    mlrt_tree *tree; /* NULL = this library cannot build what was asked for */
+    double build_seconds;
+    mlrt_pool *pool;
+    struct crew *crew;
+    struct peer *fast, *robust;
+};
+
+/* Loads and builds. Returns 0, or 1 after saying on stderr what is wrong. Close it either way. */
+int open_arena(const struct bench_settings *settings, const char *word, struct arena *arena);
+void close_arena(struct arena *arena);
+
+/* The options of a tree; those that the library does not know yet are said to be unsupported. */
+int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options, mlrt_tree **tree, double *seconds);
+
+/* Prepares a task of the arena's scene and everybody who takes part. Returns 0 or 1; free the task either way. */
+int start_contest(const struct bench_settings *settings, const struct arena *arena, enum kind kind, struct task *task,
+                  struct contest *contest);
+
+/* scene,kind,method,isa,threads,mrays,embree_fast_mrays,embree_robust_mrays, without an end of line */
+void print_csv_line(const struct contest *contest, const struct contender *contender);
+
+#endif

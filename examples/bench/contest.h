@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * contest.h - those who take part in a task take turns on the same rays, and their answers are compared
+ *
+ * A contender's speed is that of its median run; a run of each follows a run of every other, so that a machine that
+ * slows down does so for all. Before the turns everyone answers once: the library's answers must be, for a sample of the
+ * rays, those of another of its methods, and pictures must look alike.
+ */
+#ifndef CONTEST_H
+#define CONTEST_H
+
+#include "peer.h"
+
+enum { MAXIMUM_CONTENDERS = 64, MAXIMUM_RUNS = 1001 };
+
+enum who { LIBRARY, PEER_FAST, PEER_ROBUST, SPIN_LOOP, WHO_COUNT };
+
+struct contender {
+    enum who who;
+    int32_t method, isa; /* of the library */
+    uint32_t threads;    /* 1, or those of pool and crew */
+    int unsupported;     /* 1 = this library cannot do this: not measured */
+    int variant;         /* of the peer, the fastest */
+    double mrays;        /* millions of rays per second; of the spin loop, of steps */
+    size_t different;    /* answers that are not those of the robust peer: the library's, or the fast peer's */
+};
+
+struct contest {
+    const struct task *task;
+    const mlrt_tree *tree;
+    const struct peer *fast, *robust; /* NULL = they do not take part */
+    mlrt_pool *pool;
+    struct crew *crew; /* of as many threads as the pool */
+    uint32_t runs;
+    size_t count;
+    struct contender contenders[MAXIMUM_CONTENDERS];
+};
+
+/* Returns 0, or 1 after saying on stderr what is wrong: an answer, say. */
+int hold_contest(struct contest *contest);
+
+/* The first contender of this kind and number of threads, or NULL. */
+const struct contender *find_contender(const struct contest *contest, enum who who, uint32_t threads);
+
+/* By the library: its status. */
+int32_t run_library(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
+                    const struct answers *answers);
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * peer.h - Embree 3 as somebody who wants speed would use it; without it, functions that say so
+ *
+ * High build quality, huge pages, flush-to-zero and denormals-are-zero while tracing, the coherent or incoherent flag,
+ * packets of 4x4 pixels, and of the ways to call it the one that turns out to be the fastest. Fast is the default scene,
+ * robust has RTC_SCENE_FLAG_ROBUST. Results of streams stay in the order of the stream.
+ *
+ * Based on: "Embree: High Performance Ray Tracing Kernels 3.13", the manual, "Performance Recommendations".
+ */
+#ifndef PEER_H
+#define PEER_H
+
+#include "crew.h"
+#include "task.h"
+
+enum { PEER_MEDIUM_QUALITY = 0, PEER_HIGH_QUALITY = 1 };
+
+struct peer;
+
+struct peer_settings {
+    int robust;
+    int quality;      /* PEER_*_QUALITY */
+    uint32_t threads; /* of the builder; 0 = all */
+};
+
+/* What it took. */
+struct peer_build {
+    double seconds;
+    int64_t memory_size; /* held by the hierarchy, in bytes; the mesh stays the caller's and is not in it */
+};
+
+/* 1 = this program was built with it. */
+int have_peer(void);
+
+/* Builds over the scene's triangles. `build` may be NULL. Returns NULL after saying on stderr what is wrong. */
+struct peer *create_peer(const struct scene *scene, const struct peer_settings *settings, struct peer_build *build);
+
+void destroy_peer(struct peer *peer);
+
+/* Ways to call it: so many rays at a time, or a stream; for frames each with its own normals or the table's. */
+enum { PEER_VARIANT_COUNT = 10 };
+
+/* The name of a variant, or NULL if it cannot do tasks of this kind. */
+const char *peer_variant_name(enum kind kind, int variant);
+
+/* Traces all rays of the task, by the crew or, with crew = NULL, by the calling thread. */
+void run_peer(const struct peer *peer, int variant, const struct task *task, struct crew *crew,
+              const struct answers *answers);
+
+#endif
