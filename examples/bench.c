@@ -7,9 +7,10 @@
  *     bench --threads 2                              one thread and two, and what a loop of integers gains by two
  *     bench --study build                            seconds and bytes per triangle
  *
- * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has millions
- * of rays per second (medians), the way to call Embree that was the fastest, ratios, and how many answers of the library
- * differ from those of Embree robust, which is no error: where two triangles are equally near, either may be named.
+ * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
+ * millions of rays per second (medians), the way to call Embree that was the fastest, ratios, and how many answers of
+ * the library differ from those of Embree robust, which is no error: where two triangles are equally near, either may
+ * be named.
  *
  * Exit codes: 0, 1 if something failed or answers are wrong, 2 for a mistake on the command line.
  */

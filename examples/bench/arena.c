@@ -75,8 +75,8 @@ static void add_contender(const struct bench_settings *settings, enum who who, i
                           struct contest *contest)
 {
     for (int all = 0; all <= (settings->threads > 1) && contest->count < MAXIMUM_CONTENDERS; all++) {
-        contest->contenders[contest->count++] = (struct contender){
-            .who = who, .method = method, .isa = isa, .threads = all ? settings->threads : 1};
+        contest->contenders[contest->count++] =
+            (struct contender){.who = who, .method = method, .isa = isa, .threads = all ? settings->threads : 1};
     }
 }
 

@@ -126,7 +126,8 @@ static int compare_pictures(const struct task *task, const struct answers *a, co
         const int difference = (int)(a->rgba[i] & 255) - (int)(b->rgba[i] & 255);
         wrong += a->triangles[i] == b->triangles[i] && abs(difference) > 1;
     }
-    if (wrong) fprintf(stderr, "%s: %zu pixels of the picture differ from those of %s\n", task->subject->name, wrong, who);
+    if (wrong)
+        fprintf(stderr, "%s: %zu pixels of the picture differ from those of %s\n", task->subject->name, wrong, who);
     return wrong != 0;
 }
 
@@ -162,8 +163,8 @@ static int32_t ask_other_method(const struct contest *contest, int32_t method, s
                         .directions = sample->directions,
                         .skip = sample->skip};
     const struct answers answers = {.triangles = sample->triangles, .t = sample->t, .occluded = sample->occluded};
-    const mlrt_trace_options options = {
-        .struct_size = sizeof options, .method = method == MLRT_METHOD_RAY ? MLRT_METHOD_DEFAULT : MLRT_METHOD_RAY};
+    const mlrt_trace_options options = {.struct_size = sizeof options,
+                                        .method = method == MLRT_METHOD_RAY ? MLRT_METHOD_DEFAULT : MLRT_METHOD_RAY};
     return run_library(contest->tree, &options, &task, &answers);
 }
 
@@ -275,8 +276,8 @@ static void take_turns(struct contest *contest, const struct answers *answers, d
     for (size_t i = 0; i < contest->count; i++) {
         struct contender *contender = &contest->contenders[i];
         if (contender->unsupported) continue;
-        const double count = contender->who == SPIN_LOOP ? (double)SPIN_ITEMS * SPIN_STEPS
-                                                         : (double)contest->task->ray_count;
+        const double count =
+            contender->who == SPIN_LOOP ? (double)SPIN_ITEMS * SPIN_STEPS : (double)contest->task->ray_count;
         contender->mrays = 1e-6 * count / median(seconds + i * contest->runs, contest->runs);
     }
 }

@@ -15,7 +15,7 @@
 #include <string.h>
 #include <xmmintrin.h>
 
-enum { TILE_SIDE = 64, BATCH_SIZE = 4096, STREAM_PACKETS = 16, SMALL_MEMBERS = 64 };
+enum { TILE_SIDE = 64, BATCH_SIZE = 4096, STREAM_PACKETS = 16, HALF_PAGE = 2048 };
 
 struct peer {
     RTCDevice device;
@@ -114,6 +114,7 @@ struct picture {
     uint32_t triangle_count;
     uint32_t *triangles, *rgba;
     int own_normals;
+    int32_t lane_columns[16], lane_rows[16]; // in memory: worked out from numbers of lanes they are not vectors
 };
 
 struct batch {
@@ -125,15 +126,21 @@ struct batch {
 
 static RTC_ALIGN(64) const int all_valid[16] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
 
-#define WIDTH                                    1
-#define SIDE_X                                   1
-#define SIDE_Y                                   1
-#define QUERY                                    RTCRayHit
-#define NAME_RAY                                 RTCRay
-#define INTERSECT(valid, scene, context, query)  rtcIntersect1(scene, context, query)
-#define OCCLUDED(valid, scene, context, query)   rtcOccluded1(scene, context, query)
-#define LANE(field, i)                           (*(&(field) + (i)))
-#define NAME(word)                               word##_1
+// Where the lanes of packets 1, 2 and 4 pixels wide are.
+static const int32_t all_lane_columns[5][16] = {
+    [1] = {0}, [2] = {0, 1, 0, 1}, [4] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3}};
+static const int32_t all_lane_rows[5][16] = {
+    [1] = {0}, [2] = {0, 0, 1, 1}, [4] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3}};
+
+#define WIDTH                                   1
+#define SIDE_X                                  1
+#define SIDE_Y                                  1
+#define QUERY                                   RTCRayHit
+#define NAME_RAY                                RTCRay
+#define INTERSECT(valid, scene, context, query) rtcIntersect1(scene, context, query)
+#define OCCLUDED(valid, scene, context, query)  rtcOccluded1(scene, context, query)
+#define LANE(field, i)                          (*(&(field) + (i)))
+#define NAME(word)                              word##_1
 #include "embree_packet.h"
 
 #define WIDTH          4
@@ -303,7 +310,8 @@ void run_peer(const struct peer *peer, int variant, const struct task *task, str
 {
     struct job job = {.variant = &variants[variant]};
     const int is_picture = task->kind == FRAME || task->kind == PRIMARY;
-    const size_t count = is_picture ? start_picture(peer, task, answers, &job) : start_batches(peer, task, answers, &job);
+    const size_t count =
+        is_picture ? start_picture(peer, task, answers, &job) : start_batches(peer, task, answers, &job);
     run_crew(crew, count, run_item, &job);
 }
 

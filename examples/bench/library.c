@@ -30,8 +30,7 @@ static int32_t trace_shadows(const mlrt_tree *tree, const mlrt_trace_options *op
                                 .count = task->element_count,
                                 .positions = {task->origins, 0},
                                 .skip = {task->skip, 0}};
-    const mlrt_light light = {
-        .struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {p[0], p[1], p[2]}};
+    const mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {p[0], p[1], p[2]}};
     const mlrt_array occluded = {answers->occluded, 0, 0};
     return mlrt_occluded_points(tree, &points, &light, options, &occluded);
 }

@@ -3,8 +3,8 @@
  * peer.h - Embree 3 as somebody who wants speed would use it; without it, functions that say so
  *
  * High build quality, huge pages, flush-to-zero and denormals-are-zero while tracing, the coherent or incoherent flag,
- * packets of 4x4 pixels, and of the ways to call it the one that turns out to be the fastest. Fast is the default scene,
- * robust has RTC_SCENE_FLAG_ROBUST. Results of streams stay in the order of the stream.
+ * packets of 4x4 pixels, and of the ways to call it the one that turns out to be the fastest. Fast is the default
+ * scene, robust has RTC_SCENE_FLAG_ROBUST. Results of streams stay in the order of the stream.
  *
  * Based on: "Embree: High Performance Ray Tracing Kernels 3.13", the manual, "Performance Recommendations".
  */

@@ -4,22 +4,20 @@
 
 #include <string.h>
 
-// Pixels of a row share y: base is fl(y dy).
+// Where the directions of a row are: start + x step, and then `row` is added. Numbers that nothing else can change.
 struct row {
-    const mlrt_camera *camera;
-    float base[3];
+    float start[3], step[3], row[3];
+    float sample;
 };
 
-static void make_directions(const struct row *row, uint32_t x, struct lanes *lanes)
+// One pixel: these are the steps that become vectors.
+static inline uint32_t shade_pixel(const struct row *row, float column, const struct normal *normal)
 {
-    const mlrt_camera *camera = row->camera;
-    float column[SHADE_LANES];
-    for (int i = 0; i < SHADE_LANES; i++) column[i] = (float)(int32_t)(x + (uint32_t)i) + camera->sample_x;
-    for (int k = 0; k < 3; k++) {
-        for (int i = 0; i < SHADE_LANES; i++) {
-            lanes->d[k][i] = (camera->d00[k] + column[i] * camera->dx[k]) + row->base[k];
-        }
-    }
+    const float x = column + row->sample;
+    const float a = (row->start[0] + x * row->step[0]) + row->row[0];
+    const float b = (row->start[1] + x * row->step[1]) + row->row[1];
+    const float c = (row->start[2] + x * row->step[2]) + row->row[2];
+    return grey_by_angle(a, b, c, normal);
 }
 
 static int all_equal(const uint32_t *triangles)
@@ -29,25 +27,22 @@ static int all_equal(const uint32_t *triangles)
     return differences == 0;
 }
 
-static void spread_normal(const struct normal *normal, struct lanes *lanes)
+static void shade_pixels(const struct shade_job *job, const struct row *some_row, uint32_t x, const uint32_t *triangles,
+                         uint32_t *restrict rgba)
 {
-    for (int i = 0; i < SHADE_LANES; i++) {
-        lanes->n[0][i] = normal->n[0], lanes->n[1][i] = normal->n[1], lanes->n[2][i] = normal->n[2];
-        lanes->level[i] = normal->level;
-    }
-}
-
-static void shade_pixels(const struct shade_job *job, const struct row *row, uint32_t x, const uint32_t *triangles,
-                         uint32_t *rgba)
-{
-    struct lanes lanes;
-    make_directions(row, x, &lanes);
+    const struct row row = *some_row;
+    const uint32_t count = job->triangle_count;
     if (all_equal(triangles)) {
-        spread_normal(&job->normals[triangles[0] < job->triangle_count ? triangles[0] : job->triangle_count], &lanes);
-    } else {
-        gather_normals(job->normals, job->triangle_count, triangles, SHADE_LANES, &lanes);
+        const struct normal normal = job->normals[triangles[0] < count ? triangles[0] : count];
+        for (int i = 0; i < SHADE_LANES; i++) rgba[i] = shade_pixel(&row, (float)(int32_t)(x + (uint32_t)i), &normal);
+        return;
     }
-    shade_lanes(&lanes, SHADE_LANES, rgba);
+    float n[4][SHADE_LANES];
+    gather_normals(job->normals, count, triangles, n);
+    for (int i = 0; i < SHADE_LANES; i++) {
+        const struct normal normal = {{n[0][i], n[1][i], n[2][i]}, n[3][i]};
+        rgba[i] = shade_pixel(&row, (float)(int32_t)(x + (uint32_t)i), &normal);
+    }
 }
 
 // The last pixels of a row, when they are fewer than lanes.
@@ -63,12 +58,15 @@ static void shade_rest(const struct shade_job *job, const struct row *row, uint3
 int32_t shade_tile_of_ids(void *user, const mlrt_tile *tile)
 {
     const struct shade_job *job = user;
-    struct row row = {.camera = job->camera};
+    const mlrt_camera *camera = job->camera;
+    struct row row = {.sample = camera->sample_x};
+    memcpy(row.start, camera->d00, sizeof row.start);
+    memcpy(row.step, camera->dx, sizeof row.step);
     for (uint32_t j = 0; j < tile->height; j++) {
-        const float y = (float)(tile->y + j) + job->camera->sample_y;
-        for (int k = 0; k < 3; k++) row.base[k] = y * job->camera->dy[k];
+        const float y = (float)(tile->y + j) + camera->sample_y;
+        for (int k = 0; k < 3; k++) row.row[k] = y * camera->dy[k];
         const uint32_t *triangles = tile->triangle + (size_t)j * tile->width;
-        uint32_t *rgba = job->rgba + (size_t)(tile->y + j) * job->camera->width + tile->x;
+        uint32_t *rgba = job->rgba + (size_t)(tile->y + j) * camera->width + tile->x;
         uint32_t i = 0;
         for (; i + SHADE_LANES <= tile->width; i += SHADE_LANES) {
             shade_pixels(job, &row, tile->x + i, triangles + i, rgba + i);

@@ -2,9 +2,9 @@
 /*
  * shade.h - the least shading there is, the same for all that is compared: a grey by the angle between ray and triangle
  *
- * The grey of a hit is 255 |d . n| / |d| with the triangle's unit normal n; the background is a constant. Loops are over
- * pixels in a row or lanes of a packet, and short steps on arrays, so that compilers turn them into vectors. Normals
- * come from a table by triangle number, whose last entry is that of the background: no direction, but a level.
+ * The grey of a hit is 255 |d . n| / |d| with the triangle's unit normal n; the background is a constant. Loops are
+ * over pixels in a row or lanes of a packet, and short steps on arrays, so that compilers turn them into vectors.
+ * Normals come from a table by triangle number, whose last entry is that of the background: no direction, but a level.
  */
 #ifndef BENCH_SHADE_H
 #define BENCH_SHADE_H
@@ -21,36 +21,25 @@ struct normal {
     float level;
 };
 
-/* Directions and normals of a few pixels, by component. */
-struct lanes {
-    float d[3][SHADE_LANES];
-    float n[3][SHADE_LANES];
-    float level[SHADE_LANES];
-};
-
 static inline uint32_t opaque_grey(float level)
 {
     return (uint32_t)(int32_t)(level < 255 ? level : 255) * 0x010101u | 0xFF000000u;
 }
 
-// Normals in the table have length 1.
-static inline void shade_lanes(const struct lanes *lanes, int count, uint32_t *rgba)
+// The direction is (x, y, z); the normal has length 1, or none and a level.
+static inline uint32_t grey_by_angle(float x, float y, float z, const struct normal *normal)
 {
-    for (int i = 0; i < count; i++) {
-        const float x = lanes->d[0][i], y = lanes->d[1][i], z = lanes->d[2][i];
-        const float product = x * lanes->n[0][i] + y * lanes->n[1][i] + z * lanes->n[2][i];
-        rgba[i] = opaque_grey(255 * fabsf(product) / sqrtf(x * x + y * y + z * z) + lanes->level[i]);
-    }
+    const float product = x * normal->n[0] + y * normal->n[1] + z * normal->n[2];
+    return opaque_grey(255 * fabsf(product) / sqrtf(x * x + y * y + z * z) + normal->level);
 }
 
-// Looks up the normals of triangles. MLRT_NONE, or whatever is not a triangle, is the background.
+// Looks up normals by component, and levels. MLRT_NONE, or whatever is not a triangle, is the background.
 static inline void gather_normals(const struct normal *normals, uint32_t triangle_count, const uint32_t *triangles,
-                                  int count, struct lanes *lanes)
+                                  float n[4][SHADE_LANES])
 {
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < SHADE_LANES; i++) {
         const struct normal *normal = &normals[triangles[i] < triangle_count ? triangles[i] : triangle_count];
-        lanes->n[0][i] = normal->n[0], lanes->n[1][i] = normal->n[1], lanes->n[2][i] = normal->n[2];
-        lanes->level[i] = normal->level;
+        n[0][i] = normal->n[0], n[1][i] = normal->n[1], n[2][i] = normal->n[2], n[3][i] = normal->level;
     }
 }
 

@@ -47,8 +47,8 @@ void camera_direction(const mlrt_camera *camera, uint32_t column, uint32_t row, 
 
 /* Rays by component, in an order that is good for packets; the arrays are filled up to a multiple of 16 rays. */
 struct stream {
-    size_t count;        /* without those that fill up */
-    float *origins[3];   /* NULL = all start at `origin` */
+    size_t count;      /* without those that fill up */
+    float *origins[3]; /* NULL = all start at `origin` */
     float *directions[3];
     float origin[3];
     float t_max;
