@@ -6,8 +6,11 @@
 #   make test-python     tests the Python package in bindings/python
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
-#   make charts          speed against wrong decisions, stability, stages: docs/accuracy-*.png, on the same scenes
-#   make deps-study      installs what `make charts` needs besides: Embree 3 to compare with, matplotlib to draw
+#   make bench           how fast it is, beside Embree 3 if `make deps-study` installed it: procedural scenes, and
+#                        files with SCENES=folder VIEWS=cameras.json; all that build/bin/bench can with BENCH='--threads 2'
+#   make charts          docs/*.png, on the same scenes: accuracy-* of charts-accuracy (speed against wrong decisions,
+#                        stability, stages) and speed-* of charts-speed (beside Embree; some 20 minutes)
+#   make deps-study      installs what they need besides: Embree 3 to compare with, matplotlib to draw
 #   make install         into $(DESTDIR)$(PREFIX)
 #   make format          clang-format over everything
 #   make clean
@@ -65,7 +68,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps deps-study demo test test-python reproduce charts install format clean
+.PHONY: all library examples deps deps-study demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean
 .SECONDARY:
 
 all: library examples
@@ -184,7 +187,9 @@ STUDY_FILES = $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
 ACCURACY = $(BUILD)/bin/accuracy --csv
 
-charts: | $(AFTER_DEPS)
+charts: charts-accuracy charts-speed
+
+charts-accuracy: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy
 	@mkdir -p docs/data
 	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
@@ -193,6 +198,26 @@ charts: | $(AFTER_DEPS)
 	$(ACCURACY) --study stages $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,random,edge --rays $(STUDY_RAYS) > docs/data/stages.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
+
+# ---- speed ----------------------------------------------------------------------------------------------------------
+
+BENCH_SCENES := room office building scan sphere
+BENCH_FILES = $(if $(SCENES),$(or $(sort $(wildcard $(SCENES)/*.ply)),$(error $(SCENES): no *.ply)))
+BENCH_ALL = $(addprefix --scene ,$(BENCH_SCENES) $(BENCH_FILES)) $(addprefix --views ,$(VIEWS))
+BENCH ?=
+
+bench: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/bench >&2
+	@$(BUILD)/bin/bench $(BENCH_ALL) $(BENCH)
+
+charts-speed: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/bench
+	@mkdir -p docs/data
+	$(BUILD)/bin/bench --csv $(BENCH_ALL) $(BENCH) > docs/data/bench.csv
+	$(BUILD)/bin/bench --study triangles $(BENCH) > docs/data/bench-triangles.csv
+	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
+	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
+	$(PYTHON) examples/bench/charts.py docs/data docs
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 
@@ -237,7 +262,7 @@ install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] tests/*.[ch] tests/words/*.[ch]
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] tests/*.[ch] tests/words/*.[ch]
 
 clean:
 	rm -rf build

@@ -29,6 +29,18 @@ static const char *const default_scenes[] = {"room", "office", "building", "scan
 /* ---- output -------------------------------------------------------------------------------------------------------
  */
 
+// Where the table has a column: what two threads can gain here.
+static void report_spin(const struct contest *contest)
+{
+    for (size_t i = 1; i < contest->count; i++) {
+        const struct contender *c = &contest->contenders[i];
+        if (c->who != SPIN_LOOP || c->threads == 1) continue;
+        fprintf(stderr, "%s, %s: a loop of integers does %.2f times as much on %u threads\n",
+                contest->task->subject->name, kind_names[contest->task->kind], c->mrays / c[-1].mrays,
+                (unsigned)c->threads);
+    }
+}
+
 static void print_csv(const struct contest *contest)
 {
     for (size_t i = 0; i < contest->count; i++) {
@@ -38,6 +50,7 @@ static void print_csv(const struct contest *contest)
         putchar('\n');
     }
     fflush(stdout);
+    report_spin(contest);
 }
 
 static double ratio_of(double value, const struct contender *other)
@@ -144,6 +157,7 @@ static int complete_settings(struct bench_settings *settings, uint32_t kind_word
     const int is_resolution = settings->study == STUDY_RESOLUTION;
     settings->kinds = kind_words ? kinds_of(kind_words) : default_kinds(settings->study);
     if (settings->size == 0) settings->size = is_resolution ? 8192 : 1024;
+    if (settings->runs == 0) settings->runs = settings->study == STUDY_BUILD ? 3 : 11;
     if (settings->methods == 0) settings->methods = 1;
     if (settings->isas == 0) settings->isas = 1;
     for (size_t i = 0; settings->scenes.count == 0 && settings->study != STUDY_TRIANGLES && i < LENGTH(default_scenes);
@@ -158,7 +172,7 @@ static int complete_settings(struct bench_settings *settings, uint32_t kind_word
 
 int main(int argc, char **argv)
 {
-    struct bench_settings settings = {.runs = 11, .threads = 1};
+    struct bench_settings settings = {.threads = 1};
     uint32_t kind_words = 0;
     const struct option options[] = {
         {OPTION_HEADING, NULL, NULL, NULL, "What:", 0, 0},
@@ -180,7 +194,7 @@ int main(int argc, char **argv)
         {OPTION_CHOICE, "--structure", &settings.structure, "default|kdtree|bvh", "what to search in", 0, 0},
         {OPTION_CHOICE, "--preset", &settings.preset, "default|paper", "the kind of tree", MLRT_TREE_DEFAULT, 0},
         {OPTION_COUNT, "--threads", &settings.threads, "N", "threads; more than 1: one as well (default: 1)", 1, 256},
-        {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11)", 1, MAXIMUM_RUNS},
+        {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11; of building 3)", 1, MAXIMUM_RUNS},
         {OPTION_FLAG, "--csv", &settings.csv, NULL, "comma-separated values instead of tables", 0, 0},
     };
     int exit_code;

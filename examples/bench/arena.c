@@ -10,6 +10,17 @@
 const char *const method_names[6] = {"default", "ray", "packet2", "packet4", "multilevel", "tile"};
 const char *const isa_names[5] = {"auto", "scalar", "sse", "avx2", "avx512"};
 
+// Whether a tree has what was asked for shows in which methods it can do.
+static int has_structure(const mlrt_tree *tree, uint32_t structures)
+{
+    const mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
+    mlrt_hit hit = {.struct_size = sizeof hit};
+    mlrt_trace_options tile = {.struct_size = sizeof tile, .method = MLRT_METHOD_TILE};
+    mlrt_trace_options packet = {.struct_size = sizeof packet, .method = MLRT_METHOD_PACKET4};
+    if (structures & MLRT_STRUCTURE_BVH && mlrt_trace_ray(tree, &ray, &tile, &hit) != MLRT_OK) return 0;
+    return !(structures & MLRT_STRUCTURE_KDTREE) || mlrt_trace_ray(tree, &ray, &packet, &hit) == MLRT_OK;
+}
+
 int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options, mlrt_tree **tree, double *seconds)
 {
     const mlrt_mesh mesh = {.struct_size = sizeof mesh,
@@ -20,10 +31,12 @@ int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options,
     const double start = seconds_now();
     const int32_t status = mlrt_build_kdtree(&mesh, 1, options, tree);
     *seconds = seconds_now() - start;
-    return status;
+    if (status != MLRT_OK || has_structure(*tree, options->structures)) return status;
+    mlrt_destroy_tree(*tree);
+    *tree = NULL;
+    return MLRT_ERROR_UNSUPPORTED;
 }
 
-// Structures are counted from 1 as the choice is, and are bits.
 static int build_own_tree(const struct bench_settings *settings, struct arena *arena)
 {
     const mlrt_build_options options = {.struct_size = sizeof options,
@@ -31,12 +44,10 @@ static int build_own_tree(const struct bench_settings *settings, struct arena *a
                                         .pool = arena->pool,
                                         .structures = (uint32_t)settings->structure};
     const int32_t status = build_mlrt(&arena->subject.scene, &options, &arena->tree, &arena->build_seconds);
-    const int cannot = status == MLRT_ERROR_UNSUPPORTED || (status == MLRT_ERROR_ARGUMENT && settings->structure);
-    if (status != MLRT_OK) {
-        fprintf(stderr, "%s: the tree: %s\n", arena->subject.name,
-                cannot ? "unsupported by this library" : mlrt_status_string(status));
-    }
-    return status != MLRT_OK && !cannot;
+    if (status == MLRT_OK) return 0;
+    fprintf(stderr, "%s: the tree: %s\n", arena->subject.name,
+            status == MLRT_ERROR_UNSUPPORTED ? "unsupported by this library" : mlrt_status_string(status));
+    return status != MLRT_ERROR_UNSUPPORTED;
 }
 
 static int build_peers(struct arena *arena)

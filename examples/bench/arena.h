@@ -32,7 +32,7 @@ struct arena {
 int open_arena(const struct bench_settings *settings, const char *word, struct arena *arena);
 void close_arena(struct arena *arena);
 
-/* The options of a tree; those that the library does not know yet are said to be unsupported. */
+/* Builds a tree, or returns MLRT_ERROR_UNSUPPORTED where it lacks a structure that was asked for. */
 int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options, mlrt_tree **tree, double *seconds);
 
 /* Prepares a task of the arena's scene and everybody who takes part. Returns 0 or 1; free the task either way. */

@@ -2,6 +2,8 @@
 /* study.c - sweeps and builds: see study.h */
 #include "study.h"
 
+#include "common/timer.h"
+
 #include <stdio.h>
 
 enum { SMALLEST_SIZE = 256 };
@@ -71,11 +73,99 @@ static int study_triangles(const struct bench_settings *settings)
 /* ---- building -----------------------------------------------------------------------------------------------------
  */
 
+enum { BUILDER_COUNT = 7 };
+
+static const struct builder {
+    const char *name;
+    uint32_t structure; // 0 = Embree's
+    int32_t preset;     // or quality
+    int robust;
+} builders[BUILDER_COUNT] = {
+    {"mlrt_kdtree", MLRT_STRUCTURE_KDTREE, MLRT_TREE_DEFAULT, 0},
+    {"mlrt_kdtree_paper", MLRT_STRUCTURE_KDTREE, MLRT_TREE_PAPER, 0},
+    {"mlrt_bvh", MLRT_STRUCTURE_BVH, MLRT_TREE_DEFAULT, 0},
+    {"embree_fast_medium", 0, PEER_MEDIUM_QUALITY, 0},
+    {"embree_fast_high", 0, PEER_HIGH_QUALITY, 0},
+    {"embree_robust_medium", 0, PEER_MEDIUM_QUALITY, 1},
+    {"embree_robust_high", 0, PEER_HIGH_QUALITY, 1},
+};
+
+struct built {
+    int unsupported;
+    double seconds[MAXIMUM_RUNS];
+    double memory_size;
+};
+
+static int build_with_mlrt(const struct builder *builder, const struct scene *scene, mlrt_pool *pool,
+                           struct built *built, double *seconds)
+{
+    const mlrt_build_options options = {
+        .struct_size = sizeof options, .preset = builder->preset, .pool = pool, .structures = builder->structure};
+    mlrt_tree_info info = {.struct_size = sizeof info};
+    mlrt_tree *tree;
+    const int32_t status = build_mlrt(scene, &options, &tree, seconds);
+    built->unsupported = status == MLRT_ERROR_UNSUPPORTED;
+    if (status == MLRT_OK && mlrt_get_tree_info(tree, &info) == MLRT_OK) built->memory_size = (double)info.memory_size;
+    mlrt_destroy_tree(tree);
+    if (status == MLRT_OK || built->unsupported) return 0;
+    fprintf(stderr, "%s: %s\n", builder->name, mlrt_status_string(status));
+    return 1;
+}
+
+static int build_with_peer(const struct builder *builder, const struct scene *scene, uint32_t threads,
+                           struct built *built, double *seconds)
+{
+    const struct peer_settings settings = {builder->robust, builder->preset, threads};
+    struct peer_build build = {0, 0};
+    built->unsupported = !have_peer();
+    if (built->unsupported) return 0;
+    struct peer *peer = create_peer(scene, &settings, &build);
+    *seconds = build.seconds;
+    built->memory_size = (double)build.memory_size;
+    destroy_peer(peer);
+    return peer == NULL;
+}
+
+static void print_builds(const struct bench_settings *settings, const struct subject *subject, struct built *built)
+{
+    for (int i = 0; i < BUILDER_COUNT; i++) {
+        if (built[i].unsupported) continue;
+        printf("%s,%zu,%s,%u,%.4f,%.1f\n", subject->name, subject->scene.triangle_count, builders[i].name,
+               (unsigned)settings->threads, median(built[i].seconds, settings->runs),
+               built[i].memory_size / (double)subject->scene.triangle_count);
+    }
+    fflush(stdout);
+}
+
+// Builders take turns, too.
+static int build_scene(const struct bench_settings *settings, mlrt_pool *pool, const char *word)
+{
+    struct subject subject;
+    struct built built[BUILDER_COUNT] = {{.unsupported = 0}};
+    int failed = load_subject(word, NULL, NULL, &subject);
+    for (uint32_t turn = 0; turn < settings->runs * BUILDER_COUNT && !failed; turn++) {
+        const struct builder *builder = &builders[turn % BUILDER_COUNT];
+        struct built *result = &built[turn % BUILDER_COUNT];
+        double *seconds = &result->seconds[turn / BUILDER_COUNT];
+        if (result->unsupported) continue;
+        failed = builder->structure ? build_with_mlrt(builder, &subject.scene, pool, result, seconds)
+                                    : build_with_peer(builder, &subject.scene, settings->threads, result, seconds);
+    }
+    if (!failed) print_builds(settings, &subject, built);
+    free_subject(&subject);
+    return failed;
+}
+
 static int study_build(const struct bench_settings *settings)
 {
-    (void)settings;
-    fprintf(stderr, "not yet\n");
-    return 1;
+    mlrt_pool *pool;
+    int failed = mlrt_create_pool(settings->threads, &pool) != MLRT_OK;
+    puts("scene,triangles,builder,threads,seconds,bytes_per_triangle");
+    for (size_t i = 0; i < settings->scenes.count && !failed; i++) {
+        failed = build_scene(settings, pool, settings->scenes.words[i]);
+    }
+    mlrt_destroy_pool(pool);
+    return failed;
 }
 
 int run_study(const struct bench_settings *settings)
