@@ -72,7 +72,9 @@ struct mlrt_worker {
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    uint32_t mesh;         /* position of the one that was last hit */
+    uint32_t open_tiles;   /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
+    uint32_t open_squares;
+    uint32_t mesh; /* position of the one that was last hit */
     uint32_t tile_x;
     uint32_t tile_y;
 };

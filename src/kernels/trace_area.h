@@ -82,6 +82,16 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
     write_packet(job, worker, packet, existing_lanes(&job->source, &block), &block);
 }
 
+/* Where all cells of one area had to be opened, so have those of the next ones, mostly: these begin with open cells. */
+#define OPEN_RUN 3
+
+static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
+{
+    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
+        open_packet(job, worker, tile, mlrt_lowest_bit(left));
+    }
+}
+
 /* Traces a rectangle of at most 16 blocks. */
 static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
 {
@@ -91,7 +101,9 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     if (gather_picture_cells(job, area, 4, &tile.cells)) {
         tile.limits_below = 0;
         tile.cells.tile = &tile;
+        if (worker->open_tiles) open_packets(job, worker, &tile);
         traverse_bvh(job, worker, &tile.cells);
+        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? OPEN_RUN : 0;
     } else {
         trace_packets(job, worker, &tile, make_packets(job, worker, &tile));
     }
@@ -110,9 +122,13 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
 {
     struct cells cells;
-    if (gather_picture_cells(job, area, 16, &cells)) {
+    cells.closed = 0;
+    if (worker->open_squares) {
+        --worker->open_squares;
+    } else if (gather_picture_cells(job, area, 16, &cells)) {
         cells.tile = NULL;
         traverse_bvh(job, worker, &cells);
+        if (!cells.closed) worker->open_squares = OPEN_RUN;
     }
     for (uint32_t j = 0; j < area->height; j += 16) {
         for (uint32_t i = 0; i < area->width; i += 16) {
