@@ -43,7 +43,7 @@ LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object per instruction set, and some that count (dispatch.c).
 ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
-COUNTING_ISAS := scalar $(if $(IS_X86),sse)
+COUNTING_ISAS := $(if $(IS_X86),sse,scalar)
 ISA_FLAGS_avx2   := -mavx2
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
 LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \

@@ -125,8 +125,8 @@ static int32_t check_build_options(const mlrt_build_options *options)
 static uint32_t resolve_structures(const mlrt_build_options *options)
 {
     const uint32_t given = options ? options->structures : 0;
-    const int is_paper = options && options->preset == MLRT_TREE_PAPER;
-    return is_paper || given == 0 ? given | MLRT_STRUCTURE_KDTREE : given;
+    if (options && options->preset == MLRT_TREE_PAPER) return given | MLRT_STRUCTURE_KDTREE;
+    return given ? given : MLRT_STRUCTURE_BVH;
 }
 
 static int compare_ids(const void *a, const void *b)
@@ -321,7 +321,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
     job->split_divisor = split_factor == 4 ? 2 : 4;
     job->outputs = options->outputs;
-    job->kernels = mlrt_select_kernels(options->isa, options->counters != NULL);
+    job->kernels = mlrt_select_kernels(options->isa, job->method, options->counters != NULL);
     return job->kernels ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
 }
 

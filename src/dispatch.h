@@ -7,7 +7,10 @@
 
 #include "kernels.h"
 
-/* The kernels for an MLRT_ISA_*, with or without counting; NULL if this build or machine has none. */
-const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int counting);
+/*
+ * The kernels for an MLRT_ISA_* and an MLRT_METHOD_*, with or without counting: they may use less of the machine than
+ * was asked for. NULL if this build or machine lacks the instruction set.
+ */
+const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting);
 
 #endif

@@ -31,6 +31,45 @@ static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
+static void write_misses(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
+{
+    for (uint32_t j = tile->y; j < tile->y + tile->height; ++j) {
+        const uint64_t first = (uint64_t)j * job->source.width + tile->x;
+        if (first >= job->source.count) return;
+        const uint64_t left = job->source.count - first;
+        const uint32_t count = left < tile->width ? (uint32_t)left : tile->width;
+        if (job->has_frame) mlrt_write_misses(tile->x, j, count, &job->frame);
+        if (job->callback) mlrt_write_misses(tile->x - worker->tile_x, j - worker->tile_y, count, &worker->tile);
+    }
+}
+
+/* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
+static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                        const struct rectangle *tile)
+{
+    if (mlrt_sink_wants_ids_only(&job->frame) && mlrt_sink_wants_ids_only(&worker->tile)) {
+        for (uint32_t j = tile->y; j < tile->y + tile->height; ++j) {
+            if (job->has_frame) mlrt_write_same_hits(job->tree, number, tile->x, j, tile->width, &job->frame);
+            if (job->callback) {
+                mlrt_write_same_hits(job->tree, number, tile->x - worker->tile_x, j - worker->tile_y, tile->width,
+                                     &worker->tile);
+            }
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct rectangle block = cut_piece(tile, i, j, 4);
+            const uint32_t lanes = mlrt_block_lanes(block.width, block.height);
+            struct mlrt_packet packet;
+            get_packet(&job->source, &block, lanes, &packet);
+            for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) i_store(packet.triangle + v, i_set1(number));
+            write_packet(job, worker, &packet, lanes, &block);
+        }
+    }
+}
+
+#if KDTREE_KERNELS
 /* Traces the active rays of a packet. */
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
@@ -68,44 +107,6 @@ static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
         for (uint32_t i = 0; i < tile->width; i += 4) {
             const struct rectangle block = cut_piece(tile, i, j, 4);
             trace_block(job, worker, &block, list);
-        }
-    }
-}
-
-static void write_misses(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
-{
-    for (uint32_t j = tile->y; j < tile->y + tile->height; ++j) {
-        const uint64_t first = (uint64_t)j * job->source.width + tile->x;
-        if (first >= job->source.count) return;
-        const uint64_t left = job->source.count - first;
-        const uint32_t count = left < tile->width ? (uint32_t)left : tile->width;
-        if (job->has_frame) mlrt_write_misses(tile->x, j, count, &job->frame);
-        if (job->callback) mlrt_write_misses(tile->x - worker->tile_x, j - worker->tile_y, count, &worker->tile);
-    }
-}
-
-/* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
-static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                        const struct rectangle *tile)
-{
-    if (mlrt_sink_wants_ids_only(&job->frame) && mlrt_sink_wants_ids_only(&worker->tile)) {
-        for (uint32_t j = tile->y; j < tile->y + tile->height; ++j) {
-            if (job->has_frame) mlrt_write_same_hits(job->tree, number, tile->x, j, tile->width, &job->frame);
-            if (job->callback) {
-                mlrt_write_same_hits(job->tree, number, tile->x - worker->tile_x, j - worker->tile_y, tile->width,
-                                     &worker->tile);
-            }
-        }
-        return;
-    }
-    for (uint32_t j = 0; j < tile->height; j += 4) {
-        for (uint32_t i = 0; i < tile->width; i += 4) {
-            const struct rectangle block = cut_piece(tile, i, j, 4);
-            const uint32_t lanes = mlrt_block_lanes(block.width, block.height);
-            struct mlrt_packet packet;
-            get_packet(&job->source, &block, lanes, &packet);
-            for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) i_store(packet.triangle + v, i_set1(number));
-            write_packet(job, worker, &packet, lanes, &block);
         }
     }
 }
@@ -189,27 +190,28 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
         }
     }
 }
+#endif
 
 #include "trace_area.h"
 
 static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
                        uint32_t height)
 {
-    if (job->method == MLRT_METHOD_TILE) {
-        const struct rectangle area = {x, y, width, height};
-        COUNT(&worker->counters, ray_count, (uint64_t)width * height);
-        trace_area(job, worker, &area);
-        return;
-    }
-    struct entry_list root;
-    root.count = 1;
-    root.axis_code = NO_OUTLINES;
-    root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
     const struct rectangle tile = {x, y, width, height};
     COUNT(&worker->counters, ray_count, (uint64_t)width * height);
-    if (job->method == MLRT_METHOD_MULTILEVEL && job->tree->float_safe) {
-        trace_level(job, worker, &tile, job->initial_tile_size, &root.entries[0]);
-    } else {
-        trace_blocks(job, worker, &tile, &root);
+#if KDTREE_KERNELS
+    if (job->method != MLRT_METHOD_TILE) {
+        struct entry_list root;
+        root.count = 1;
+        root.axis_code = NO_OUTLINES;
+        root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
+        if (job->method == MLRT_METHOD_MULTILEVEL && job->tree->float_safe) {
+            trace_level(job, worker, &tile, job->initial_tile_size, &root.entries[0]);
+        } else {
+            trace_blocks(job, worker, &tile, &root);
+        }
+        return;
     }
+#endif
+    trace_area(job, worker, &tile);
 }
