@@ -5,10 +5,17 @@
  * C99 has no aligned allocation, so a block is cut out of a larger one from malloc, whose address lies just below it.
  * Counted are the bytes asked for, without that margin.
  */
+#define _DEFAULT_SOURCE
 #include "memory.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+#include "platform.h"
+
+#if MLRT_HAVE_MADVISE
+#include <sys/mman.h>
+#endif
 
 /* A cache line, and the widest vector of any instruction set. */
 #define ALIGNMENT 64
@@ -43,6 +50,26 @@ static char *start_of(const void *block)
     return start;
 }
 
+/* Large pages: what x86 and most others have between 4 KiB and 1 GiB. Smaller blocks have few of them inside. */
+#define LARGE_PAGE_SIZE  ((size_t)1 << 21)
+#define LARGE_BLOCK_SIZE (2 * LARGE_PAGE_SIZE)
+
+/*
+ * Asks for large pages inside a large block, where the system has them: trees are walked in no order, and each small
+ * page has to be looked up. A hint: whether it is followed changes nothing but time.
+ */
+static void advise_large_pages(char *start, size_t size)
+{
+#if MLRT_HAVE_MADVISE && defined(MADV_HUGEPAGE)
+    if (size < LARGE_BLOCK_SIZE) return;
+    size_t skipped = (LARGE_PAGE_SIZE - (uintptr_t)start % LARGE_PAGE_SIZE) % LARGE_PAGE_SIZE;
+    madvise(start + skipped, (size - skipped) / LARGE_PAGE_SIZE * LARGE_PAGE_SIZE, MADV_HUGEPAGE);
+#else
+    (void)start;
+    (void)size;
+#endif
+}
+
 static void count_held(struct mlrt_memory *memory, size_t added_size)
 {
     memory->held_size += added_size;
@@ -54,6 +81,7 @@ void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size)
     if (!product_fits(count, size) || !within_limit(memory, count * size)) return NULL;
     char *start = malloc(count * size + MARGIN_SIZE);
     if (start == NULL) return NULL;
+    advise_large_pages(start, count * size);
     count_held(memory, count * size);
     return place_block(start);
 }
@@ -74,6 +102,7 @@ void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, siz
     size_t old_offset = (size_t)((char *)block - start_of(block));
     char *start = realloc(start_of(block), new_count * size + MARGIN_SIZE);
     if (start == NULL) return NULL;
+    advise_large_pages(start, new_count * size);
     size_t lowest = (uintptr_t)start % ALIGNMENT + sizeof(void *);
     size_t new_offset = sizeof(void *) + (ALIGNMENT - lowest % ALIGNMENT) % ALIGNMENT;
     if (new_offset != old_offset) memmove(start + new_offset, start + old_offset, kept_size);

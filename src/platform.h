@@ -82,6 +82,12 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #define MLRT_HAVE_SSE 0
 #endif
 
+#if defined(__linux__)
+#define MLRT_HAVE_MADVISE 1
+#else
+#define MLRT_HAVE_MADVISE 0
+#endif
+
 /*
  * The floating-point environment this library computes in: round to nearest, denormals kept, exceptions masked.
  * Every exported function and every thread's work runs between a pair of these calls; what lies between must be a call
