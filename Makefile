@@ -90,6 +90,10 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(if $(and $(IS_X86),$(filter scalar,$*)),,$(FAST)) -fPIC -fvisibility=hidden $(ISA_FLAGS_$*) -c $< -o $@
 
+# Parts of the builder that hardly take time.
+COLD := bvh_build bvh_check bvh_collapse
+$(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
+
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -c $< -o $@

@@ -136,12 +136,18 @@ typedef struct mlrt_mesh {
     uint32_t reserved;      /* 0 */
 } mlrt_mesh;
 
-/* What kind of tree to build: mlrt_build_options.preset */
+/*
+ * What kind of tree to build: mlrt_build_options.preset
+ *
+ * MLRT_TREE_FAST and MLRT_TREE_BEST are about hierarchies of boxes; a kd-tree is the default's. FAST refers to each
+ * triangle once. Where large triangles lie among small ones the others cut them in two: DEFAULT makes up to 1.15
+ * references per triangle and takes about twice as long to build, BEST up to 1.5 and about twice as long again.
+ */
 enum {
-    MLRT_TREE_DEFAULT = 0, /* the tree that renders fastest here */
+    MLRT_TREE_DEFAULT = 0, /* the tree that renders fastest here, but for BEST */
     MLRT_TREE_PAPER = 1,   /* the paper's kind of kd-tree: deep, small leaves. It stays as it is, for comparisons */
-    MLRT_TREE_FAST = 2,    /* the one that is built fastest. A kd-tree is that of the default */
-    MLRT_TREE_BEST = 3     /* slower to build than the default, for many pictures of one scene. Likewise */
+    MLRT_TREE_FAST = 2,    /* built fastest, for scenes that change */
+    MLRT_TREE_BEST = 3     /* for many pictures of one scene, if it takes memory and time to build does not matter */
 };
 
 /* Rules of the builder that can be switched off to measure their effect: mlrt_build_options.rules_off */
@@ -186,11 +192,15 @@ typedef struct mlrt_build_options {
  * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
  * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
  * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
- * 2^30 - 1 triangles in all. Memory: see mlrt_tree_info, some 60 to 90 bytes per triangle, and while building twice
- * that.
+ * 2^30 - 1 triangles in all. Memory: see mlrt_tree_info; a kd-tree takes some 60 to 90 bytes per triangle and twice
+ * that while building, a hierarchy of boxes 85 to 95 (BEST: 110) and up to 140 (BEST: 180).
  *
- * Method: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
- * shooting", 2002) with the three rules of the paper (section 3.1).
+ * Method, kd-tree: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees
+ * for ray shooting", 2002) with the three rules of the paper (section 3.1). Hierarchy of boxes: surface area heuristic
+ * over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits in Bounding Volume Hierarchies",
+ * 2009), and the best way to put sixteen boxes into a node (H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray
+ * Traversal on GPUs Through Compressed Wide BVHs", 2017); of the options only preset, pool, traversal_cost (of a node)
+ * and intersection_cost (of each triangle of a leaf, which costs 1 besides) matter for it.
  */
 MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
                                    mlrt_tree **tree);
@@ -198,14 +208,16 @@ MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, c
 /* Frees a tree. No call may be using it. NULL is allowed. */
 MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
 
-/* The build report. Counts are of the finished tree. */
+/*
+ * The build report. Counts are of the finished tree; of the kd-tree if there is one, else of the hierarchy of boxes.
+ */
 typedef struct mlrt_tree_info {
     uint32_t struct_size;
     uint32_t depth;            /* inner nodes above the deepest leaf */
     uint64_t triangle_count;   /* as given, left-out ones included */
     uint64_t non_finite_count; /* left out: a vertex is NaN or infinite */
     uint64_t zero_area_count;  /* left out: the area is exactly zero */
-    uint64_t node_count;       /* inner nodes and leaves */
+    uint64_t node_count;       /* inner nodes and leaves; of boxes: nodes, which are all inner ones */
     uint64_t leaf_count;       /* empty ones included */
     uint64_t empty_leaf_count;
     uint64_t reference_count;  /* entries of all leaves together: a triangle can be in several */
@@ -213,7 +225,8 @@ typedef struct mlrt_tree_info {
     uint64_t memory_size;      /* bytes held by the tree */
     uint64_t peak_memory_size; /* bytes held at most at one time while building */
     uint64_t tree_hash;        /* over nodes and leaf entries: equal trees have equal hashes */
-    double sah_cost;           /* expected cost of a random ray through the scene box, in intersection_cost = 1 */
+    double sah_cost;           /* expected cost of a random ray through the scene box, in intersection_cost = 1; of
+                                  boxes: in units of a node's */
     double build_seconds;
     float bounds_min[3]; /* of the triangles in the tree; all 0 if there is none */
     float bounds_max[3];

@@ -58,6 +58,12 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     return tree;
 }
 
+/* References that a preset allows for, as mlrt.h has it. */
+static uint64_t reference_limit(int32_t preset, uint32_t count)
+{
+    return preset == MLRT_TREE_FAST ? count : preset == MLRT_TREE_BEST ? count + count / 2 : count + count * 15u / 100;
+}
+
 /* Builds with all presets; returns the default one's report. */
 static mlrt_tree_info build_and_check(struct mlrt_triangle *triangles, uint32_t count)
 {
@@ -68,6 +74,7 @@ static mlrt_tree_info build_and_check(struct mlrt_triangle *triangles, uint32_t 
         struct mlrt_tree tree = build_with(triangles, count, &options);
         if (PRESETS[i] == MLRT_TREE_DEFAULT) info = tree.info;
         assert_true(tree.info.depth <= MLRT_BVH_DEPTH_LIMIT);
+        assert_true(tree.info.reference_count <= reference_limit(PRESETS[i], count));
         free_hierarchy(&tree);
     }
     return info;
@@ -242,7 +249,7 @@ static void test_huge_and_tiny_coordinates(void **state)
 }
 
 /* A wall of two triangles through a cloud of small ones: parts of it may be cut off. */
-static void test_large_triangles_among_small_ones(void **state)
+static void test_large_triangles_are_cut(void **state)
 {
     (void)state;
     struct random random = {6};
@@ -250,7 +257,23 @@ static void test_large_triangles_among_small_ones(void **state)
     soup_add_random(&soup, &random, 4000, 1, 0.01f);
     soup_add_random(&soup, &random, 100, 1, 2);
     mlrt_tree_info info = check_soup(&soup);
-    assert_true(info.reference_count <= 2 * 4100);
+    assert_true(info.reference_count > 4100);
+}
+
+/* Cutting at any height, also through vertices and along edges, must leave no gap: mlrt_check_bvh looks at edges. */
+static void test_cut_triangles_that_share_edges(void **state)
+{
+    (void)state;
+    struct random random = {8};
+    struct soup soup = {0};
+    const float offset[3] = {1000, -0.3f, 1e-3f};
+    soup_add_grid(&soup, 0, 4, 8);
+    soup_add_grid(&soup, 1, 4, 8);
+    soup_add_grid(&soup, 2, 4, 2);
+    soup_add_needles(&soup, &random, 200, 100);
+    soup_add_random(&soup, &random, 3000, 8, 0.05f);
+    move_soup(&soup, 0.7f, offset);
+    check_soup(&soup);
 }
 
 /* ---- what is promised ---------------------------------------------------------------------------------------- */
@@ -416,7 +439,8 @@ int main(void)
         cmocka_unit_test(test_ever_smaller_triangles),
         cmocka_unit_test(test_any_finite_coordinates),
         cmocka_unit_test(test_huge_and_tiny_coordinates),
-        cmocka_unit_test(test_large_triangles_among_small_ones),
+        cmocka_unit_test(test_large_triangles_are_cut),
+        cmocka_unit_test(test_cut_triangles_that_share_edges),
         cmocka_unit_test(test_threads_change_nothing),
         cmocka_unit_test(test_running_out_of_memory_leaves_nothing),
         cmocka_unit_test(test_too_many_triangles),
