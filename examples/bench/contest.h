@@ -3,8 +3,9 @@
  * contest.h - those who take part in a task take turns on the same rays, and their answers are compared
  *
  * A contender's speed is that of its median run; a run of each follows a run of every other, so that a machine that
- * slows down does so for all. Before the turns everyone answers once: the library's answers must be, for a sample of
- * the rays, those of another of its methods, and pictures must look alike.
+ * slows down does so for all. Where all take one thread, its processor time counts, otherwise the time that passes.
+ * Before the turns everyone answers once: the library's answers must be, for a sample of the rays, those of another of
+ * its methods, and pictures must look alike.
  */
 #ifndef CONTEST_H
 #define CONTEST_H
