@@ -34,7 +34,7 @@ KINDS = {
 WHO = [("mrays", "mlrt, exact", BLUE, 2.6), ("embree_fast_mrays", "Embree 3 fast", BLACK, 1.4),
        ("embree_robust_mrays", "Embree 3 robust", GREY, 1.4)]
 
-FAMILY_DASHES = ["-", "--", ":", "-."]
+FAMILY_DASHES, DASH_NAMES = ["-", "--", ":", "-."], ["solid", "dashed", "dotted", "dash-dotted"]
 
 
 def read(path):
@@ -151,8 +151,8 @@ def draw_triangles(rows, path):
             draw_lines(axes, [r for r in rows if r["kind"] == kind and r["scene"].split(":")[0] == family], "triangles", dash)
         dress(axes, KINDS[kind], "triangles")
     panels[0][0].set_ylabel("nanoseconds per ray")
-    legend_below(figure, who_handles() + [Line2D([], [], color=BLACK, linestyle=dash, label=family)
-                                          for family, dash in zip(families, FAMILY_DASHES)])
+    legend_below(figure, who_handles() + [Line2D([], [], color="none", label=f"{name}: {family}")
+                                          for family, name in zip(families, DASH_NAMES)])
     size = rows[0]["size"]
     figure.suptitle(f"Time per ray and the number of triangles, {size} x {size} pixels, one thread", fontsize=12)
     figure.tight_layout(rect=(0, 0.07, 1, 0.99))
