@@ -124,19 +124,29 @@ MLRT_INLINE uint64_t waiting_entry(float enter, uint32_t child)
     return (uint64_t)bits << 32 | child;
 }
 
-/* Puts the children in `met` on the stack, the nearest on top. Returns how many are there then. */
-MLRT_INLINE uint32_t push_children(const struct mlrt_bvh_node *node, uint32_t met, const float enter[MLRT_BVH_WIDTH],
-                                   uint64_t *stack, uint32_t count)
+/*
+ * Of the children in `met`, at least one, returns the nearest; the others go on the stack, the farthest first. Most
+ * often there are one or two, and then nothing depends on a branch but how many.
+ */
+MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met, const float enter[MLRT_BVH_WIDTH],
+                                  uint64_t *stack, uint32_t *count)
 {
-    const uint32_t first = count;
-    for (; met; met &= met - 1) {
-        const uint32_t i = mlrt_lowest_bit(met);
+    uint32_t i = mlrt_lowest_bit(met);
+    met &= met - 1;
+    if (!met) return node->child[i];
+    uint64_t nearest = waiting_entry(enter[i], node->child[i]);
+    const uint32_t first = *count;
+    do {
+        i = mlrt_lowest_bit(met);
+        met &= met - 1;
         const uint64_t entry = waiting_entry(enter[i], node->child[i]);
-        uint32_t place = count++;
-        for (; place > first && stack[place - 1] < entry; --place) stack[place] = stack[place - 1];
-        stack[place] = entry;
-    }
-    return count;
+        uint64_t farther = entry > nearest ? entry : nearest;
+        nearest = entry > nearest ? nearest : entry;
+        uint32_t place = (*count)++;
+        for (; place > first && stack[place - 1] < farther; --place) stack[place] = stack[place - 1];
+        stack[place] = farther;
+    } while (met);
+    return (uint32_t)nearest;
 }
 
 MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
@@ -229,7 +239,7 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
     int changed = 0;
     for (uint32_t v = 0; v < place_count; v += VW) {
         const vi number = i_load_any(numbers + v);
-        vm active = m_from_bits((1u << (place_count - v < VW ? place_count - v : VW)) - 1);
+        vm active = m_from_bits(VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1);
         active = m_andnot(active, i_eq(number, i_set1(MLRT_NONE)));
         /* A triangle met again in another leaf is no news. */
         active = m_andnot(active, i_eq(number, i_set1(packet->triangle[lane])));
@@ -270,11 +280,10 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
         if (mlrt_bvh_quad_count(child) == 0) {
             const struct mlrt_bvh_node *node = &nodes[mlrt_bvh_offset(child)];
             const uint32_t met = meet_boxes(ray, node, limit, enter);
-            if (met && !(met & (met - 1))) {
-                child = node->child[mlrt_lowest_bit(met)];
+            if (met) {
+                child = choose_child(node, met, enter, stack, &count);
                 continue;
             }
-            count = push_children(node, met, enter, stack, count);
         } else if (test_leaf(job, ray, child, packet, worker)) {
             if (job->any) return;
             limit = finite_limit(packet->hi[ray->lane]);
