@@ -62,7 +62,7 @@ struct single_ray {
     vf t_min;
     uint32_t near_row[3]; /* of a node's floats: where the planes are that the ray comes to first */
     uint32_t far_row[3];
-    float reach; /* 4 m */
+    float reach; /* 4 m: see "Overflow" */
     uint32_t lane;
 };
 
@@ -154,12 +154,27 @@ MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
     return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
 }
 
+/* The bounds of the head of this file; a guess has none. */
+MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], float reach, struct float_test *test)
+{
+    test->above = test->below = test->plane_bound = test->distance_bound = v_set1(0);
+    if (MLRT_GUESS) return;
+    const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
+    const vf plane_size = v_mul(size_f, size_g), floor = v_set1(DISTANCE_FLOOR);
+    const vf edge_size = v_add(v_mul(size_s, v_add(size_f, size_g)), plane_size);
+    test->above = v_add(v_mul(v_mul(edge_size, v_set1(reach)), v_set1(EDGE_BOUND / 4)), floor);
+    test->below = v_sub(v_set1(0), test->above);
+    test->plane_bound = v_add(v_mul(v_mul(plane_size, v_set1(reach)), v_set1(PLANE_BOUND / 4)), floor);
+    test->distance_bound = v_add(v_mul(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4)), floor);
+}
+
 /* The filter for one ray and triangles in a row. `corners` is where the vector's lanes begin, rows are `stride` apart.
  */
 MLRT_INLINE struct verdict filter_triangles(const struct single_ray *ray, const struct mlrt_packet *packet,
                                             const float *corners, uint32_t stride, vm active)
 {
     vf s[3], f[3], g[3], p[3], q[3];
+    struct float_test test;
     for (int k = 0; k < 3; ++k) {
         const vf a = v_load_any(corners + (uint32_t)k * stride);
         s[k] = v_sub(ray->origin[k], a);
@@ -168,25 +183,20 @@ MLRT_INLINE struct verdict filter_triangles(const struct single_ray *ray, const 
     }
     cross_product(g, ray->direction, p);
     cross_product(f, s, q);
-    const vf determinant = dot_product(f, p), ca = dot_product(s, p), ab = dot_product(ray->direction, q);
-    const vf bc = v_sub(v_sub(determinant, ca), ab);
-    const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
-    const vf reach = v_set1(ray->reach), floor = v_set1(DISTANCE_FLOOR);
-    const vf plane_size = v_mul(size_f, size_g);
-    const vf edge_size = v_add(v_mul(size_s, v_add(size_f, size_g)), plane_size);
-    struct float_test test;
-    test.above = v_add(v_mul(v_mul(edge_size, reach), v_set1(EDGE_BOUND / 4)), floor);
-    test.below = v_sub(v_set1(0), test.above);
+    set_bounds(s, f, g, ray->reach, &test);
+    test.determinant = dot_product(f, p);
+    test.distance = dot_product(g, q);
+    const vf ca = dot_product(s, p), ab = dot_product(ray->direction, q);
+    const vf bc = v_sub(v_sub(test.determinant, ca), ab);
     test.least = v_min(v_min(ab, bc), ca);
     test.greatest = v_max(v_max(ab, bc), ca);
     const vm candidates = may_be_inside(&test, active);
-    if (!m_bits(candidates)) return (struct verdict){candidates, candidates, candidates, v_set1(0), v_set1(0)};
-    test.determinant = determinant;
-    test.plane_bound = v_add(v_mul(v_mul(plane_size, reach), v_set1(PLANE_BOUND / 4)), floor);
-    test.distance = dot_product(g, q);
-    test.distance_bound = v_add(v_mul(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4)), floor);
-    return compare_distances(&test, candidates, ray->t_min, v_set1(packet->lo[ray->lane]),
-                             v_set1(packet->hi[ray->lane]));
+    struct verdict verdict = {candidates, candidates, candidates, v_set1(0), v_set1(0)};
+    if (!m_bits(candidates)) return verdict;
+    verdict =
+        compare_distances(&test, candidates, ray->t_min, v_set1(packet->lo[ray->lane]), v_set1(packet->hi[ray->lane]));
+    if (MLRT_GUESS) verdict.undecided = m_andnot(candidates, candidates);
+    return verdict;
 }
 
 /* Makes the nearest of the triangles that are surely hit the nearest hit. Returns those that need to be compared with
@@ -208,7 +218,7 @@ MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, const uint32_t 
     packet->hi[lane] = hi[nearest];
     for (nearer &= ~(1u << nearest); nearer; nearer &= nearer - 1) {
         const uint32_t i = mlrt_lowest_bit(nearer);
-        if (lo[i] <= hi[nearest]) close |= 1u << i;
+        if (!MLRT_GUESS && lo[i] <= hi[nearest]) close |= 1u << i;
     }
     return close;
 }
