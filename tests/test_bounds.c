@@ -711,6 +711,74 @@ static double attack_filter_t_floor(const float *input)
     return attack_ends(input, T, 1);
 }
 
+/* ---- the filter of single rays ----------------------------------------------------------------------------------- */
+
+/* What it works out of the inputs; 0 if that is beyond what float carries, which it must notice. */
+static int load_single(const float *input, struct float_test *test)
+{
+    struct single_ray ray = {.reach = 0};
+    double direction[3];
+    for (int k = 0; k < 3; ++k) {
+        ray.origin[k] = input[9 + k];
+        ray.direction[k] = input[12 + k];
+        ray.reach = fmaxf(4 * fabsf(input[12 + k]), ray.reach);
+    }
+    set_float_test(&ray, input, 1, test);
+    load_direction(input, direction);
+    load_exactly(input, direction);
+    assert_true(test->above > 0 && test->plane_bound > 0 && test->distance_bound > 0);
+    assert_true(isinf(test->above) || (isfinite(test->least) && isfinite(test->greatest)));
+    assert_true(isinf(test->plane_bound) || isfinite(test->determinant));
+    assert_true(isinf(test->distance_bound) || isfinite(test->distance));
+    return has_direction(input);
+}
+
+static double attack_single_edges(const float *input)
+{
+    struct float_test test;
+    if (!load_single(input, &test) || isinf(test.above)) return -1;
+    find_edge(0, truth);
+    mpf_set(other_truth, truth);
+    for (int i = 1; i < 3; ++i) {
+        static mpf_t edge;
+        if (!edge->_mp_d) mpf_init(edge);
+        find_edge(i, edge);
+        if (mpf_cmp(edge, truth) < 0) mpf_set(truth, edge);
+        if (mpf_cmp(edge, other_truth) > 0) mpf_set(other_truth, edge);
+    }
+    return fmax(error_over(truth, test.least, test.above), error_over(other_truth, test.greatest, test.above));
+}
+
+static double attack_single_d(const float *input)
+{
+    struct float_test test;
+    if (!load_single(input, &test) || isinf(test.plane_bound)) return -1;
+    find_d_and_n(other_truth, truth);
+    return error_over(other_truth, test.determinant, test.plane_bound);
+}
+
+static double attack_single_n(const float *input)
+{
+    struct float_test test;
+    if (!load_single(input, &test) || isinf(test.distance_bound)) return -1;
+    find_d_and_n(other_truth, truth);
+    return error_over(truth, test.distance, test.distance_bound);
+}
+
+/* Where t of a hit is between the ends that are kept. */
+static double attack_single_t(const float *input)
+{
+    struct float_test test;
+    if (!load_single(input, &test)) return -1;
+    test.least = test.greatest = FLT_MAX;
+    test.above = test.below = 0;
+    const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY);
+    if (!verdict.nearer || isinf(verdict.hi)) return -1;
+    find_d_and_n(other_truth, truth);
+    mpf_div(truth, truth, other_truth);
+    return place_in(truth, verdict.lo, verdict.hi);
+}
+
 /* ---- two tempting bounds ----------------------------------------------------------------------------------------- */
 
 /* The filter's, but with |a + b| in place of |a| + |b|. */
@@ -1247,6 +1315,18 @@ static void filter_bounds_hold(void **state)
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
 }
 
+static void single_ray_bounds_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"single: e", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_edges, 0.3, NULL},
+        {"single: D", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_d, 0.15, NULL},
+        {"single: N", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_n, 0.3, NULL},
+        {"single: t", TRIANGLE_AND_RAY, RAY_IS_SAFE, attack_single_t, 0.2, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
+}
+
 /* Those of docs/accuracy.md. */
 static void tempting_bounds_do_not_hold(void **state)
 {
@@ -1409,6 +1489,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_bounds_hold),
+        cmocka_unit_test(single_ray_bounds_hold),
         cmocka_unit_test(tempting_bounds_do_not_hold),
         cmocka_unit_test(plane_bounds_hold),
         cmocka_unit_test(outline_bounds_hold),

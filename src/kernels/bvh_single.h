@@ -32,7 +32,8 @@
  * off by a few u of themselves, which is nothing.
  *
  * Nothing here is scaled. Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S,
- * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds.
+ * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
+ * quotients that become t lose 2^-149, and D may be large here: for them, 2^-140 m F G is added to the bound of N.
  * Overflow: p and q are finite, magnitudes being 2^60 at most. What is more than 2^126 in the rest has a bound that
  * overflows when it is multiplied by 4 on the way: then everything is undecided. So scenes much smaller than 2^-20 or
  * larger than 2^40 are slow here, not wrong.
@@ -40,6 +41,9 @@
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
  * Rid of Packets", 2008 (one ray, wide nodes).
  */
+
+/* Of PLANE_BOUND's 2^-20 m F G. */
+#define QUOTIENT_FLOOR 0x1p-120f
 
 /*
  * What waits is a child, with the distance from which on it is met in the upper half: floats that are not negative are
@@ -165,16 +169,17 @@ MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], float r
     test->above = v_add(v_mul(v_mul(edge_size, v_set1(reach)), v_set1(EDGE_BOUND / 4)), floor);
     test->below = v_sub(v_set1(0), test->above);
     test->plane_bound = v_add(v_mul(v_mul(plane_size, v_set1(reach)), v_set1(PLANE_BOUND / 4)), floor);
-    test->distance_bound = v_add(v_mul(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4)), floor);
+    const vf distance_floor = v_add(v_mul(test->plane_bound, v_set1(QUOTIENT_FLOOR)), floor);
+    test->distance_bound =
+        v_add(v_mul(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4)), distance_floor);
 }
 
-/* The filter for one ray and triangles in a row. `corners` is where the vector's lanes begin, rows are `stride` apart.
+/* What the filter needs of one ray and triangles in a row. `corners` is where the lanes begin, rows are `stride` apart.
  */
-MLRT_INLINE struct verdict filter_triangles(const struct single_ray *ray, const struct mlrt_packet *packet,
-                                            const float *corners, uint32_t stride, vm active)
+MLRT_INLINE void set_float_test(const struct single_ray *ray, const float *corners, uint32_t stride,
+                                struct float_test *test)
 {
     vf s[3], f[3], g[3], p[3], q[3];
-    struct float_test test;
     for (int k = 0; k < 3; ++k) {
         const vf a = v_load_any(corners + (uint32_t)k * stride);
         s[k] = v_sub(ray->origin[k], a);
@@ -183,13 +188,20 @@ MLRT_INLINE struct verdict filter_triangles(const struct single_ray *ray, const 
     }
     cross_product(g, ray->direction, p);
     cross_product(f, s, q);
-    set_bounds(s, f, g, ray->reach, &test);
-    test.determinant = dot_product(f, p);
-    test.distance = dot_product(g, q);
+    set_bounds(s, f, g, ray->reach, test);
+    test->determinant = dot_product(f, p);
+    test->distance = dot_product(g, q);
     const vf ca = dot_product(s, p), ab = dot_product(ray->direction, q);
-    const vf bc = v_sub(v_sub(test.determinant, ca), ab);
-    test.least = v_min(v_min(ab, bc), ca);
-    test.greatest = v_max(v_max(ab, bc), ca);
+    const vf bc = v_sub(v_sub(test->determinant, ca), ab);
+    test->least = v_min(v_min(ab, bc), ca);
+    test->greatest = v_max(v_max(ab, bc), ca);
+}
+
+MLRT_INLINE struct verdict filter_triangles(const struct single_ray *ray, const struct mlrt_packet *packet,
+                                            const float *corners, uint32_t stride, vm active)
+{
+    struct float_test test;
+    set_float_test(ray, corners, stride, &test);
     const vm candidates = may_be_inside(&test, active);
     struct verdict verdict = {candidates, candidates, candidates, v_set1(0), v_set1(0)};
     if (!m_bits(candidates)) return verdict;
