@@ -46,6 +46,7 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define v_div   remembering_divide
 #define f4_div  remembering_divide_four
 #define KERNELS bounds_kernels
+#define KDTREE_KERNELS 1
 #include "kernels/kernels_body.h"
 #undef v_div
 #undef f4_div

@@ -17,7 +17,9 @@
 #include "rounding.h"
 #include "trace_ray.h"
 
+#ifndef KDTREE_KERNELS
 #define KDTREE_KERNELS (MLRT_HAVE_SSE ? VW == 4 : VW == 1)
+#endif
 
 #include "camera_packet.h"
 #include "packet_check.h"
