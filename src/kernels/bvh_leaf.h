@@ -201,7 +201,8 @@ static uint32_t offer_to_closed(struct cells *cells, const struct leaf_triangles
     *inside_cells = 0;
     for (int v = 0; v < CELL_COUNT; v += VW) {
         const vf farthest = v_load(cells->farthest + v);
-        vm may = m_andnot(m_from_bits(among >> v), i_eq(i_load(cells->cover + v), i_set1(number)));
+        const vm known = m_or(i_eq(i_load(cells->cover + v), i_set1(number)), i_eq(i_load(cells->skip + v), i_set1(number)));
+        vm may = m_andnot(m_from_bits(among >> v), known);
         may = m_and(may, v_le(v_set1(leaf->least_depth[place]), farthest));
         for (int side = 0; side < 2; ++side) {
             may = m_and(may, v_le(v_set1(leaf->slope_lo[side][place]), v_load(cells->slopes[side].hi + v)));
@@ -223,7 +224,7 @@ static uint32_t offer_to_closed(struct cells *cells, const struct leaf_triangles
         const vf far = v_mul(v_div(v_set1(leaf->greatest_n[place]), least_d), v_set1(1 + SLOPE_SLACK));
         const vf nearest = v_load(cells->cover_near + v);
         const vm certain = m_and(may, m_and(v_gt(inside, v_set1(bound)), v_gt(least_d, v_set1(width))));
-        const vm covered = m_and(certain, v_lt(far, nearest));
+        const vm covered = m_and(certain, m_and(v_lt(far, nearest), v_lt(far, v_load(cells->shortest + v))));
         if (m_bits(covered)) {
             v_store(cells->farthest + v, v_select(covered, any ? v_set1(-INFINITY) : far, farthest));
             v_store(cells->cover_near + v, v_select(covered, near, nearest));

@@ -148,6 +148,7 @@ MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vm active = m_andnot(m_from_bits(packet->active >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
         if (packet->has_skip) active = m_andnot(active, i_eq(i_load(packet->skip + v), i_set1(number)));
+        if (!m_bits(active)) continue;
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
         const struct verdict verdict = filter_leaf_vector(leaf, place, reach, limits_below, packet, v, active);
         const uint32_t nearer = m_bits(verdict.nearer);
@@ -179,16 +180,19 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
 }
 
-/* Makes the rays of a closed cell, and tests them against its cover. */
+/* Opens a closed cell: makes its rays, if they are not there, and tests them against its cover. */
 static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
                                       uint32_t place)
 {
     struct cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
-    const struct rectangle block = block_of_tile(tile, place);
-    get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
+    if (!(tile->made >> place & 1)) {
+        const struct rectangle block = block_of_tile(tile, place);
+        get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
+        tile->made |= 1u << place;
+        tile->reach[place] = packet_reach(packet, cells->main_axis);
+    }
     cells->closed &= ~(1u << place);
-    tile->reach[place] = packet_reach(packet, cells->main_axis);
     if (cells->cover[place] != MLRT_NONE) {
         struct leaf_triangles leaf;
         set_up_triangle(job->tree, cells, &cells->cover[place], &leaf);

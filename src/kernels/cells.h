@@ -13,8 +13,9 @@
  * its x_j = s_j z has x_j <= max(S near, S far), S the upper slope, also as computed: the slack of S pays for the
  * roundings, or, where products are denormal, x_j and S z both are multiples of 2^-149 and rounding keeps their order.
  *
- * A cell of a camera needs no rays to be compared with things. As long as all that it met was a triangle that covers it
- * wholly and what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it.
+ * To be compared with things a cell needs no rays. As long as all that it met was a triangle that covers it wholly and
+ * what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it. The rays
+ * of a camera's closed cells are not even made.
  */
 
 #define CELL_COUNT 16
@@ -31,6 +32,8 @@ struct cells {
         MLRT_ALIGNED(64) float hi[CELL_COUNT];
     } slopes[2]; /* over axes main + 1, main + 2; empty for cells that do not take part */
     MLRT_ALIGNED(64) float farthest[CELL_COUNT]; /* depth; -inf: done */
+    MLRT_ALIGNED(64) float shortest[CELL_COUNT]; /* of closed cells: all rays reach this depth */
+    MLRT_ALIGNED(64) uint32_t skip[CELL_COUNT];  /* of closed cells: the triangle that all rays pass */
     MLRT_ALIGNED(64) float cover_near[CELL_COUNT];
     MLRT_ALIGNED(64) uint32_t cover[CELL_COUNT]; /* of a closed cell: the triangle; MLRT_NONE: nothing met so far */
     float apex[3];
@@ -65,9 +68,13 @@ MLRT_INLINE void leave_out_cell(struct cells *cells, uint32_t place)
     for (int side = 0; side < 2; ++side) set_cell_slopes(cells, place, side, INFINITY, -INFINITY);
 }
 
-/* Sets what holds for all cells. */
+/* Sets what holds for all cells. None of them has a cover. */
 MLRT_INLINE void sum_up_cells(struct cells *cells)
 {
+    for (int v = 0; v < CELL_COUNT; v += VW) {
+        v_store(cells->cover_near + v, v_set1(INFINITY));
+        i_store(cells->cover + v, i_set1(MLRT_NONE));
+    }
     float steepest = 0.5f;
     for (int side = 0; side < 2; ++side) {
         vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
@@ -174,8 +181,8 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
             v_store(cells->slopes[j].hi + v, v_select(there, v_add(hi[j], slack), v_set1(-INFINITY)));
         }
         v_store(cells->farthest + v, v_select(there, v_set1(INFINITY), v_set1(-INFINITY)));
-        v_store(cells->cover_near + v, v_set1(INFINITY));
-        i_store(cells->cover + v, i_set1(MLRT_NONE));
+        v_store(cells->shortest + v, v_set1(INFINITY));
+        i_store(cells->skip + v, i_set1(MLRT_NONE));
     }
     sum_up_cells(cells);
     return 1;

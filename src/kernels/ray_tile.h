@@ -10,6 +10,7 @@ struct ray_tile {
     struct mlrt_packet packets[CELL_COUNT];
     float reach[CELL_COUNT]; /* triangle_filter.h's R of a packet */
     int limits_below;        /* some t_min is not 0 */
+    uint32_t made;           /* packets that have their rays */
 };
 
 /* Is there a packet at this place? */
@@ -32,6 +33,30 @@ MLRT_INLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis
         farthest = v_max(v_select(m_from_bits(packet->active >> v), depth, v_set1(-INFINITY)), farthest);
     }
     return v_hmax(farthest) * (1 + SLOPE_SLACK);
+}
+
+/* The depth that all rays of a packet reach. */
+MLRT_INLINE float shortest_depth(const struct mlrt_packet *packet, int main_axis)
+{
+    vf shortest = v_set1(INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf depth = v_mul(v_load(packet->t_max + v), v_abs(v_load(packet->direction[main_axis] + v)));
+        shortest = v_min(v_select(m_from_bits(packet->active >> v), depth, v_set1(INFINITY)), shortest);
+    }
+    return v_hmin(shortest) * (1 - SLOPE_SLACK);
+}
+
+/* Can a cell of this packet be closed? Its rays must begin at 0, and pass the same triangle, if any. */
+MLRT_INLINE int can_be_closed(const struct mlrt_packet *packet, uint32_t *skip)
+{
+    *skip = packet->has_skip ? packet->skip[mlrt_lowest_bit(packet->active)] : MLRT_NONE;
+    uint32_t others = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vm same = v_eq(v_load(packet->t_min + v), v_set1(0));
+        if (packet->has_skip) same = m_and(same, i_eq(i_load(packet->skip + v), i_set1(*skip)));
+        others |= (~m_bits(same) & ALL_LANES) << v;
+    }
+    return !(others & packet->active);
 }
 
 /* triangle_filter.h's R of a packet. */
@@ -80,6 +105,8 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
     }
     tile->reach[place] = packet_reach(packet, a);
     cells->farthest[place] = farthest_depth(packet, a);
+    cells->shortest[place] = shortest_depth(packet, a);
+    cells->closed |= (uint32_t)can_be_closed(packet, &cells->skip[place]) << place;
     tile->limits_below |= highest(packet->t_min, packet->active) > 0;
     return 1;
 }

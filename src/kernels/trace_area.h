@@ -35,6 +35,21 @@ static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
+/* All rays of a packet whose cell stayed closed hit its cover. */
+static void close_packets(struct ray_tile *tile)
+{
+    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        struct mlrt_packet *packet = &tile->packets[place];
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vm active = m_from_bits(packet->active >> v);
+            i_store(packet->triangle + v,
+                    i_select(active, i_set1(tile->cells.cover[place]), i_load(packet->triangle + v)));
+        }
+    }
+    tile->cells.closed = 0;
+}
+
 /* Traces packets down the hierarchy of boxes: together, as far as they can go together. */
 static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
                           uint32_t waiting)
@@ -43,6 +58,7 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
         const uint32_t gathered = gather_packets(tile, waiting);
         if (gathered) {
             traverse_bvh(job, worker, &tile->cells);
+            close_packets(tile);
             waiting &= ~gathered;
         } else {
             struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(waiting)];
@@ -100,11 +116,13 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     tile.columns = is_list(&job->source) ? 1 : 4;
     if (gather_picture_cells(job, area, 4, &tile.cells)) {
         tile.limits_below = 0;
+        tile.made = 0;
         tile.cells.tile = &tile;
         if (worker->open_tiles) open_packets(job, worker, &tile);
         traverse_bvh(job, worker, &tile.cells);
         worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? OPEN_RUN : 0;
     } else {
+        tile.made = 0xFFFF;
         trace_packets(job, worker, &tile, make_packets(job, worker, &tile));
     }
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
