@@ -10,7 +10,8 @@
 
 #include "bvh_split.h"
 
-#define MLRT_SPATIAL_BINS 16
+/* 16 take an eighth less time to build; expected costs are then 1 % higher in buildings, the same elsewhere. */
+#define MLRT_SPATIAL_BINS 32
 
 /* Slabs of equal thickness along each axis, and what they hold of the references. */
 struct mlrt_spatial_bins {

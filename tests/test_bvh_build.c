@@ -175,7 +175,7 @@ static void test_identical_triangles(void **state)
     check_identical(16);
     check_identical(17);
     check_identical(257);
-    check_identical((uint32_t)scaled(6000));
+    check_identical((uint32_t)scaled(2500));
 }
 
 static void test_needles(void **state)
