@@ -193,7 +193,7 @@ typedef struct mlrt_build_options {
  * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
  * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
  * 2^30 - 1 triangles in all. Memory: see mlrt_tree_info; a kd-tree takes some 60 to 90 bytes per triangle and twice
- * that while building, a hierarchy of boxes 85 to 95 (BEST: 110) and up to 140 (BEST: 180).
+ * that while building, a hierarchy of boxes 82 to 92 (BEST: 101) and up to 130 (BEST: 150).
  *
  * Method, kd-tree: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees
  * for ray shooting", 2002) with the three rules of the paper (section 3.1). Hierarchy of boxes: surface area heuristic
