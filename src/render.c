@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "counters.h"
 #include "scheduler.h"
@@ -104,6 +105,18 @@ static unsigned char *make_tile_buffers(const struct mlrt_job *job, uint32_t wor
     return buffers;
 }
 
+/* A call of few rays should not pay for clearing tables: an apex that no ray has says that they are empty. */
+static void begin_worker(const struct mlrt_job *job, struct mlrt_worker *worker)
+{
+    memset(&worker->counters, 0, sizeof worker->counters);
+    memset(worker->pairs, 0, sizeof worker->pairs);
+    memset(&worker->tile, 0, sizeof worker->tile);
+    /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
+    worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
+    for (int k = 0; k < 3; ++k) worker->apex[k] = worker->leaf_apex[k] = NAN;
+    worker->open_tiles = worker->open_squares = worker->mesh = 0;
+}
+
 int32_t mlrt_run_job(const struct mlrt_job *job, mlrt_pool *pool, mlrt_counters *counters)
 {
     const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
@@ -111,16 +124,14 @@ int32_t mlrt_run_job(const struct mlrt_job *job, mlrt_pool *pool, mlrt_counters 
     if (item_count == 0) return MLRT_OK;
 
     const uint32_t worker_count = mlrt_worker_count(pool);
-    struct mlrt_worker *workers = calloc(worker_count, sizeof *workers);
-    unsigned char *buffers = workers ? make_tile_buffers(job, worker_count, workers) : NULL;
+    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_worker *workers = mlrt_allocate(&memory, worker_count, sizeof *workers);
+    if (!workers) return MLRT_ERROR_OUT_OF_MEMORY;
+    for (uint32_t w = 0; w < worker_count; ++w) begin_worker(job, &workers[w]);
+    unsigned char *buffers = make_tile_buffers(job, worker_count, workers);
     if (!buffers) {
-        free(workers);
+        mlrt_free(&memory, workers, worker_count, sizeof *workers);
         return MLRT_ERROR_OUT_OF_MEMORY;
-    }
-    for (uint32_t w = 0; w < worker_count; ++w) {
-        /* Only the multi-level method shares set-up triangles among packets. */
-        workers[w].setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
-        for (int k = 0; k < 3; ++k) workers[w].apex[k] = NAN;
     }
     struct run run = {job, workers, columns};
     const int32_t answer = mlrt_run_items(pool, (uint32_t)item_count, run_item, &run);
@@ -128,6 +139,6 @@ int32_t mlrt_run_job(const struct mlrt_job *job, mlrt_pool *pool, mlrt_counters 
         for (uint32_t w = 0; w < worker_count; ++w) mlrt_add_counters(counters, &workers[w].counters);
     }
     free(buffers);
-    free(workers);
+    mlrt_free(&memory, workers, worker_count, sizeof *workers);
     return answer ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }

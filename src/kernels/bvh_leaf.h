@@ -12,29 +12,31 @@
 #define SLOPE_EDGE_BOUND  (1.125f * EDGE_BOUND)
 #define SLOPE_PLANE_BOUND (1.125f * PLANE_BOUND)
 
-struct leaf_triangles {
-    MLRT_ALIGNED(64) float slope_lo[2][MLRT_BVH_LEAF_LIMIT]; /* bounds of where it is seen; all if not wholly in front */
-    MLRT_ALIGNED(64) float slope_hi[2][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float least_depth[MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float cross[4][3][MLRT_BVH_LEAF_LIMIT]; /* edges ab, bc, ca and the normal, with N's sign */
-    MLRT_ALIGNED(64) float least_n[MLRT_BVH_LEAF_LIMIT];     /* bounds of |N| */
-    MLRT_ALIGNED(64) float greatest_n[MLRT_BVH_LEAF_LIMIT];
-    uint32_t negative; /* of which N is, as float has it */
-    const uint32_t *numbers;
-};
-
 /* Corners relative to the apex. */
 struct leaf_corners {
     vf from[3][3]; /* as stored */
     vf to[3][3];
 };
 
-/* Sets where one vector of triangles is seen, and returns which of them the tile may hit. */
-MLRT_INLINE uint32_t set_leaf_outline(const struct cells *cells, const struct leaf_corners *corners, int v,
-                                      struct leaf_triangles *leaf)
+MLRT_INLINE void load_leaf_corners(const struct mlrt_bvh *bvh, const struct cells *cells, uint32_t child, uint32_t v,
+                                   struct leaf_corners *corners)
+{
+    const uint32_t row = 4 * mlrt_bvh_quad_count(child);
+    const float *corner = bvh->corners + 36 * (size_t)mlrt_bvh_offset(child) + v;
+    for (uint32_t i = 0; i < 3; ++i) {
+        for (uint32_t k = 0; k < 3; ++k) {
+            corners->from[i][k] = v_load_any(corner + (3 * i + k) * row);
+            corners->to[i][k] = v_sub(corners->from[i][k], v_set1(cells->apex[k]));
+        }
+    }
+}
+
+/* Sets where one vector of triangles is seen. */
+MLRT_INLINE void set_leaf_outline(const struct cells *cells, const struct leaf_corners *corners, uint32_t v,
+                                  struct mlrt_leaf_setup *leaf)
 {
     const int a = cells->main_axis;
-    const vf zero = v_set1(0), infinity = v_set1(INFINITY);
+    const vf infinity = v_set1(INFINITY);
     vf depth[3], scale[3];
     for (int i = 0; i < 3; ++i) {
         depth[i] = v_flip(corners->to[i][a], v_set1(cells->sign));
@@ -43,25 +45,22 @@ MLRT_INLINE uint32_t set_leaf_outline(const struct cells *cells, const struct le
     const vf least = v_min(v_min(depth[0], depth[1]), depth[2]);
     const vf greatest = v_max(v_max(depth[0], depth[1]), depth[2]);
     const vm in_front = v_gt(least, v_set1(SMALLEST_SIZE)); /* or 1 / depth may be infinite */
-    vm seen = m_and(v_ge(greatest, zero), v_le(least, v_set1(cells->whole_farthest)));
-    v_store(leaf->least_depth + v, least);
+    v_store(leaf->least_depth + v, v_select(v_ge(greatest, v_set1(0)), least, infinity));
     for (int side = 0; side < 2; ++side) {
         const int j = (a + 1 + side) % 3;
         vf slope[3];
         for (int i = 0; i < 3; ++i) slope[i] = v_mul(corners->to[i][j], scale[i]);
-        vf lo = v_min(v_min(slope[0], slope[1]), slope[2]), hi = v_max(v_max(slope[0], slope[1]), slope[2]);
-        lo = v_select(in_front, v_sub(lo, v_mul(v_abs(lo), v_set1(SLOPE_SLACK))), v_sub(zero, infinity));
-        hi = v_select(in_front, v_add(hi, v_mul(v_abs(hi), v_set1(SLOPE_SLACK))), infinity);
-        seen = m_and(seen, m_and(v_le(lo, v_set1(cells->slope_hi[side])), v_ge(hi, v_set1(cells->slope_lo[side]))));
-        v_store(leaf->slope_lo[side] + v, lo);
-        v_store(leaf->slope_hi[side] + v, hi);
+        const vf lo = v_min(v_min(slope[0], slope[1]), slope[2]), hi = v_max(v_max(slope[0], slope[1]), slope[2]);
+        const vf lower = v_sub(lo, v_mul(v_abs(lo), v_set1(SLOPE_SLACK)));
+        const vf upper = v_add(hi, v_mul(v_abs(hi), v_set1(SLOPE_SLACK)));
+        v_store(leaf->slope_lo[side] + v, v_select(in_front, lower, v_sub(v_set1(0), infinity)));
+        v_store(leaf->slope_hi[side] + v, v_select(in_front, upper, infinity));
     }
-    return m_bits(seen);
 }
 
 /* Sets the terms of one vector of triangles, and returns those whose plane the apex may lie in. */
-MLRT_INLINE uint32_t set_leaf_terms(const struct cells *cells, const struct leaf_corners *corners, int v,
-                                    struct leaf_triangles *leaf)
+MLRT_INLINE uint32_t set_leaf_terms(const struct cells *cells, const struct leaf_corners *corners, uint32_t v,
+                                    struct mlrt_leaf_setup *leaf)
 {
     const uint32_t a = (uint32_t)cells->main_axis;
     vf edge[3][3], cross[4][3];
@@ -92,7 +91,7 @@ MLRT_INLINE uint32_t set_leaf_terms(const struct cells *cells, const struct leaf
  * the triangle.
  */
 static MLRT_NOINLINE int settle_sign(const struct mlrt_tree *tree, const float apex[3], uint32_t place,
-                                     struct leaf_triangles *leaf)
+                                     struct mlrt_leaf_setup *leaf)
 {
     const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], apex); /* that of -N */
     if (side == 0) return 0;
@@ -104,45 +103,87 @@ static MLRT_NOINLINE int settle_sign(const struct mlrt_tree *tree, const float a
     return 1;
 }
 
-/*
- * Sets up the triangles of a leaf that a tile may hit, and returns which they are. If there is none, nothing else is
- * set.
- */
-static MLRT_NOINLINE uint32_t set_up_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
-                            struct leaf_triangles *leaf)
+/* Sets the terms of triangles whose vectors have some of `wanted`. */
+static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct cells *cells, uint32_t wanted,
+                                           struct mlrt_leaf_setup *leaf)
 {
-    const uint32_t row = 4 * mlrt_bvh_quad_count(child), first = mlrt_bvh_offset(child);
-    const float *corner = tree->bvh.corners + 36 * (size_t)first;
-    leaf->numbers = tree->bvh.numbers + 4 * (size_t)first;
-    uint32_t seen = 0, doubtful = 0;
-    leaf->negative = 0;
+    uint32_t doubtful = 0;
+    for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(wanted >> v & ALL_LANES)) continue;
+        struct leaf_corners corners;
+        load_leaf_corners(&tree->bvh, cells, leaf->child, v, &corners);
+        doubtful |= set_leaf_terms(cells, &corners, v, leaf) << v;
+        leaf->ready |= (ALL_LANES & 0xFFFF) << v;
+    }
+    for (uint32_t rest = doubtful & leaf->there; rest; rest &= rest - 1) {
+        const uint32_t place = mlrt_lowest_bit(rest);
+        if (!settle_sign(tree, cells->apex, place, leaf)) leaf->there &= ~(1u << place);
+    }
+}
+
+/* Begins the set-up of a leaf: which places there are, and where they are seen. */
+static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
+                                     struct mlrt_leaf_setup *leaf)
+{
+    const uint32_t row = 4 * mlrt_bvh_quad_count(child);
+    leaf->child = child;
+    leaf->axis = cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
+    leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    leaf->ready = leaf->negative = leaf->there = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct leaf_corners corners;
-        for (uint32_t i = 0; i < 3; ++i) {
-            for (uint32_t k = 0; k < 3; ++k) {
-                corners.from[i][k] = v_load_any(corner + (3 * i + k) * row + v);
-                corners.to[i][k] = v_sub(corners.from[i][k], v_set1(cells->apex[k]));
-            }
-        }
-        const vm there = m_andnot(m_from_bits(0xFFFFu >> (16 - row) >> v),
-                                  i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE)));
-        const uint32_t part = set_leaf_outline(cells, &corners, (int)v, leaf) & m_bits(there);
-        if (!part) continue;
-        seen |= part << v;
-        doubtful |= (set_leaf_terms(cells, &corners, (int)v, leaf) & part) << v;
+        load_leaf_corners(&tree->bvh, cells, child, v, &corners);
+        set_leaf_outline(cells, &corners, v, leaf);
+        leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
     }
-    if (MLRT_UNLIKELY(doubtful)) {
-        for (uint32_t rest = doubtful; rest; rest &= rest - 1) {
-            const uint32_t place = mlrt_lowest_bit(rest);
-            if (!settle_sign(tree, cells->apex, place, leaf)) seen &= ~(1u << place);
+    leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
+}
+
+/* Triangles of a leaf that cells may hit, by their outlines. */
+MLRT_INLINE uint32_t seen_by_cells(const struct cells *cells, const struct mlrt_leaf_setup *leaf)
+{
+    uint32_t seen = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(leaf->there >> v & ALL_LANES)) continue;
+        vm may = v_le(v_load(leaf->least_depth + v), v_set1(cells->whole_farthest));
+        for (int side = 0; side < 2; ++side) {
+            may = m_and(may, m_and(v_le(v_load(leaf->slope_lo[side] + v), v_set1(cells->slope_hi[side])),
+                                   v_ge(v_load(leaf->slope_hi[side] + v), v_set1(cells->slope_lo[side]))));
         }
+        seen |= m_bits(may) << v;
     }
-    return seen;
+    return seen & leaf->there;
+}
+
+/*
+ * The set-up of a leaf, and in *seen which of its triangles cells may hit: these have their terms. A worker keeps the
+ * last set-ups for its next tiles.
+ */
+static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
+                                           struct mlrt_worker *worker, uint32_t *seen)
+{
+    struct mlrt_leaf_setup *leaf = &worker->leaves[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - MLRT_LEAF_SETUP_BITS)];
+    const int axis = cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
+    if (leaf->child != child || leaf->axis != axis) begin_leaf(tree, cells, child, leaf);
+    *seen = seen_by_cells(cells, leaf);
+    const uint32_t wanted = *seen & ~leaf->ready;
+    if (wanted) {
+        set_up_triangles(tree, cells, wanted, leaf);
+        *seen &= leaf->there;
+    }
+    return leaf;
+}
+
+/* Set-ups are for one apex. */
+static void forget_leaves(const float apex[3], struct mlrt_worker *worker)
+{
+    for (uint32_t i = 0; i < 1u << MLRT_LEAF_SETUP_BITS; ++i) worker->leaves[i].child = 0;
+    memcpy(worker->leaf_apex, apex, sizeof worker->leaf_apex);
 }
 
 /* Of the triangles `seen`, those that the rays of one cell may hit. */
 MLRT_INLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uint32_t seen,
-                                    const struct leaf_triangles *leaf)
+                                    const struct mlrt_leaf_setup *leaf)
 {
     const float *slope_lo[2] = {&cells->slopes[0].lo[place], &cells->slopes[1].lo[place]};
     const float *slope_hi[2] = {&cells->slopes[0].hi[place], &cells->slopes[1].hi[place]};
@@ -171,7 +212,7 @@ MLRT_INLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uin
 }
 
 /* Least and greatest values of c . (+-1, s_j, s_l) over the slopes of a vector of cells. */
-MLRT_INLINE void range_over_cells(const struct cells *cells, const struct leaf_triangles *leaf, int edge,
+MLRT_INLINE void range_over_cells(const struct cells *cells, const struct mlrt_leaf_setup *leaf, int edge,
                                   uint32_t place, int v, vf *least, vf *greatest)
 {
     const int a = cells->main_axis;
@@ -192,7 +233,7 @@ MLRT_INLINE void range_over_cells(const struct cells *cells, const struct leaf_t
  * Edge functions over slopes have the bound of triangle_filter.h with R = 1, or twice the steepest slope, and so has D;
  * all rays of a cell hit what is surely inside at its corners. There their depth is N / D.
  */
-static uint32_t offer_to_closed(struct cells *cells, const struct leaf_triangles *leaf, uint32_t place,
+static uint32_t offer_to_closed(struct cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t place,
                                 uint32_t among, int any, uint32_t *inside_cells)
 {
     const uint32_t number = leaf->numbers[place];
@@ -238,7 +279,7 @@ static uint32_t offer_to_closed(struct cells *cells, const struct leaf_triangles
 
 /* A leaf of one triangle that is surely seen. */
 static void set_up_triangle(const struct mlrt_tree *tree, const struct cells *cells, const uint32_t *number,
-                            struct leaf_triangles *leaf)
+                            struct mlrt_leaf_setup *leaf)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[*number];
     struct leaf_corners corners;

@@ -95,7 +95,7 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
  * The float part of a test of a packet against the triangle at `place` of a leaf: filter_vector for triangles whose
  * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it.
  */
-MLRT_INLINE struct verdict filter_leaf_vector(const struct leaf_triangles *leaf, uint32_t place, float reach,
+MLRT_INLINE struct verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf, uint32_t place, float reach,
                                               int limits_below, const struct mlrt_packet *packet, int v, vm active)
 {
     const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
@@ -139,7 +139,7 @@ MLRT_INLINE struct verdict filter_leaf_vector(const struct leaf_triangles *leaf,
 
 /* Tests a packet against one triangle of a leaf. Returns the lanes whose nearest hit changed. */
 MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                        const struct leaf_triangles *leaf, uint32_t place, float reach,
+                                        const struct mlrt_leaf_setup *leaf, uint32_t place, float reach,
                                         int limits_below, struct mlrt_packet *packet)
 {
     const uint32_t number = leaf->numbers[place];
@@ -167,7 +167,7 @@ MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_
 
 /* Tests a packet against triangles of a leaf. */
 static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
-                                      const struct leaf_triangles *leaf, uint32_t triangles, uint32_t place)
+                                      const struct mlrt_leaf_setup *leaf, uint32_t triangles, uint32_t place)
 {
     struct mlrt_packet *packet = &tile->packets[place];
     uint32_t changed = 0;
@@ -194,7 +194,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
     }
     cells->closed &= ~(1u << place);
     if (cells->cover[place] != MLRT_NONE) {
-        struct leaf_triangles leaf;
+        struct mlrt_leaf_setup leaf;
         set_up_triangle(job->tree, cells, &cells->cover[place], &leaf);
         test_packet(job, worker, tile, &leaf, 1, place);
     } else {
@@ -218,7 +218,7 @@ static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker
 
 /* Offers the triangles of a leaf to closed cells. Opens those that are left in doubt. */
 static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
-                              const struct leaf_triangles *leaf, uint32_t seen, uint32_t met)
+                              const struct mlrt_leaf_setup *leaf, uint32_t seen, uint32_t met)
 {
     for (; seen; seen &= seen - 1) {
         const uint32_t among = met & cells->closed;
@@ -242,14 +242,14 @@ static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *wo
 static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
                                          uint32_t child, uint32_t met)
 {
-    struct leaf_triangles leaf;
-    const uint32_t seen = set_up_leaf(job->tree, cells, child, &leaf);
+    uint32_t seen;
+    const struct mlrt_leaf_setup *leaf = set_up_leaf(job->tree, cells, child, worker, &seen);
     if (!seen) return;
-    if (met & cells->closed) test_closed_cells(job, worker, cells, &leaf, seen, met);
+    if (met & cells->closed) test_closed_cells(job, worker, cells, leaf, seen, met);
     if (cells->tile) {
         for (uint32_t open = met & ~cells->closed; open; open &= open - 1) {
-            const uint32_t place = mlrt_lowest_bit(open), left = seen_by_cell(cells, place, seen, &leaf);
-            if (left) test_packet(job, worker, cells->tile, &leaf, left, place);
+            const uint32_t place = mlrt_lowest_bit(open), left = seen_by_cell(cells, place, seen, leaf);
+            if (left) test_packet(job, worker, cells->tile, leaf, left, place);
         }
     }
     set_whole_farthest(cells);
@@ -263,6 +263,7 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     uint32_t node = 0, count = 0;
     if (bvh->node_count == 0) return;
+    if (memcmp(cells->apex, worker->leaf_apex, sizeof cells->apex) != 0) forget_leaves(cells->apex, worker);
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
         count = push_boxes(bvh, node, children_met(cells, &bvh->nodes[node], near), near, stack, count);
