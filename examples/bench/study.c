@@ -73,7 +73,7 @@ static int study_triangles(const struct bench_settings *settings)
 /* ---- building -----------------------------------------------------------------------------------------------------
  */
 
-enum { BUILDER_COUNT = 7 };
+enum { BUILDER_COUNT = 9 };
 
 static const struct builder {
     const char *name;
@@ -83,7 +83,9 @@ static const struct builder {
 } builders[BUILDER_COUNT] = {
     {"mlrt_kdtree", MLRT_STRUCTURE_KDTREE, MLRT_TREE_DEFAULT, 0},
     {"mlrt_kdtree_paper", MLRT_STRUCTURE_KDTREE, MLRT_TREE_PAPER, 0},
+    {"mlrt_bvh_fast", MLRT_STRUCTURE_BVH, MLRT_TREE_FAST, 0},
     {"mlrt_bvh", MLRT_STRUCTURE_BVH, MLRT_TREE_DEFAULT, 0},
+    {"mlrt_bvh_best", MLRT_STRUCTURE_BVH, MLRT_TREE_BEST, 0},
     {"embree_fast_medium", 0, PEER_MEDIUM_QUALITY, 0},
     {"embree_fast_high", 0, PEER_HIGH_QUALITY, 0},
     {"embree_robust_medium", 0, PEER_MEDIUM_QUALITY, 1},
