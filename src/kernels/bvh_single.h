@@ -33,7 +33,7 @@
  *
  * Nothing here is scaled. Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S,
  * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
- * quotients that become t lose 2^-149, and D may be large here: for them, 2^-140 m F G is added to the bound of N.
+ * quotients that become t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
  * Overflow: p and q are finite, magnitudes being 2^60 at most. What is more than 2^126 in the rest has a bound that
  * overflows when it is multiplied by 4 on the way: then everything is undecided. So scenes much smaller than 2^-20 or
  * larger than 2^40 are slow here, not wrong.
@@ -42,8 +42,11 @@
  * Rid of Packets", 2008 (one ray, wide nodes).
  */
 
-/* Of PLANE_BOUND's 2^-20 m F G. */
-#define QUOTIENT_FLOOR 0x1p-120f
+/*
+ * Of PLANE_BOUND's 2^-20 m F G, and of its floor, so that this is not denormal, which would take a hundred cycles. It
+ * is less than what the error of D does to t, unless t is less than 2^-40.
+ */
+#define QUOTIENT_FLOOR 0x1p-40f
 
 /*
  * What waits is a child, with the distance from which on it is met in the upper half: floats that are not negative are
