@@ -13,11 +13,14 @@
 #include "words/words.h"
 
 static const char *const names[WORD_COUNT] = {
-    "v_set1",   "v_add",   "v_sub",    "v_mul",   "v_div",   "v_mul and v_add", "v_min",     "v_max",
-    "v_abs",    "v_flip",  "v_select", "v_hmin",  "v_hmax",  "i_set1",          "i_select",  "v_lt",
-    "v_le",     "v_gt",    "v_ge",     "v_eq",    "i_eq",    "m_from_bits",     "m_and",     "m_or",
-    "m_andnot", "f4_set1", "f4_add",   "f4_sub",  "f4_mul",  "f4_div",          "f4_max",    "f4_abs",
-    "f4_flip",  "f4_next", "f4_join",  "f4_last", "f4_hmin", "f4_hmax",         "f4_corners"};
+    "v_set1",    "v_add",       "v_sub",   "v_mul",    "v_div",      "v_mul and v_add",
+    "v_min",     "v_max",       "v_abs",   "v_flip",   "v_select",   "v_hmin",
+    "v_hmax",    "v_load_any",  "i_set1",  "i_select", "i_load_any", "i_sub",
+    "v_lt",      "v_le",        "v_gt",    "v_ge",     "v_eq",       "i_eq",
+    "i_lt",      "m_from_bits", "m_and",   "m_or",     "m_andnot",   "f4_set1",
+    "f4_add",    "f4_sub",      "f4_mul",  "f4_div",   "f4_max",     "f4_abs",
+    "f4_flip",   "f4_next",     "f4_join", "f4_last",  "f4_hmin",    "f4_hmax",
+    "f4_corners"};
 
 static const float special[] = {0,
                                 -0.0f,

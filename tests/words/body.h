@@ -32,6 +32,8 @@ static void run_vector(const struct word_input *in, int v, struct word_output *o
     v_store(out->values[WORD_SELECT] + v, v_select(some, a, b));
     i_store(out->integers[WORD_INTEGER_SET1] + v, i_set1(in->lanes));
     i_store(out->integers[WORD_INTEGER_SELECT] + v, i_select(less, whole_a, whole_b));
+    i_store(out->integers[WORD_INTEGER_SUB] + v, i_sub(whole_a, whole_b));
+    put_mask(out, WORD_INTEGER_LT, v, i_lt(whole_a, whole_b));
     put_mask(out, WORD_LT, v, less);
     put_mask(out, WORD_LE, v, v_le(a, b));
     put_mask(out, WORD_GT, v, v_gt(a, b));
@@ -42,6 +44,17 @@ static void run_vector(const struct word_input *in, int v, struct word_output *o
     put_mask(out, WORD_AND, v, m_and(some, less));
     put_mask(out, WORD_OR, v, m_or(some, less));
     put_mask(out, WORD_AND_NOT, v, m_andnot(some, less));
+}
+
+/* From addresses that are a multiple of four, and of no more. */
+static void run_loads(const struct word_input *in, int v, struct word_output *out)
+{
+    MLRT_ALIGNED(64) float values[WORD_LANES + 1];
+    MLRT_ALIGNED(64) uint32_t integers[WORD_LANES + 1];
+    memcpy(values + 1, in->a, sizeof in->a);
+    memcpy(integers + 1, in->bits_a, sizeof in->bits_a);
+    v_store(out->values[WORD_LOAD_ANY] + v, v_load_any(values + 1 + v));
+    i_store(out->integers[WORD_INTEGER_LOAD_ANY] + v, i_load_any(integers + 1 + v));
 }
 
 static void run_quad(const struct word_input *in, int v, struct word_output *out)
@@ -87,7 +100,10 @@ static void run_least(const struct word_input *in, struct word_output *out)
 void RUN_WORDS(const struct word_input *in, struct word_output *out)
 {
     memset(out, 0, sizeof *out);
-    for (int v = 0; v < WORD_LANES; v += VW) run_vector(in, v, out);
+    for (int v = 0; v < WORD_LANES; v += VW) {
+        run_vector(in, v, out);
+        run_loads(in, v, out);
+    }
     for (int v = 0; v < WORD_LANES; v += 4) run_quad(in, v, out);
     run_corners(in, out);
     if (in->has_order) run_least(in, out);
