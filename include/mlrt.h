@@ -257,7 +257,7 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
 
 /* How to trace: mlrt_trace_options.method. The answers are the same from each. */
 enum {
-    MLRT_METHOD_DEFAULT = 0, /* multilevel; for a single ray, ray */
+    MLRT_METHOD_DEFAULT = 0, /* tile; in a tree without boxes multilevel, and for a single ray there, ray */
     MLRT_METHOD_RAY = 1,     /* one ray at a time, plain C: the reference */
     MLRT_METHOD_PACKET2 =
         2, /* 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray Tracing", 2001) */

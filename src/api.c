@@ -377,10 +377,22 @@ static void write_hit(const mlrt_tree *tree, const struct mlrt_ray_segment *segm
     hit->facing = report.facing;
 }
 
-/* Method `ray` for one ray: nothing to set up. */
-static MLRT_NOINLINE void trace_directly(const mlrt_tree *tree, const mlrt_ray *ray, int any, mlrt_counters *counters,
+/* By the kernel for rays that go alone, if that is the method and it can, or else by method `ray`. */
+static uint32_t trace_segment(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip,
+                              mlrt_counters *counters)
+{
+    if (job->method == MLRT_METHOD_TILE && job->kernels->trace_ray && job->tree->bvh.float_safe &&
+        mlrt_is_safe_ray(segment)) {
+        return job->kernels->trace_ray(job, segment, skip);
+    }
+    return mlrt_trace_segment(job->tree, segment, skip, job->any, counters);
+}
+
+/* One ray: nothing to set up. */
+static MLRT_NOINLINE void trace_directly(const struct mlrt_job *job, const mlrt_ray *ray, mlrt_counters *counters,
                                          mlrt_hit *hit)
 {
+    const struct mlrt_tree *tree = job->tree;
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
     const uint32_t skip =
@@ -388,9 +400,9 @@ static MLRT_NOINLINE void trace_directly(const mlrt_tree *tree, const mlrt_ray *
     if (counters) ++counters->ray_count;
     if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, ray->t_max == 0 ? INFINITY : ray->t_max, &segment)) {
         if (counters) ++counters->packet_count;
-        number = mlrt_trace_segment(tree, &segment, skip, any, counters);
+        number = trace_segment(job, &segment, skip, counters);
     }
-    write_hit(tree, &segment, number, any, hit);
+    write_hit(tree, &segment, number, job->any, hit);
 }
 
 /* Any other method: a list of one ray. The arrays are the caller's struct. */
@@ -429,14 +441,14 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     if (!tree || !ray || !hit) return MLRT_ERROR_ARGUMENT;
     if (ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit) return MLRT_ERROR_STRUCT_SIZE;
     if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
-    struct mlrt_job job = {.callback = NULL};
+    struct mlrt_job job = {.tree = tree};
     const int32_t status = resolve_options(tree, options, &job);
     if (status != MLRT_OK) return status;
     if (options && options->method != MLRT_METHOD_DEFAULT && options->method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, options, job.any, hit);
     }
     const uint64_t environment = mlrt_enter_fp_environment();
-    trace_directly(tree, ray, job.any, counters_of(options), hit);
+    trace_directly(&job, ray, counters_of(options), hit);
     mlrt_leave_fp_environment(environment);
     return MLRT_OK;
 }

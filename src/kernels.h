@@ -106,6 +106,11 @@ struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
     void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
                        uint32_t height);
+    /*
+     * As mlrt_trace_segment, for a ray that float can carry and a hierarchy of boxes that is float_safe. Of the job,
+     * tree and `any` count. It does not count: the ones that do have NULL.
+     */
+    uint32_t (*trace_ray)(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t skip);
 };
 
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_scalar_counting;

@@ -700,7 +700,7 @@ static void list_variants_of(int32_t isa)
     add_variant(MLRT_METHOD_RAY, isa, whole, 0);
     add_variant(MLRT_METHOD_RAY, isa, whole, 0)->boxes_only = 1;
     add_variant(MLRT_METHOD_TILE, isa, whole, 1);
-    add_variant(MLRT_METHOD_TILE, isa, whole, 0)->boxes_only = 1;
+    add_variant(MLRT_METHOD_DEFAULT, isa, whole, 0)->boxes_only = 1;
     add_variant(MLRT_METHOD_PACKET2, isa, whole, 1);
     add_variant(MLRT_METHOD_PACKET4, isa, whole, 1);
     for (int32_t switches = 0; switches < 8; switches++) {
@@ -941,7 +941,7 @@ static void check_rays_by(const struct fixture *fixture, const struct ray_list *
         if (probes_only && !variant->probe) continue;
         check_closest(fixture, list, expected, variant, got);
         check_any(fixture, list, expected, variant, occluded);
-        if (variant->probe || variant->options.method == MLRT_METHOD_RAY)
+        if (variant->probe || variant->options.method <= MLRT_METHOD_RAY)
             check_singles(fixture, list, expected, variant);
     }
     free(expected);

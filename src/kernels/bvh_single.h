@@ -334,3 +334,32 @@ static void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlr
         trace_single(job, &ray, packet, worker);
     }
 }
+
+#if !MLRT_COUNTING
+/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes. */
+static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip)
+{
+    struct mlrt_packet packet;
+    struct reciprocals reciprocals;
+    struct single_ray ray;
+    struct mlrt_worker worker;
+    if (job->tree->bvh.node_count == 0) return MLRT_NONE;
+    for (int k = 0; k < 3; ++k) {
+        const float r = 1 / segment->direction[k];
+        packet.origin[k][0] = segment->origin[k];
+        packet.direction[k][0] = segment->direction[k];
+        reciprocals.near[k][0] = r * (1 - RECIPROCAL_SLACK);
+        reciprocals.far[k][0] = r * (1 + RECIPROCAL_SLACK);
+    }
+    packet.t_min[0] = segment->t_min;
+    packet.t_max[0] = packet.lo[0] = packet.hi[0] = segment->t_max;
+    packet.triangle[0] = MLRT_NONE;
+    packet.skip[0] = skip;
+    packet.has_apex = 0;
+    packet.has_skip = skip != MLRT_NONE;
+    memset(worker.pairs, 0, sizeof worker.pairs);
+    set_single_ray(&packet, &reciprocals, 0, &ray);
+    trace_single(job, &ray, &packet, &worker);
+    return packet.triangle[0];
+}
+#endif

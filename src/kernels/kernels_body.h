@@ -44,7 +44,7 @@
 #include "trace_tile.h"
 
 #if MLRT_COUNTING
-const struct mlrt_kernels KERNELS_COUNTING = {trace_tile};
+const struct mlrt_kernels KERNELS_COUNTING = {trace_tile, NULL};
 #else
-const struct mlrt_kernels KERNELS = {trace_tile};
+const struct mlrt_kernels KERNELS = {trace_tile, trace_lone_ray};
 #endif
