@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray through the hierarchy of boxes: of a node's children those that it can meet, the nearest first, the others on a
- * stack; the nearest hit so far cuts all of them short.
+ * One ray through the hierarchy of boxes: of a node's children those that it can meet, the nearest first, the others on
+ * a stack; the nearest hit so far cuts all of them short.
  *
  * Box tests are in double (ray_interval.h), so a box is left out only if the ray surely passes it or comes to it surely
  * behind the nearest hit. Where d_k is 0 the ray keeps its coordinate, and the comparison with the box is exact.
@@ -28,40 +28,49 @@ struct search {
     uint32_t pending_count;
 };
 
-/* Narrows the parts of the ray inside each of a node's boxes to what lies between their planes along one axis. */
-static void clip_to_slabs(const struct search *search, const struct mlrt_bvh_node *node, int k,
-                          struct mlrt_interval part[MLRT_BVH_WIDTH])
+/* The parts of the ray inside each of a node's boxes. Empty slots have any. */
+struct parts {
+    double enter[MLRT_BVH_WIDTH];
+    double exit[MLRT_BVH_WIDTH];
+};
+
+/* Narrows them to what lies between the planes along one axis. Plain loops over all slots, which compilers vectorize.
+ */
+static void clip_to_slabs(const struct search *search, const struct mlrt_bvh_node *node, int k, struct parts *parts)
 {
-    const float d = search->ray->direction[k], o = search->ray->origin[k];
+    const double o = search->ray->origin[k], r = search->reciprocal[k];
+    const float d = search->ray->direction[k];
     const float *near = d < 0 ? node->hi[k] : node->lo[k], *far = d < 0 ? node->lo[k] : node->hi[k];
-    for (uint32_t i = 0; i < MLRT_BVH_WIDTH && node->child[i]; ++i) {
-        if (d == 0) {
-            if (o < near[i] || o > far[i]) part[i].exit = -1;
-            continue;
+    if (d == 0) {
+        for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
+            if (o < near[i] || o > far[i]) parts->exit[i] = -1;
         }
-        const double enter = mlrt_plane_distance(near[i], o, search->reciprocal[k]).enter;
-        const double exit = mlrt_plane_distance(far[i], o, search->reciprocal[k]).exit;
-        if (enter > part[i].enter) part[i].enter = enter;
-        if (exit < part[i].exit) part[i].exit = exit;
+        return;
+    }
+    for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
+        const double enter = mlrt_plane_distance(near[i], o, r).enter, exit = mlrt_plane_distance(far[i], o, r).exit;
+        parts->enter[i] = enter > parts->enter[i] ? enter : parts->enter[i];
+        parts->exit[i] = exit < parts->exit[i] ? exit : parts->exit[i];
     }
 }
 
 /* Puts the children that the ray can meet on the stack, the nearest on top. */
 static void push_children(const struct mlrt_bvh_node *node, struct search *search)
 {
-    struct mlrt_interval part[MLRT_BVH_WIDTH];
+    struct parts parts;
     for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
-        part[i] = (struct mlrt_interval){search->ray->t_min, search->nearest.hi};
+        parts.enter[i] = search->ray->t_min;
+        parts.exit[i] = search->nearest.hi;
     }
-    for (int k = 0; k < 3; ++k) clip_to_slabs(search, node, k, part);
+    for (int k = 0; k < 3; ++k) clip_to_slabs(search, node, k, &parts);
     const uint32_t first = search->pending_count;
     for (uint32_t i = 0; i < MLRT_BVH_WIDTH && node->child[i]; ++i) {
-        if (part[i].enter > part[i].exit) continue;
+        if (parts.enter[i] > parts.exit[i]) continue;
         uint32_t place = search->pending_count++;
-        for (; place > first && search->stack[place - 1].enter < part[i].enter; --place) {
+        for (; place > first && search->stack[place - 1].enter < parts.enter[i]; --place) {
             search->stack[place] = search->stack[place - 1];
         }
-        search->stack[place] = (struct pending){part[i].enter, node->child[i]};
+        search->stack[place] = (struct pending){parts.enter[i], node->child[i]};
     }
 }
 

@@ -9,6 +9,8 @@
 #ifndef MLRT_RAY_INTERVAL_H
 #define MLRT_RAY_INTERVAL_H
 
+#include <math.h>
+
 #include "predicate.h"
 
 #define MLRT_INTERVAL_SLACK 0x1p-50
@@ -28,7 +30,7 @@ MLRT_INLINE void mlrt_reciprocal_direction(const struct mlrt_ray_segment *ray, d
 MLRT_INLINE struct mlrt_interval mlrt_plane_distance(double c, double origin, double reciprocal)
 {
     const double t = (c - origin) * reciprocal;
-    const double slack = (t < 0 ? -t : t) * MLRT_INTERVAL_SLACK;
+    const double slack = fabs(t) * MLRT_INTERVAL_SLACK;
     return (struct mlrt_interval){t - slack, t + slack};
 }
 
