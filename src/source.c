@@ -2,7 +2,8 @@
 /*
  * Where rays come from: reading them out of the caller's arrays, one by one and sixteen at a time.
  *
- * Elements are fetched one by one, since arrays are aligned to 4 bytes only and have any stride. What is known of all
+ * Arrays are aligned to 4 bytes only and have any stride, and nothing beside their elements may be read. A whole block
+ * is four rows of four neighbours, which are read together; elements of other blocks one by one. What is known of all
  * sixteen rays is found on vectors (kernels/packet_check.h).
  */
 #include "source.h"
@@ -11,6 +12,7 @@
 #include <string.h>
 
 #include "hit.h"
+#include "kernels/quad.h"
 
 /* ---- checking ---- */
 
@@ -82,7 +84,14 @@ static const float *float_at(const mlrt_const_array *array, uint32_t i)
     return (const float *)(const void *)((const unsigned char *)array->data + (size_t)i * array->stride);
 }
 
-uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle)
+/* The triangles of the mesh with this id; none if there is no such mesh. */
+struct mesh_range {
+    uint32_t mesh_id;
+    uint32_t first;
+    uint32_t count;
+};
+
+static struct mesh_range find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
 {
     uint32_t below = 0, above = tree->mesh_count;
     while (below < above) {
@@ -93,11 +102,20 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
             above = middle;
         }
     }
-    if (below == tree->mesh_count) return MLRT_NONE;
-    uint32_t mesh = tree->mesh_by_id[below];
-    if (tree->mesh_ids[mesh] != mesh_id) return MLRT_NONE;
-    return triangle < tree->mesh_first[mesh + 1] - tree->mesh_first[mesh] ? tree->mesh_first[mesh] + triangle
-                                                                          : MLRT_NONE;
+    if (below == tree->mesh_count) return (struct mesh_range){mesh_id, 0, 0};
+    const uint32_t mesh = tree->mesh_by_id[below];
+    if (tree->mesh_ids[mesh] != mesh_id) return (struct mesh_range){mesh_id, 0, 0};
+    return (struct mesh_range){mesh_id, tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
+}
+
+MLRT_INLINE uint32_t number_in_mesh(struct mesh_range mesh, uint32_t triangle)
+{
+    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
+}
+
+uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle)
+{
+    return number_in_mesh(find_mesh(tree, mesh_id), triangle);
 }
 
 static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
@@ -138,43 +156,107 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
 
 /* ---- packets ---- */
 
+/* A block of at most 4x4 elements: its first, the distance between rows, and the lanes that exist, the first among them. */
+struct block {
+    uint32_t first;
+    uint32_t row_length;
+    uint32_t lanes;
+};
+
 /*
- * The elements of the rays of a block. Lanes that do not exist get that of the block's first ray, which does: nothing
- * may be read beside the elements.
+ * The element of a lane. Lanes that do not exist get that of the block's first ray, which does: nothing may be read
+ * beside the elements.
  */
-static void find_elements(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
-                          uint32_t elements[MLRT_PACKET_RAYS])
+MLRT_INLINE uint32_t element_of_lane(const struct block *block, uint32_t lane)
 {
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
-        const uint32_t offset = lanes >> lane & 1 ? row * source->width + column : 0;
-        elements[lane] = y * source->width + x + offset;
+    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
+    return block->first + (block->lanes >> lane & 1 ? row * block->row_length + column : 0);
+}
+
+MLRT_INLINE int is_whole(const struct block *block)
+{
+    return block->lanes == 0xFFFF;
+}
+
+/* Puts two rows of a block, an even one and the next, where their lanes are. */
+MLRT_INLINE void put_rows(f4 even, f4 odd, float lanes[8])
+{
+    f4_store(lanes, f4_low(even, odd));
+    f4_store(lanes + 4, f4_high(even, odd));
+}
+
+/* The vectors of a row, by axis. */
+MLRT_INLINE void load_vectors(const mlrt_const_array *array, uint32_t first, f4 by_axis[3])
+{
+    const float *at = float_at(array, first);
+    if (MLRT_LIKELY(array->stride == 12)) {
+        f4_triples(at, by_axis);
+    } else {
+        f4_gather_triples(at, array->stride / sizeof *at, by_axis);
     }
 }
 
-static void fetch_vectors(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS],
-                          float vectors[3][MLRT_PACKET_RAYS])
+static void fetch_vectors(const mlrt_const_array *array, const struct block *block, float vectors[3][MLRT_PACKET_RAYS])
 {
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const float *vector = float_at(array, elements[lane]);
-        for (int k = 0; k < 3; ++k) vectors[k][lane] = vector[k];
+    if (MLRT_UNLIKELY(!is_whole(block))) {
+        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+            const float *vector = float_at(array, element_of_lane(block, lane));
+            for (int k = 0; k < 3; ++k) vectors[k][lane] = vector[k];
+        }
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        f4 even[3], odd[3];
+        load_vectors(array, block->first + row * block->row_length, even);
+        load_vectors(array, block->first + (row + 1) * block->row_length, odd);
+        for (int k = 0; k < 3; ++k) put_rows(even[k], odd[k], vectors[k] + 4 * row);
     }
 }
 
-static void fill(float value, float numbers[MLRT_PACKET_RAYS])
+MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
 {
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) numbers[lane] = value;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store(numbers + lane, f4_set1(value));
 }
 
 /* Numbers out of an array, or `standard` if there is none. */
-static void fetch_numbers(const mlrt_const_array *array, const uint32_t elements[MLRT_PACKET_RAYS], float standard,
-                          float numbers[MLRT_PACKET_RAYS])
+MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, float standard,
+                               float numbers[MLRT_PACKET_RAYS])
 {
     if (!array->data) {
         fill(standard, numbers);
         return;
     }
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) numbers[lane] = *float_at(array, elements[lane]);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        numbers[lane] = *float_at(array, element_of_lane(block, lane));
+    }
+}
+
+/* The pairs of mesh and triangle that a block skips. */
+MLRT_INLINE void fetch_pairs(const mlrt_const_array *array, const struct block *block,
+                             uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS])
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t *pair = (const uint32_t *)(const void *)float_at(array, element_of_lane(block, lane));
+        meshes[lane] = pair[0];
+        triangles[lane] = pair[1];
+    }
+}
+
+/* Neighbours mostly skip triangles of one mesh, or nothing. Then one search is enough; else, one per change of mesh. */
+static void fetch_skips(const struct mlrt_source *source, const struct block *block, uint32_t skip[MLRT_PACKET_RAYS])
+{
+    uint32_t meshes[MLRT_PACKET_RAYS], triangles[MLRT_PACKET_RAYS], elsewhere = 0;
+    fetch_pairs(&source->skip, block, meshes, triangles);
+    struct mesh_range mesh = find_mesh(source->tree, meshes[0]);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        skip[lane] = number_in_mesh(mesh, triangles[lane]);
+        elsewhere |= meshes[lane] ^ mesh.mesh_id;
+    }
+    if (MLRT_LIKELY(!elsewhere)) return;
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        if (meshes[lane] != mesh.mesh_id) mesh = find_mesh(source->tree, meshes[lane]);
+        skip[lane] = number_in_mesh(mesh, triangles[lane]);
+    }
 }
 
 static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
@@ -191,41 +273,40 @@ static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t
     fill(view->t_max, packet->t_max);
 }
 
-/* Of the points, which are where the origins go. */
-static void set_light_rays(const struct mlrt_source *source, struct mlrt_packet *packet)
+static void fetch_light_rays(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    fetch_vectors(&source->points, block, is_point ? packet->direction : packet->origin);
     for (int k = 0; k < 3; ++k) {
-        for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-            const float light = source->light[k], point = packet->origin[k][lane];
-            packet->direction[k][lane] = is_point ? point - light : light;
-            packet->origin[k][lane] = is_point ? light : point;
+        const f4 light = f4_set1(source->light[k]);
+        float *direction = packet->direction[k];
+        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) {
+            f4_store(direction + lane, is_point ? f4_sub(f4_load(direction + lane), light) : light);
         }
     }
     fill(0, packet->t_min);
     fill(is_point ? 1 : INFINITY, packet->t_max);
+    packet->has_apex = is_point;
+    memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
-    packet->has_skip = 0;
+    packet->has_apex = packet->has_skip = 0;
     if (source->kind == MLRT_SOURCE_CAMERA) {
         fetch_camera_rays(&source->view, x, y, packet);
         return;
     }
-    uint32_t elements[MLRT_PACKET_RAYS];
-    find_elements(source, x, y, lanes, elements);
-    fetch_vectors(&source->points, elements, packet->origin);
+    const struct block block = {y * source->width + x, source->width, lanes};
     if (source->kind == MLRT_SOURCE_RAYS) {
-        fetch_vectors(&source->directions, elements, packet->direction);
-        fetch_numbers(&source->t_min, elements, 0, packet->t_min);
-        fetch_numbers(&source->t_max, elements, INFINITY, packet->t_max);
+        fetch_vectors(&source->points, &block, packet->origin);
+        fetch_vectors(&source->directions, &block, packet->direction);
+        fetch_numbers(&source->t_min, &block, 0, packet->t_min);
+        fetch_numbers(&source->t_max, &block, INFINITY, packet->t_max);
     } else {
-        set_light_rays(source, packet);
+        fetch_light_rays(source, &block, packet);
     }
     packet->has_skip = source->skip.data != NULL;
-    for (int lane = 0; packet->has_skip && lane < MLRT_PACKET_RAYS; ++lane) {
-        packet->skip[lane] = skip_at(source, elements[lane]);
-    }
+    if (packet->has_skip) fetch_skips(source, &block, packet->skip);
 }

@@ -12,7 +12,8 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
         vf size = v_set1(0), difference = v_set1(0);
         vm is_safe = m_from_bits(0xFFFFFFFFu);
         for (int k = 0; k < 3; ++k) {
-            const vf o = v_load(packet->origin[k] + v), d = v_load(packet->direction[k] + v);
+            const vf o = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+            const vf d = v_load(packet->direction[k] + v);
             v_store(packet->direction[k] + v, v_add(d, v_set1(0))); /* -0 becomes 0 */
             is_safe = m_and(is_safe, m_and(safe_lanes(o), safe_lanes(d)));
             size = v_max(size, v_abs(d));

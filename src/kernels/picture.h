@@ -41,5 +41,5 @@ static void get_packet(const struct mlrt_source *source, const struct rectangle 
     }
     mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
     check_packet(lanes, packet);
-    find_apex(packet);
+    if (!packet->has_apex) find_apex(packet);
 }

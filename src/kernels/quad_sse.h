@@ -77,6 +77,31 @@ MLRT_INLINE float f4_hmax(f4 a)
     a = _mm_max_ps(a, _mm_movehl_ps(a, a));
     return _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps(a, a, 1)));
 }
+MLRT_INLINE f4 f4_low(f4 a, f4 b)
+{
+    return _mm_movelh_ps(a, b);
+}
+MLRT_INLINE f4 f4_high(f4 a, f4 b)
+{
+    return _mm_movehl_ps(b, a);
+}
+MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
+{
+    f4 xy[4];
+    for (int i = 0; i < 4; ++i) xy[i] = _mm_castpd_ps(_mm_load_sd((const void *)(p + (size_t)i * step)));
+    const f4 ab = _mm_unpacklo_ps(xy[0], xy[1]), cd = _mm_unpacklo_ps(xy[2], xy[3]);
+    by_axis[0] = _mm_movelh_ps(ab, cd);
+    by_axis[1] = _mm_movehl_ps(cd, ab);
+    by_axis[2] = _mm_set_ps(p[3 * step + 2], p[2 * step + 2], p[step + 2], p[2]);
+}
+MLRT_INLINE void f4_triples(const float *p, f4 by_axis[3])
+{
+    const f4 a = _mm_loadu_ps(p), b = _mm_loadu_ps(p + 4), c = _mm_loadu_ps(p + 8);
+    const f4 yz = _mm_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 2, 1)), xy = _mm_shuffle_ps(b, c, _MM_SHUFFLE(2, 1, 3, 2));
+    by_axis[0] = _mm_shuffle_ps(a, xy, _MM_SHUFFLE(2, 0, 3, 0));
+    by_axis[1] = _mm_shuffle_ps(yz, xy, _MM_SHUFFLE(3, 1, 2, 0));
+    by_axis[2] = _mm_shuffle_ps(yz, c, _MM_SHUFFLE(3, 0, 3, 1));
+}
 MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
 {
     /* Reads the last corner from one float earlier, so as not to read past it. */
