@@ -310,3 +310,24 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
     packet->has_skip = source->skip.data != NULL;
     if (packet->has_skip) fetch_skips(source, &block, packet->skip);
 }
+
+/* ---- ahead of time ---- */
+
+MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, size_t first, uint32_t row_length, uint32_t width,
+                               uint32_t height)
+{
+    if (!array->data) return;
+    const char *row = (const char *)array->data + first * array->stride;
+    for (uint32_t j = 0; j < height; ++j, row += row_length * array->stride) {
+        for (size_t i = 0; i < width * array->stride; i += 64) mlrt_prefetch(row + i);
+    }
+}
+
+void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height)
+{
+    if (source->kind == MLRT_SOURCE_CAMERA) return;
+    const size_t first = (size_t)y * source->width + x;
+    prefetch_rows(&source->points, first, source->width, width, height);
+    if (source->kind == MLRT_SOURCE_RAYS) prefetch_rows(&source->directions, first, source->width, width, height);
+    prefetch_rows(&source->skip, first, source->width, width, height);
+}

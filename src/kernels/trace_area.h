@@ -152,6 +152,11 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
         for (uint32_t i = 0; i < area->width; i += 16) {
             const struct rectangle tile = cut_piece(area, i, j, 16);
             const uint32_t place = j / 4 + i / 16;
+            if (i + 16 < area->width) {
+                mlrt_prefetch_rays(&job->source, tile.x + 16, tile.y, 16, tile.height);
+            } else {
+                mlrt_prefetch_rays(&job->source, area->x, tile.y + 16, 16, 16);
+            }
             if (cells.closed >> place & 1) {
                 write_closed(job, worker, cells.cover[place], &tile);
             } else {
