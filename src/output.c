@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Results on their way out. What nobody reads is not computed: the numbers of a hit (rule R5) are worked out here, once
- * per ray, and only for channels that a sink has.
+ * Results on their way out: where they go. What nobody reads is not computed: the numbers of a hit (rule R5) are worked
+ * out by the kernels (kernels/hit_numbers.h), and only for channels that a sink has.
  */
 #include "output.h"
 
 #include <math.h>
 #include <string.h>
+
+#include "kernels/quad.h"
 
 size_t mlrt_channel_size(enum mlrt_channel channel)
 {
@@ -75,39 +77,78 @@ void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct ml
     ray->t_max = packet->t_max[lane];
 }
 
-static const struct mlrt_hit_report miss = {INFINITY, 0, 0, 0};
-
-static void *element(const struct mlrt_sink *sink, enum mlrt_channel c, uint32_t x, uint32_t y)
+static unsigned char *element(const struct mlrt_sink *sink, enum mlrt_channel c, uint32_t x, uint32_t y)
 {
     return sink->channel[c].data + (size_t)y * sink->channel[c].row_stride + (size_t)x * sink->channel[c].stride;
 }
 
-static void write_report(const struct mlrt_hit_report *report, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+uint32_t mlrt_sink_numbers(const struct mlrt_sink *sink)
 {
-    if (sink->channel[MLRT_CHANNEL_T].data) *(float *)element(sink, MLRT_CHANNEL_T, x, y) = report->t;
-    if (sink->channel[MLRT_CHANNEL_U].data) *(float *)element(sink, MLRT_CHANNEL_U, x, y) = report->u;
-    if (sink->channel[MLRT_CHANNEL_V].data) *(float *)element(sink, MLRT_CHANNEL_V, x, y) = report->v;
-    if (sink->channel[MLRT_CHANNEL_FACING].data) {
-        *(int32_t *)element(sink, MLRT_CHANNEL_FACING, x, y) = report->facing;
+    uint32_t outputs = 0;
+    if (sink->channel[MLRT_CHANNEL_T].data) outputs |= MLRT_OUTPUT_T;
+    if (sink->channel[MLRT_CHANNEL_U].data || sink->channel[MLRT_CHANNEL_V].data) outputs |= MLRT_OUTPUT_UV;
+    if (sink->channel[MLRT_CHANNEL_FACING].data) outputs |= MLRT_OUTPUT_FACING;
+    return outputs;
+}
+
+/* ---- packets ---- */
+
+static size_t lane_offset(uint32_t lane, size_t stride, size_t row_stride)
+{
+    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
+    return row * row_stride + column * stride;
+}
+
+/* A whole packet to elements that lie side by side. Lanes 0 .. 3 and 4 .. 7 are two squares beside each other. */
+MLRT_INLINE void write_block(const unsigned char *values, unsigned char *at, size_t row_stride)
+{
+    for (int half = 0; half < 2; ++half, at += 2 * row_stride, values += 32) {
+        const f4 left = f4_load_any(values), right = f4_load_any(values + 16);
+        f4_store_any(at, f4_low(left, right));
+        f4_store_any(at + row_stride, f4_high(left, right));
     }
 }
 
-/* A 4-byte channel of a packet's lanes. */
-static void write_words(const uint32_t values[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
-                        enum mlrt_channel c, const struct mlrt_sink *sink)
+void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y, enum mlrt_channel c,
+                      const struct mlrt_sink *sink)
 {
     const size_t stride = sink->channel[c].stride, row_stride = sink->channel[c].row_stride;
     unsigned char *corner = element(sink, c, x, y);
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        if (!(lanes >> lane & 1)) continue;
-        unsigned char *at = corner + (size_t)mlrt_lane_y[lane] * row_stride + (size_t)mlrt_lane_x[lane] * stride;
-        *(uint32_t *)(void *)at = values[lane];
+    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 4)) {
+        write_block(values, corner, row_stride);
+        return;
+    }
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        memcpy(corner + lane_offset(lane, stride, row_stride), (const unsigned char *)values + 4 * lane, 4);
     }
 }
 
-/* Turns triangle numbers into ids. Neighbours mostly hit the same mesh, so its range is tried first. */
-static void find_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t meshes[MLRT_PACKET_RAYS],
-                     uint32_t triangles[MLRT_PACKET_RAYS])
+void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+{
+    static const uint8_t bytes[16][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},
+                                         {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0},
+                                         {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1},
+                                         {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
+    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
+    unsigned char *corner = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);
+    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
+        for (uint32_t row = 0; row < 4; ++row, corner += row_stride) {
+            const uint32_t bits = occluded >> (2 * (row & 1) + 8 * (row >> 1));
+            memcpy(corner, bytes[(bits & 3) | (bits >> 2 & 12)], 4);
+        }
+        return;
+    }
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        corner[lane_offset(lane, stride, row_stride)] = occluded >> lane & 1;
+    }
+}
+
+/* Neighbours mostly hit the same mesh, so its range is tried first. */
+void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                          uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS])
 {
     uint32_t mesh = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
@@ -124,93 +165,59 @@ static void find_ids(const struct mlrt_tree *tree, const struct mlrt_packet *pac
     }
 }
 
-/* What mlrt_report_hit has to work out for a sink. */
-static uint32_t wanted_numbers(const struct mlrt_sink *sink)
-{
-    uint32_t outputs = 0;
-    if (sink->channel[MLRT_CHANNEL_T].data) outputs |= MLRT_OUTPUT_T;
-    if (sink->channel[MLRT_CHANNEL_U].data || sink->channel[MLRT_CHANNEL_V].data) outputs |= MLRT_OUTPUT_UV;
-    if (sink->channel[MLRT_CHANNEL_FACING].data) outputs |= MLRT_OUTPUT_FACING;
-    return outputs;
-}
+/* ---- rectangles ---- */
 
-int mlrt_sink_wants_ids_only(const struct mlrt_sink *sink)
+/* One word to a row of elements. */
+static void fill_row(uint32_t value, uint32_t count, size_t stride, unsigned char *at)
 {
-    return wanted_numbers(sink) == 0;
-}
-
-static void write_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lanes, uint32_t x,
-                      uint32_t y, const struct mlrt_sink *sink)
-{
-    uint32_t meshes[MLRT_PACKET_RAYS], triangles[MLRT_PACKET_RAYS];
-    if (!sink->channel[MLRT_CHANNEL_MESH].data && !sink->channel[MLRT_CHANNEL_TRIANGLE].data) return;
-    find_ids(tree, packet, meshes, triangles);
-    if (sink->channel[MLRT_CHANNEL_MESH].data) write_words(meshes, lanes, x, y, MLRT_CHANNEL_MESH, sink);
-    if (sink->channel[MLRT_CHANNEL_TRIANGLE].data) write_words(triangles, lanes, x, y, MLRT_CHANNEL_TRIANGLE, sink);
-}
-
-static void write_reports(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lanes, uint32_t x,
-                          uint32_t y, uint32_t outputs, const struct mlrt_sink *sink)
-{
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        if (!(lanes >> lane & 1)) continue;
-        struct mlrt_hit_report report = miss;
-        if (packet->triangle[lane] != MLRT_NONE) {
-            struct mlrt_ray_segment ray;
-            mlrt_get_segment(packet, lane, &ray);
-            mlrt_report_hit(&ray, &tree->triangles[packet->triangle[lane]], outputs, &report);
-        }
-        write_report(&report, x + (uint32_t)mlrt_lane_x[lane], y + (uint32_t)mlrt_lane_y[lane], sink);
+    const uint32_t words[4] = {value, value, value, value};
+    if (MLRT_LIKELY(stride == 4)) {
+        const f4 quad = f4_load_any(words);
+        for (; count >= 4; count -= 4, at += 16) f4_store_any(at, quad);
     }
+    for (; count; --count, at += stride) memcpy(at, &value, 4);
 }
 
-static void write_occluded(const struct mlrt_packet *packet, uint32_t lanes, uint32_t x, uint32_t y,
-                           const struct mlrt_sink *sink)
-{
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        if (!(lanes >> lane & 1)) continue;
-        *(uint8_t *)element(sink, MLRT_CHANNEL_OCCLUDED, x + (uint32_t)mlrt_lane_x[lane],
-                            y + (uint32_t)mlrt_lane_y[lane]) = packet->triangle[lane] != MLRT_NONE;
-    }
-}
-
-void mlrt_write_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lanes, uint32_t x,
-                       uint32_t y, const struct mlrt_sink *sink)
-{
-    const uint32_t outputs = wanted_numbers(sink);
-    write_ids(tree, packet, lanes, x, y, sink);
-    if (outputs) write_reports(tree, packet, lanes, x, y, outputs, sink);
-    if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) write_occluded(packet, lanes, x, y, sink);
-}
-
-static void write_run(uint32_t value, uint32_t x, uint32_t y, uint32_t count, enum mlrt_channel c,
-                      const struct mlrt_sink *sink)
+static void fill_words(uint32_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height, enum mlrt_channel c,
+                       const struct mlrt_sink *sink)
 {
     if (!sink->channel[c].data) return;
-    for (uint32_t i = 0; i < count; ++i) *(uint32_t *)element(sink, c, x + i, y) = value;
+    unsigned char *row = element(sink, c, x, y);
+    for (; height; --height, row += sink->channel[c].row_stride) fill_row(value, width, sink->channel[c].stride, row);
 }
 
-static void write_occluded_run(uint8_t value, uint32_t x, uint32_t y, uint32_t count, const struct mlrt_sink *sink)
-{
-    if (!sink->channel[MLRT_CHANNEL_OCCLUDED].data) return;
-    for (uint32_t i = 0; i < count; ++i) *(uint8_t *)element(sink, MLRT_CHANNEL_OCCLUDED, x + i, y) = value;
-}
-
-void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t count,
+static void fill_occluded(uint8_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                           const struct mlrt_sink *sink)
+{
+    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    if (!sink->channel[MLRT_CHANNEL_OCCLUDED].data) return;
+    for (uint32_t j = 0; j < height; ++j) {
+        unsigned char *at = element(sink, MLRT_CHANNEL_OCCLUDED, x, y + j);
+        if (stride == 1) {
+            memset(at, value, width);
+        } else {
+            for (uint32_t i = 0; i < width; ++i, at += stride) *at = value;
+        }
+    }
+}
+
+void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
+                          uint32_t height, const struct mlrt_sink *sink)
 {
     uint32_t mesh, triangle;
     mlrt_find_ids(tree, number, &mesh, &triangle);
-    write_run(mesh, x, y, count, MLRT_CHANNEL_MESH, sink);
-    write_run(triangle, x, y, count, MLRT_CHANNEL_TRIANGLE, sink);
-    write_occluded_run(1, x, y, count, sink);
+    fill_words(mesh, x, y, width, height, MLRT_CHANNEL_MESH, sink);
+    fill_words(triangle, x, y, width, height, MLRT_CHANNEL_TRIANGLE, sink);
+    fill_occluded(1, x, y, width, height, sink);
 }
 
-void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t count, const struct mlrt_sink *sink)
+void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)
 {
-    write_run(MLRT_NONE, x, y, count, MLRT_CHANNEL_MESH, sink);
-    write_run(MLRT_NONE, x, y, count, MLRT_CHANNEL_TRIANGLE, sink);
-    write_occluded_run(0, x, y, count, sink);
-    if (mlrt_sink_wants_ids_only(sink)) return;
-    for (uint32_t i = 0; i < count; ++i) write_report(&miss, x + i, y, sink);
+    const float infinity = INFINITY;
+    uint32_t values[MLRT_CHANNEL_COUNT] = {0, 0, 0, MLRT_NONE, MLRT_NONE, 0, 0};
+    memcpy(&values[MLRT_CHANNEL_T], &infinity, sizeof infinity);
+    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
+        fill_words(values[c], x, y, width, height, (enum mlrt_channel)c, sink);
+    }
+    fill_occluded(0, x, y, width, height, sink);
 }

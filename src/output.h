@@ -40,22 +40,29 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink);
 /* Bytes of one element. */
 size_t mlrt_channel_size(enum mlrt_channel channel);
 
+/* What mlrt_report_hit would have to work out for the sink: MLRT_OUTPUT_T, _UV and _FACING. */
+uint32_t mlrt_sink_numbers(const struct mlrt_sink *sink);
+
 /*
- * Writes the results of a packet's lanes `lanes`, whose block starts at (x, y) of the sink. The rays and nearest hits
- * are the packet's; with `any`, a lane with a triangle is occluded.
+ * Writes words of a packet's lanes `lanes`, whose block starts at (x, y) of the sink, to a channel of 4 bytes. `values`
+ * are aligned to 16 bytes.
  */
-void mlrt_write_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lanes, uint32_t x,
-                       uint32_t y, const struct mlrt_sink *sink);
+void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y, enum mlrt_channel c,
+                      const struct mlrt_sink *sink);
 
-/* Writes misses to a run of elements of one row. */
-void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t count, const struct mlrt_sink *sink);
+/* Likewise, which lanes are occluded. */
+void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink);
 
-/* Does the sink want nothing that differs between rays that hit the same triangle? */
-int mlrt_sink_wants_ids_only(const struct mlrt_sink *sink);
+/* Writes misses to a rectangle. */
+void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
-/* Writes hits of one triangle to a run of elements of one row of such a sink. */
-void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t count,
-                          const struct mlrt_sink *sink);
+/* Writes hits of one triangle to a rectangle of a sink that wants no numbers. */
+void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
+                          uint32_t height, const struct mlrt_sink *sink);
+
+/* The ids of the triangles that a packet's lanes hit. */
+void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                          uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS]);
 
 /* The ray of a lane. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);

@@ -58,9 +58,8 @@
 #include "platform.h"
 #include "rounding.h"
 
-#define UNIT_ROUNDOFF 0x1p-53
-#define SIGN_ERROR    (10 * UNIT_ROUNDOFF)
-#define ORDER_ERROR   (18 * UNIT_ROUNDOFF)
+#define SIGN_ERROR  (10 * MLRT_UNIT_ROUNDOFF)
+#define ORDER_ERROR (18 * MLRT_UNIT_ROUNDOFF)
 
 /* ------------------------------------------------------------------------------------------------------------------
  * In double
@@ -539,12 +538,8 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
  *
  * The quotient q = X * (1 / D) is rounded twice more, and then q - w and q + w once each: 3.001 u |X / D| in all, which
  * is at most 3.01 u s(X) / |D| because |X| <= (1 + 20 u) s(X). The sum is below (11.2 s(X) + 8.2 |q| s(D)) u / |D|;
- * with 12 and 9 there is room for the roundings of w itself.
+ * with 12 and 9, which are in predicate.h, there is room for the roundings of w itself.
  * ------------------------------------------------------------------------------------------------------------------ */
-
-#define NUMERATOR_ERROR   (12 * UNIT_ROUNDOFF)
-#define DENOMINATOR_ERROR (9 * UNIT_ROUNDOFF)
-#define LEAST_DENOMINATOR 0x1p-44
 
 /* 1 / D, and what the error of D adds to a quotient relative to it. */
 struct denominator {
@@ -559,19 +554,19 @@ struct enclosure {
 
 MLRT_INLINE int is_safe_denominator(struct measured d)
 {
-    return fabs(d.value) > LEAST_DENOMINATOR * d.size;
+    return fabs(d.value) > MLRT_LEAST_DENOMINATOR * d.size;
 }
 
 MLRT_INLINE struct denominator invert(struct measured d)
 {
     double inverse = 1 / d.value;
-    return (struct denominator){inverse, DENOMINATOR_ERROR * d.size * fabs(inverse)};
+    return (struct denominator){inverse, MLRT_DENOMINATOR_ERROR * d.size * fabs(inverse)};
 }
 
 MLRT_INLINE struct enclosure enclose_quotient(struct measured x, struct denominator d)
 {
     double quotient = x.value * d.inverse;
-    double width = NUMERATOR_ERROR * x.size * fabs(d.inverse) + fabs(quotient) * d.error;
+    double width = MLRT_NUMERATOR_ERROR * x.size * fabs(d.inverse) + fabs(quotient) * d.error;
     return (struct enclosure){quotient - width, quotient + width};
 }
 

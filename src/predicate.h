@@ -55,6 +55,15 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
 void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *lo,
                          float *hi);
 
+/*
+ * How double quotients of determinants are enclosed, here and in kernels/hit_numbers.h: the relative errors of numerator
+ * and denominator, and the least denominator, relative to its size, that they are for. Derived in predicate.c.
+ */
+#define MLRT_UNIT_ROUNDOFF     0x1p-53
+#define MLRT_NUMERATOR_ERROR   (12 * MLRT_UNIT_ROUNDOFF)
+#define MLRT_DENOMINATOR_ERROR (9 * MLRT_UNIT_ROUNDOFF)
+#define MLRT_LEAST_DENOMINATOR 0x1p-44
+
 /* Rule R5: t, u, v of a hit, each the exact quotient rounded once to the nearest float (ties to even). */
 struct mlrt_hit_report {
     float t;

@@ -39,7 +39,7 @@
 #include "ray_tile.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
-#include "write_ids.h"
+#include "write_packet.h"
 #include "bvh_single.h"
 #include "trace_tile.h"
 

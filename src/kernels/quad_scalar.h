@@ -27,6 +27,17 @@ MLRT_INLINE void f4_store(float *p, f4 a)
 {
     memcpy(p, a.x, sizeof a.x);
 } /* aligned to 16 bytes */
+/* any four words, as they are, aligned or not */
+MLRT_INLINE f4 f4_load_any(const void *p)
+{
+    f4 a;
+    memcpy(a.x, p, sizeof a.x);
+    return a;
+}
+MLRT_INLINE void f4_store_any(void *p, f4 a)
+{
+    memcpy(p, a.x, sizeof a.x);
+}
 MLRT_INLINE f4 f4_add(f4 a, f4 b)
 {
     return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}};

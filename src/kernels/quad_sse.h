@@ -23,6 +23,14 @@ MLRT_INLINE void f4_store(float *p, f4 a)
 {
     _mm_store_ps(p, a);
 }
+MLRT_INLINE f4 f4_load_any(const void *p)
+{
+    return _mm_loadu_ps(p);
+}
+MLRT_INLINE void f4_store_any(void *p, f4 a)
+{
+    _mm_storeu_ps(p, a);
+}
 MLRT_INLINE f4 f4_add(f4 a, f4 b)
 {
     return _mm_add_ps(a, b);

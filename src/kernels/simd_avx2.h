@@ -11,9 +11,11 @@
 
 #define VW        8
 #define ALL_LANES 255u
+#define DW        4
 typedef __m256 vf;
 typedef __m256i vi;
 typedef __m256 vm;
+typedef __m256d vd;
 
 /* clang-format off: a table of words */
 MLRT_INLINE vf v_set1(float a)
@@ -152,6 +154,47 @@ MLRT_INLINE vm i_eq(vi a, vi b)
 MLRT_INLINE vi i_select(vm m, vi a, vi b)
 {
     return _mm256_blendv_epi8(b, a, _mm256_castps_si256(m));
+}
+
+MLRT_INLINE vd d_set1(double a)
+{
+    return _mm256_set1_pd(a);
+}
+MLRT_INLINE vd d_load(const float *p)
+{
+    return _mm256_cvtps_pd(_mm_load_ps(p));
+}
+MLRT_INLINE void d_store(float *p, vd a)
+{
+    _mm_store_ps(p, _mm256_cvtpd_ps(a));
+}
+MLRT_INLINE vd d_add(vd a, vd b)
+{
+    return _mm256_add_pd(a, b);
+}
+MLRT_INLINE vd d_sub(vd a, vd b)
+{
+    return _mm256_sub_pd(a, b);
+}
+MLRT_INLINE vd d_mul(vd a, vd b)
+{
+    return _mm256_mul_pd(a, b);
+}
+MLRT_INLINE vd d_div(vd a, vd b)
+{
+    return _mm256_div_pd(a, b);
+}
+MLRT_INLINE vd d_abs(vd a)
+{
+    return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
+}
+MLRT_INLINE unsigned d_gt(vd a, vd b)
+{
+    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
+}
+MLRT_INLINE unsigned d_same_float(vd a, vd b)
+{
+    return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(_mm256_cvtpd_ps(a), _mm256_cvtpd_ps(b)));
 }
 
 #endif

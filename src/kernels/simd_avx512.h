@@ -11,9 +11,11 @@
 
 #define VW        16
 #define ALL_LANES 65535u
+#define DW        8
 typedef __m512 vf;
 typedef __m512i vi;
 typedef __mmask16 vm;
+typedef __m512d vd;
 
 /* clang-format off: a table of words */
 MLRT_INLINE vf v_set1(float a)
@@ -152,6 +154,47 @@ MLRT_INLINE vm i_eq(vi a, vi b)
 MLRT_INLINE vi i_select(vm m, vi a, vi b)
 {
     return _mm512_mask_blend_epi32(m, b, a);
+}
+
+MLRT_INLINE vd d_set1(double a)
+{
+    return _mm512_set1_pd(a);
+}
+MLRT_INLINE vd d_load(const float *p)
+{
+    return _mm512_cvtps_pd(_mm256_load_ps(p));
+}
+MLRT_INLINE void d_store(float *p, vd a)
+{
+    _mm256_store_ps(p, _mm512_cvtpd_ps(a));
+}
+MLRT_INLINE vd d_add(vd a, vd b)
+{
+    return _mm512_add_pd(a, b);
+}
+MLRT_INLINE vd d_sub(vd a, vd b)
+{
+    return _mm512_sub_pd(a, b);
+}
+MLRT_INLINE vd d_mul(vd a, vd b)
+{
+    return _mm512_mul_pd(a, b);
+}
+MLRT_INLINE vd d_div(vd a, vd b)
+{
+    return _mm512_div_pd(a, b);
+}
+MLRT_INLINE vd d_abs(vd a)
+{
+    return _mm512_abs_pd(a);
+}
+MLRT_INLINE unsigned d_gt(vd a, vd b)
+{
+    return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
+}
+MLRT_INLINE unsigned d_same_float(vd a, vd b)
+{
+    return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(_mm512_cvtpd_ps(a), _mm512_cvtpd_ps(b), _CMP_EQ_OQ));
 }
 
 #endif

@@ -3,12 +3,14 @@
  * The vocabulary of the kernels, one lane wide and in plain C: what every other simd_*.h must mean lane by lane.
  *
  *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to
- * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN; comparisons with a NaN are false. A mask
- * lane is all ones or all zeros; m_bits has lane i in bit i.
+ * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN;
+ * comparisons with a NaN are false. A mask lane is all ones or all zeros; m_bits has lane i in bit i.
+ *   vd doubles; DW lanes, which are loaded from floats and rounded to floats.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H
 
+#include <math.h>
 #include <string.h>
 
 #include "platform.h"
@@ -16,9 +18,11 @@
 
 #define VW        1
 #define ALL_LANES 1u
+#define DW        1
 typedef float vf;
 typedef uint32_t vi;
 typedef uint32_t vm;
+typedef double vd;
 
 /* clang-format off: a table of words */
 MLRT_INLINE uint32_t bits_of(float a)
@@ -171,6 +175,49 @@ MLRT_INLINE vm i_eq(vi a, vi b)
 MLRT_INLINE vi i_select(vm m, vi a, vi b)
 {
     return m ? a : b;
+}
+
+MLRT_INLINE vd d_set1(double a)
+{
+    return a;
+}
+MLRT_INLINE vd d_load(const float *p)
+{
+    return *p;
+}
+MLRT_INLINE void d_store(float *p, vd a)
+{
+    *p = (float)a;
+}
+MLRT_INLINE vd d_add(vd a, vd b)
+{
+    return a + b;
+}
+MLRT_INLINE vd d_sub(vd a, vd b)
+{
+    return a - b;
+}
+MLRT_INLINE vd d_mul(vd a, vd b)
+{
+    return a * b;
+}
+MLRT_INLINE vd d_div(vd a, vd b)
+{
+    return a / b;
+}
+MLRT_INLINE vd d_abs(vd a)
+{
+    return fabs(a);
+}
+/* bits of the lanes where a > b */
+MLRT_INLINE unsigned d_gt(vd a, vd b)
+{
+    return a > b;
+}
+/* bits of the lanes where both round to one float */
+MLRT_INLINE unsigned d_same_float(vd a, vd b)
+{
+    return (float)a == (float)b;
 }
 
 #endif

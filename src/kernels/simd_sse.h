@@ -11,9 +11,11 @@
 
 #define VW        4
 #define ALL_LANES 15u
+#define DW        2
 typedef __m128 vf;
 typedef __m128i vi;
 typedef __m128 vm;
+typedef __m128d vd;
 
 /* clang-format off: a table of words */
 MLRT_INLINE vf v_set1(float a)
@@ -155,6 +157,47 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b)
 {
     const __m128i mask = _mm_castps_si128(m);
     return _mm_or_si128(_mm_and_si128(mask, a), _mm_andnot_si128(mask, b));
+}
+
+MLRT_INLINE vd d_set1(double a)
+{
+    return _mm_set1_pd(a);
+}
+MLRT_INLINE vd d_load(const float *p)
+{
+    return _mm_cvtps_pd(_mm_castpd_ps(_mm_load_sd((const void *)p)));
+}
+MLRT_INLINE void d_store(float *p, vd a)
+{
+    _mm_storel_pi((void *)p, _mm_cvtpd_ps(a));
+}
+MLRT_INLINE vd d_add(vd a, vd b)
+{
+    return _mm_add_pd(a, b);
+}
+MLRT_INLINE vd d_sub(vd a, vd b)
+{
+    return _mm_sub_pd(a, b);
+}
+MLRT_INLINE vd d_mul(vd a, vd b)
+{
+    return _mm_mul_pd(a, b);
+}
+MLRT_INLINE vd d_div(vd a, vd b)
+{
+    return _mm_div_pd(a, b);
+}
+MLRT_INLINE vd d_abs(vd a)
+{
+    return _mm_andnot_pd(_mm_set1_pd(-0.0), a);
+}
+MLRT_INLINE unsigned d_gt(vd a, vd b)
+{
+    return (unsigned)_mm_movemask_pd(_mm_cmpgt_pd(a, b));
+}
+MLRT_INLINE unsigned d_same_float(vd a, vd b)
+{
+    return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(_mm_cvtpd_ps(a), _mm_cvtpd_ps(b))) & 3;
 }
 
 #endif

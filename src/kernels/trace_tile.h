@@ -31,29 +31,39 @@ static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
+static void write_misses_of(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
+{
+    if (job->has_frame) mlrt_write_misses(tile->x, tile->y, tile->width, tile->height, &job->frame);
+    if (job->callback) {
+        mlrt_write_misses(tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width, tile->height, &worker->tile);
+    }
+}
+
+/* Of a list, the last row may be short. */
 static void write_misses(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
 {
-    for (uint32_t j = tile->y; j < tile->y + tile->height; ++j) {
-        const uint64_t first = (uint64_t)j * job->source.width + tile->x;
-        if (first >= job->source.count) return;
-        const uint64_t left = job->source.count - first;
-        const uint32_t count = left < tile->width ? (uint32_t)left : tile->width;
-        if (job->has_frame) mlrt_write_misses(tile->x, j, count, &job->frame);
-        if (job->callback) mlrt_write_misses(tile->x - worker->tile_x, j - worker->tile_y, count, &worker->tile);
+    const uint64_t last = (uint64_t)(tile->y + tile->height - 1) * job->source.width + tile->x;
+    struct rectangle part = *tile;
+    if (MLRT_UNLIKELY(last + tile->width > job->source.count)) {
+        const struct rectangle row = {tile->x, tile->y + tile->height - 1,
+                                      last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
+        write_misses_of(job, worker, &row);
+        --part.height;
     }
+    write_misses_of(job, worker, &part);
 }
 
 /* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
 static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                         const struct rectangle *tile)
 {
-    if (mlrt_sink_wants_ids_only(&job->frame) && mlrt_sink_wants_ids_only(&worker->tile)) {
-        for (uint32_t j = tile->y; j < tile->y + tile->height; ++j) {
-            if (job->has_frame) mlrt_write_same_hits(job->tree, number, tile->x, j, tile->width, &job->frame);
-            if (job->callback) {
-                mlrt_write_same_hits(job->tree, number, tile->x - worker->tile_x, j - worker->tile_y, tile->width,
-                                     &worker->tile);
-            }
+    if (!mlrt_sink_numbers(&job->frame) && !mlrt_sink_numbers(&worker->tile)) {
+        if (job->has_frame) {
+            mlrt_write_same_hits(job->tree, number, tile->x, tile->y, tile->width, tile->height, &job->frame);
+        }
+        if (job->callback) {
+            mlrt_write_same_hits(job->tree, number, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width,
+                                 tile->height, &worker->tile);
         }
         return;
     }

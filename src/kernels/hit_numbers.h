@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time: what mlrt_report_hit says of one
+ * ray, to the same bits, since each is the float nearest to one and the same quotient.
+ *
+ * The determinants are those at the head of predicate.c, all as a cross product of two vectors of triangle and origin
+ * and its dot product with a third:
+ *
+ *     D = d . (b-a cross c-a)     N = p . (b-a cross c-a)     e_ca = d . (c-a cross p)     e_ab = d . (p cross b-a)
+ *
+ * A component of a cross product has 4 factors, one of each difference, a product and a difference, and the dot product
+ * adds a product and at most two sums, for N the factor of p as well. So there are 7 factors, for N 8, as there; its
+ * bounds hold, and so do those of the quotients, which are formed in the same way. A quotient whose enclosure has ends
+ * that round to different floats, or whose denominator is uncertain, is left to mlrt_report_hit.
+ *
+ * The cross products are the same for all rays from one origin that hit one triangle, and most packets consist of such.
+ */
+
+/* Of the rays of a vector: of a triangle, seen from their origin. */
+struct hit_terms {
+    vd normal[3];
+    vd normal_size;
+    vd n;
+    vd n_size;
+    vd edge[2][3]; /* of e_ca and e_ab: before the product with d */
+    vd edge_size[2];
+};
+
+struct packet_numbers {
+    MLRT_ALIGNED(64) float t[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float uv[2][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t facing[MLRT_PACKET_RAYS];
+};
+
+MLRT_INLINE void cross_product_of_doubles(const vd a[3], const vd b[3], vd cross[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = d_sub(d_mul(a[i], b[j]), d_mul(a[j], b[i]));
+    }
+}
+
+MLRT_INLINE vd dot_product_of_doubles(const vd a[3], const vd b[3])
+{
+    return d_add(d_add(d_mul(a[0], b[0]), d_mul(a[1], b[1])), d_mul(a[2], b[2]));
+}
+
+MLRT_INLINE vd size_of_doubles(const vd a[3])
+{
+    return d_add(d_add(d_abs(a[0]), d_abs(a[1])), d_abs(a[2]));
+}
+
+/* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
+static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                           uint32_t lane_count, float corners[9][MLRT_PACKET_RAYS])
+{
+    const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
+    for (uint32_t lane = 0; lane < lane_count; ++lane) {
+        const struct mlrt_triangle *triangle = &tree->triangles[hit >> lane & 1 ? packet->triangle[lane] : standard];
+        for (int k = 0; k < 9; ++k) corners[k][lane] = triangle->v[k / 3][k % 3];
+    }
+}
+
+MLRT_INLINE void set_up_hit_terms(const struct mlrt_packet *packet, float corners[9][MLRT_PACKET_RAYS], uint32_t lane,
+                                  uint32_t outputs, struct hit_terms *terms)
+{
+    vd ab[3], ac[3], p[3];
+    for (int k = 0; k < 3; ++k) {
+        const vd a = d_load(corners[k] + lane);
+        ab[k] = d_sub(d_load(corners[3 + k] + lane), a);
+        ac[k] = d_sub(d_load(corners[6 + k] + lane), a);
+        p[k] = d_sub(a, packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane));
+    }
+    const vd ab_size = size_of_doubles(ab), ac_size = size_of_doubles(ac), p_size = size_of_doubles(p);
+    cross_product_of_doubles(ab, ac, terms->normal);
+    terms->normal_size = d_mul(ab_size, ac_size);
+    terms->n = dot_product_of_doubles(p, terms->normal);
+    terms->n_size = d_mul(p_size, terms->normal_size);
+    if (!(outputs & MLRT_OUTPUT_UV)) return;
+    cross_product_of_doubles(ac, p, terms->edge[0]);
+    cross_product_of_doubles(p, ab, terms->edge[1]);
+    terms->edge_size[0] = d_mul(ac_size, p_size);
+    terms->edge_size[1] = d_mul(p_size, ab_size);
+}
+
+/* 1 / D, its magnitude, and what the error of D adds to a quotient relative to it. */
+struct lane_denominator {
+    vd inverse;
+    vd inverse_size;
+    vd error;
+};
+
+/* Rounds x / D to floats. Returns the lanes where that is certain. */
+MLRT_INLINE uint32_t round_quotients(vd x, vd size, const struct lane_denominator *d, float *result)
+{
+    const vd quotient = d_mul(x, d->inverse);
+    const vd width = d_add(d_mul(d_mul(d_set1(MLRT_NUMERATOR_ERROR), size), d->inverse_size),
+                           d_mul(d_abs(quotient), d->error));
+    const vd low = d_sub(quotient, width), high = d_add(quotient, width);
+    d_store(result, high);
+    return MLRT_GUESS ? ALL_LANES : d_same_float(low, high);
+}
+
+/* The numbers of DW lanes. Returns those that are certain; `positive` receives those with D > 0. */
+MLRT_INLINE uint32_t report_vector(const struct hit_terms *terms, const struct mlrt_packet *packet, uint32_t lane,
+                                   uint32_t outputs, uint32_t *positive, struct packet_numbers *numbers)
+{
+    const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
+                             d_load(packet->direction[2] + lane)};
+    const vd direction_size = size_of_doubles(direction);
+    const vd d = dot_product_of_doubles(direction, terms->normal), d_size = d_mul(direction_size, terms->normal_size);
+    uint32_t certain = d_gt(d_abs(d), d_mul(d_set1(MLRT_LEAST_DENOMINATOR), d_size));
+    *positive = d_gt(d, d_set1(0));
+    struct lane_denominator denominator;
+    denominator.inverse = d_div(d_set1(1), d);
+    denominator.inverse_size = d_abs(denominator.inverse);
+    denominator.error = d_mul(d_mul(d_set1(MLRT_DENOMINATOR_ERROR), d_size), denominator.inverse_size);
+    if (outputs & MLRT_OUTPUT_T) {
+        certain &= round_quotients(terms->n, terms->n_size, &denominator, numbers->t + lane);
+    }
+    for (int i = 0; outputs & MLRT_OUTPUT_UV && i < 2; ++i) {
+        certain &= round_quotients(dot_product_of_doubles(direction, terms->edge[i]),
+                                   d_mul(direction_size, terms->edge_size[i]), &denominator, numbers->uv[i] + lane);
+    }
+    return certain;
+}
+
+/* One lane, by the judge. */
+static MLRT_NOINLINE void report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane,
+                                      uint32_t outputs, struct packet_numbers *numbers)
+{
+    struct mlrt_ray_segment ray;
+    struct mlrt_hit_report report = {0, 0, 0, 0};
+    mlrt_get_segment(packet, lane, &ray);
+    mlrt_report_hit(&ray, &tree->triangles[packet->triangle[lane]], outputs, &report);
+    numbers->t[lane] = report.t;
+    numbers->uv[0][lane] = report.u;
+    numbers->uv[1][lane] = report.v;
+    numbers->facing[lane] = (uint32_t)report.facing;
+}
+
+/* What a miss has. */
+MLRT_INLINE void report_misses(struct packet_numbers *numbers)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        v_store(numbers->t + v, v_set1(INFINITY));
+        v_store(numbers->uv[0] + v, v_set1(0));
+        v_store(numbers->uv[1] + v, v_set1(0));
+        i_store(numbers->facing + v, i_set1(0));
+    }
+}
+
+MLRT_INLINE vf of_hits(uint32_t hit, const float *values, float standard)
+{
+    return v_select(m_from_bits(hit), v_load(values), v_set1(standard));
+}
+
+/* Puts what a miss has where there is no hit. */
+MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, uint32_t outputs, struct packet_numbers *numbers)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        if (outputs & MLRT_OUTPUT_T) v_store(numbers->t + v, of_hits(hit >> v, numbers->t + v, INFINITY));
+        if (outputs & MLRT_OUTPUT_UV) {
+            v_store(numbers->uv[0] + v, of_hits(hit >> v, numbers->uv[0] + v, 0));
+            v_store(numbers->uv[1] + v, of_hits(hit >> v, numbers->uv[1] + v, 0));
+        }
+        const vi facing = i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu));
+        i_store(numbers->facing + v, i_select(m_from_bits(hit >> v), facing, i_set1(0)));
+    }
+}
+
+/* The numbers of a packet's lanes, `hit` those with a hit. */
+static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                                        uint32_t outputs, struct packet_numbers *numbers)
+{
+    if (!hit) {
+        report_misses(numbers);
+        return;
+    }
+    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
+    const int shared = packet->has_apex && !(hit & ~lanes_of_triangle(packet, packet->triangle[mlrt_lowest_bit(hit)]));
+    gather_corners(tree, packet, hit, shared ? DW : MLRT_PACKET_RAYS, corners);
+    struct hit_terms terms;
+    uint32_t certain = 0, all_positive = 0;
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        uint32_t positive;
+        if (lane == 0 || !shared) set_up_hit_terms(packet, corners, lane, outputs, &terms);
+        certain |= report_vector(&terms, packet, lane, outputs, &positive, numbers) << lane;
+        all_positive |= positive << lane;
+    }
+    settle_numbers(hit, all_positive, outputs, numbers);
+    for (uint32_t left = hit & ~certain; left; left &= left - 1) {
+        report_lane(tree, packet, mlrt_lowest_bit(left), outputs, numbers);
+    }
+}
