@@ -64,6 +64,7 @@ int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *
                                struct mlrt_source *source)
 {
     if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
+    source->directions.data = NULL;
     source->kind = light->kind == MLRT_LIGHT_POINT ? MLRT_SOURCE_POINT_LIGHT : MLRT_SOURCE_DIRECTIONAL_LIGHT;
     source->tree = tree;
     for (int k = 0; k < 3; ++k) {
@@ -209,7 +210,9 @@ static void fetch_vectors(const mlrt_const_array *array, const struct block *blo
         f4 even[3], odd[3];
         load_vectors(array, block->first + row * block->row_length, even);
         load_vectors(array, block->first + (row + 1) * block->row_length, odd);
-        for (int k = 0; k < 3; ++k) put_rows(even[k], odd[k], vectors[k] + 4 * row);
+        put_rows(even[0], odd[0], vectors[0] + 4 * row);
+        put_rows(even[1], odd[1], vectors[1] + 4 * row);
+        put_rows(even[2], odd[2], vectors[2] + 4 * row);
     }
 }
 
@@ -313,6 +316,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
 
 /* ---- ahead of time ---- */
 
+/* Always inlined: to the compiler a function that only prefetches does nothing, and a call of it is dropped. */
 MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, size_t first, uint32_t row_length, uint32_t width,
                                uint32_t height)
 {
@@ -323,11 +327,13 @@ MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, size_t first, uint
     }
 }
 
-void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height)
+void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height)
 {
-    if (source->kind == MLRT_SOURCE_CAMERA) return;
+    if (source->kind == MLRT_SOURCE_CAMERA || x >= source->width || y >= source->height) return;
+    const uint32_t width = source->width - x < 16 ? source->width - x : 16;
+    if (height > source->height - y) height = source->height - y;
     const size_t first = (size_t)y * source->width + x;
     prefetch_rows(&source->points, first, source->width, width, height);
-    if (source->kind == MLRT_SOURCE_RAYS) prefetch_rows(&source->directions, first, source->width, width, height);
+    prefetch_rows(&source->directions, first, source->width, width, height);
     prefetch_rows(&source->skip, first, source->width, width, height);
 }

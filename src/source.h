@@ -66,7 +66,7 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
 
-/* Has the rays of a rectangle brought into the cache, as far as they lie in arrays. */
-void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
+/* Has the rays of up to 16 columns from (x, y), if there are such, brought into the cache if they lie in arrays. */
+void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height);
 
 #endif

@@ -52,24 +52,23 @@ MLRT_INLINE vd size_of_doubles(const vd a[3])
 
 /* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
 static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                           uint32_t lane_count, float corners[9][MLRT_PACKET_RAYS])
+                           float corners[9][MLRT_PACKET_RAYS])
 {
     const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
-    for (uint32_t lane = 0; lane < lane_count; ++lane) {
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const struct mlrt_triangle *triangle = &tree->triangles[hit >> lane & 1 ? packet->triangle[lane] : standard];
         for (int k = 0; k < 9; ++k) corners[k][lane] = triangle->v[k / 3][k % 3];
     }
 }
 
-MLRT_INLINE void set_up_hit_terms(const struct mlrt_packet *packet, float corners[9][MLRT_PACKET_RAYS], uint32_t lane,
+MLRT_INLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *packet, uint32_t lane,
                                   uint32_t outputs, struct hit_terms *terms)
 {
     vd ab[3], ac[3], p[3];
     for (int k = 0; k < 3; ++k) {
-        const vd a = d_load(corners[k] + lane);
-        ab[k] = d_sub(d_load(corners[3 + k] + lane), a);
-        ac[k] = d_sub(d_load(corners[6 + k] + lane), a);
-        p[k] = d_sub(a, packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane));
+        ab[k] = d_sub(corner[3 + k], corner[k]);
+        ac[k] = d_sub(corner[6 + k], corner[k]);
+        p[k] = d_sub(corner[k], packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane));
     }
     const vd ab_size = size_of_doubles(ab), ac_size = size_of_doubles(ac), p_size = size_of_doubles(p);
     cross_product_of_doubles(ab, ac, terms->normal);
@@ -150,22 +149,17 @@ MLRT_INLINE void report_misses(struct packet_numbers *numbers)
     }
 }
 
-MLRT_INLINE vf of_hits(uint32_t hit, const float *values, float standard)
-{
-    return v_select(m_from_bits(hit), v_load(values), v_set1(standard));
-}
-
-/* Puts what a miss has where there is no hit. */
-MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, uint32_t outputs, struct packet_numbers *numbers)
+/* Puts what a miss has where there is no hit, which is rare beside hits; and facing, from where D > 0. */
+MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_numbers *numbers)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        if (outputs & MLRT_OUTPUT_T) v_store(numbers->t + v, of_hits(hit >> v, numbers->t + v, INFINITY));
-        if (outputs & MLRT_OUTPUT_UV) {
-            v_store(numbers->uv[0] + v, of_hits(hit >> v, numbers->uv[0] + v, 0));
-            v_store(numbers->uv[1] + v, of_hits(hit >> v, numbers->uv[1] + v, 0));
-        }
         const vi facing = i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu));
         i_store(numbers->facing + v, i_select(m_from_bits(hit >> v), facing, i_set1(0)));
+    }
+    for (uint32_t missing = ~hit & 0xFFFF; missing; missing &= missing - 1) {
+        const uint32_t lane = mlrt_lowest_bit(missing);
+        numbers->t[lane] = INFINITY;
+        numbers->uv[0][lane] = numbers->uv[1][lane] = 0;
     }
 }
 
@@ -178,17 +172,23 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
         return;
     }
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
-    const int shared = packet->has_apex && !(hit & ~lanes_of_triangle(packet, packet->triangle[mlrt_lowest_bit(hit)]));
-    gather_corners(tree, packet, hit, shared ? DW : MLRT_PACKET_RAYS, corners);
+    const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
+    const int shared = packet->has_apex && !(hit & ~lanes_of_triangle(packet, number));
+    if (!shared) gather_corners(tree, packet, hit, corners);
     struct hit_terms terms;
     uint32_t certain = 0, all_positive = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t positive;
-        if (lane == 0 || !shared) set_up_hit_terms(packet, corners, lane, outputs, &terms);
+        if (lane == 0 || !shared) {
+            vd corner[9];
+            const float *first = tree->triangles[number].v[0];
+            for (int k = 0; k < 9; ++k) corner[k] = shared ? d_set1(first[k]) : d_load(corners[k] + lane);
+            set_up_hit_terms(corner, packet, lane, outputs, &terms);
+        }
         certain |= report_vector(&terms, packet, lane, outputs, &positive, numbers) << lane;
         all_positive |= positive << lane;
     }
-    settle_numbers(hit, all_positive, outputs, numbers);
+    settle_numbers(hit, all_positive, numbers);
     for (uint32_t left = hit & ~certain; left; left &= left - 1) {
         report_lane(tree, packet, mlrt_lowest_bit(left), outputs, numbers);
     }

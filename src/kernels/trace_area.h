@@ -108,6 +108,23 @@ static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
+/*
+ * Has the rays of what comes after a tile brought into the cache while the tile is traced: rows of a picture are often a
+ * multiple of the page size apart, which is too much for the processor to foresee. `tile` is one of rows of tiles that
+ * are 64 wide at most.
+ */
+static void prefetch_next(const struct mlrt_source *source, const struct rectangle *tile)
+{
+    const uint32_t first = tile->x & ~63u;
+    if (tile->x % 64 < 48 && tile->x + 16 < source->width) {
+        mlrt_prefetch_rays(source, tile->x + 16, tile->y, tile->height);
+    } else if (tile->y % 64 < 48) {
+        mlrt_prefetch_rays(source, first, tile->y + 16, 16);
+    } else {
+        mlrt_prefetch_rays(source, first + 64, tile->y & ~63u, 16);
+    }
+}
+
 /* Traces a rectangle of at most 16 blocks. */
 static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
 {
@@ -123,7 +140,9 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? OPEN_RUN : 0;
     } else {
         tile.made = 0xFFFF;
-        trace_packets(job, worker, &tile, make_packets(job, worker, &tile));
+        const uint32_t waiting = make_packets(job, worker, &tile);
+        if (!is_list(&job->source)) prefetch_next(&job->source, area);
+        trace_packets(job, worker, &tile, waiting);
     }
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(&tile, place)) continue;
@@ -152,11 +171,6 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
         for (uint32_t i = 0; i < area->width; i += 16) {
             const struct rectangle tile = cut_piece(area, i, j, 16);
             const uint32_t place = j / 4 + i / 16;
-            if (i + 16 < area->width) {
-                mlrt_prefetch_rays(&job->source, tile.x + 16, tile.y, 16, tile.height);
-            } else {
-                mlrt_prefetch_rays(&job->source, area->x, tile.y + 16, 16, 16);
-            }
             if (cells.closed >> place & 1) {
                 write_closed(job, worker, cells.cover[place], &tile);
             } else {
