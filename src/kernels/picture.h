@@ -31,15 +31,36 @@ MLRT_INLINE uint32_t existing_lanes(const struct mlrt_source *source, const stru
     return lanes;
 }
 
-/* The rays of a block of any source. `lanes` are those that exist. */
+MLRT_INLINE int is_pinhole(const struct mlrt_source *source)
+{
+    return source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel;
+}
+
+/*
+ * The rays of a block of any source, in two steps. Who makes many packets should take the first step for all of them:
+ * what it stores in pieces, the second loads in whole vectors, for which it would have to wait.
+ */
+MLRT_INLINE void fetch_rays(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
+                            struct mlrt_packet *packet)
+{
+    if (is_pinhole(source)) {
+        get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
+    } else {
+        mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
+    }
+}
+
+static void check_rays(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
+{
+    if (is_pinhole(source)) return;
+    check_packet(lanes, packet);
+    if (!packet->has_apex) find_apex(packet);
+}
+
+/* The rays of a block. `lanes` are those that exist. */
 static void get_packet(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
-    if (source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel) {
-        get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
-        return;
-    }
-    mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
-    check_packet(lanes, packet);
-    if (!packet->has_apex) find_apex(packet);
+    fetch_rays(source, block, lanes, packet);
+    check_rays(source, lanes, packet);
 }

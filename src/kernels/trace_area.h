@@ -71,12 +71,17 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 /* Makes all packets of a tile, and returns those with rays from one origin. Others are traced. */
 static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
 {
-    uint32_t waiting = 0;
+    uint32_t lanes[CELL_COUNT] = {0}, waiting = 0;
+    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        if (!has_block(tile, place)) continue;
+        const struct rectangle block = block_of_tile(tile, place);
+        lanes[place] = existing_lanes(&job->source, &block);
+        fetch_rays(&job->source, &block, lanes[place], &tile->packets[place]);
+    }
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         struct mlrt_packet *packet = &tile->packets[place];
-        const struct rectangle block = block_of_tile(tile, place);
-        get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
+        check_rays(&job->source, lanes[place], packet);
         if (!job->tree->bvh.float_safe) {
             packet->single |= packet->active;
             packet->active = 0;
