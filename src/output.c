@@ -167,6 +167,18 @@ void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet
 
 /* ---- rectangles ---- */
 
+void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)
+{
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        if (!sink->channel[c].data) continue;
+        const unsigned char *row = element(sink, (enum mlrt_channel)c, x, y);
+        for (uint32_t j = 0; j < height; ++j, row += sink->channel[c].row_stride) {
+            for (size_t i = 0; i < width * sink->channel[c].stride; i += 64) mlrt_prefetch_for_writing(row + i);
+            mlrt_prefetch_for_writing(row + width * sink->channel[c].stride - 1);
+        }
+    }
+}
+
 /* One word to a row of elements. */
 static void fill_row(uint32_t value, uint32_t count, size_t stride, unsigned char *at)
 {

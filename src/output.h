@@ -53,6 +53,9 @@ void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y
 /* Likewise, which lanes are occluded. */
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink);
 
+/* Has what a rectangle of at most 16 columns will be written to brought into the cache. */
+void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
+
 /* Writes misses to a rectangle. */
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 

@@ -52,6 +52,16 @@ MLRT_INLINE void mlrt_prefetch(const void *address)
 #endif
 }
 
+/* Likewise, of one that will be written. */
+MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(address, 1);
+#else
+    (void)address;
+#endif
+}
+
 /* Bits set. */
 MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
 {

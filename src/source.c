@@ -324,6 +324,7 @@ MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, size_t first, uint
     const char *row = (const char *)array->data + first * array->stride;
     for (uint32_t j = 0; j < height; ++j, row += row_length * array->stride) {
         for (size_t i = 0; i < width * array->stride; i += 64) mlrt_prefetch(row + i);
+        mlrt_prefetch(row + width * array->stride - 1);
     }
 }
 

@@ -147,6 +147,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         tile.made = 0xFFFF;
         const uint32_t waiting = make_packets(job, worker, &tile);
         if (!is_list(&job->source)) prefetch_next(&job->source, area);
+        if (job->has_frame) mlrt_prefetch_sink(area->x, area->y, area->width, area->height, &job->frame);
         trace_packets(job, worker, &tile, waiting);
     }
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
