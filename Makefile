@@ -43,11 +43,12 @@ LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object per instruction set, and some that count (dispatch.c).
 ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
-COUNTING_ISAS := $(if $(IS_X86),sse,scalar)
+KERNELS     := kdtree $(if $(IS_X86),sse avx2 avx512,scalar)
+COUNTING_KERNELS := scalar
 ISA_FLAGS_avx2   := -mavx2
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
 LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
-                   $(ISAS:%=$(BUILD)/obj/kernels/%.o) $(COUNTING_ISAS:%=$(BUILD)/obj/kernels/%_counting.o)
+                   $(KERNELS:%=$(BUILD)/obj/kernels/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/kernels/%_counting.o)
 
 # What is installed is looked at when it is needed, so that `make deps demo` works in one go.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -77,8 +78,8 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
-# Short loops over axes and corners must be gone from kernels that somebody waits for, and those that count should be
-# small. gcc does not need the size of -O3 for the former.
+# Short loops over axes and corners must be gone from kernels that somebody waits for; gcc does not need the size of -O3
+# for that. Those that count should be small.
 FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fpeel-loops || echo -O3))
 SMALL := $(if $(filter -O2,$(OPTIMIZE)),-Os)
 
@@ -88,10 +89,10 @@ $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(and $(IS_X86),$(filter scalar,$*)),,$(FAST)) -fPIC -fvisibility=hidden $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(if $(filter kdtree,$*),,$(FAST)) -fPIC -fvisibility=hidden $(ISA_FLAGS_$*) -c $< -o $@
 
-# Parts of the builder that hardly take time.
-COLD := bvh_build bvh_check bvh_collapse
+# Parts of the builders that hardly take time, or that few wait for.
+COLD := bvh_build bvh_check bvh_collapse kdtree_build kdtree_check split clip
 $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c

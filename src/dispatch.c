@@ -3,8 +3,9 @@
  * Which processor gets which kernels. What it can do is asked of the compiler's runtime, which looks once per process,
  * also at whether the operating system saves the wide registers.
  *
- * Who counts gets the kernels of four lanes (without SSE of one): others do the same work in fewer or more steps, and
- * are not worth their size twice. Nor are wide kernels for the kd-tree (kernels_body.h).
+ * Who counts gets the kernels in plain C, which do the same work in more steps: one that counts for each instruction set
+ * is not worth its size. Where there is SSE nobody is in a hurry with plain C, and it always counts. So do the kernels
+ * of the kd-tree.
  */
 #include "dispatch.h"
 
@@ -26,13 +27,6 @@ static int is_supported(int32_t isa)
     }
 }
 
-/* The instruction set of the kernels that take the place of what was asked for. */
-static int32_t narrow_isa(int32_t isa, int32_t method, int counting)
-{
-    if (!counting && method == MLRT_METHOD_TILE) return isa;
-    return MLRT_HAVE_SSE ? MLRT_ISA_SSE : MLRT_ISA_SCALAR;
-}
-
 const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting)
 {
     if (isa == MLRT_ISA_AUTO) {
@@ -41,19 +35,21 @@ const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int 
     } else if (!is_supported(isa)) {
         return NULL;
     }
-    switch (narrow_isa(isa, method, counting)) {
+    if (method != MLRT_METHOD_TILE) return &mlrt_kernels_kdtree;
+    if (counting) return &mlrt_kernels_scalar_counting;
+    switch (isa) {
 #if MLRT_HAVE_SSE
     case MLRT_ISA_SSE:
-        return counting ? &mlrt_kernels_sse_counting : &mlrt_kernels_sse;
+        return &mlrt_kernels_sse;
     case MLRT_ISA_AVX2:
         return &mlrt_kernels_avx2;
     case MLRT_ISA_AVX512:
         return &mlrt_kernels_avx512;
-#endif
     default:
-#if !MLRT_HAVE_SSE
-        if (counting) return &mlrt_kernels_scalar_counting;
-#endif
+        return &mlrt_kernels_scalar_counting;
+#else
+    default:
         return &mlrt_kernels_scalar;
+#endif
     }
 }

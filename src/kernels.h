@@ -65,6 +65,8 @@ struct mlrt_leaf_setup {
     uint32_t there;    /* triangles that can be hit from the apex at all */
     uint32_t ready;    /* those with terms */
     uint32_t negative; /* of which N is, as float has it */
+    uint32_t row;      /* floats in a row of corners */
+    const float *corners;
     const uint32_t *numbers;
     MLRT_ALIGNED(64) float slope_lo[2][MLRT_BVH_LEAF_LIMIT]; /* bounds of where it is seen; all if not wholly in front */
     MLRT_ALIGNED(64) float slope_hi[2][MLRT_BVH_LEAF_LIMIT];
@@ -113,9 +115,8 @@ struct mlrt_kernels {
     uint32_t (*trace_ray)(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t skip);
 };
 
-extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_scalar_counting;
-extern const struct mlrt_kernels mlrt_kernels_sse, mlrt_kernels_sse_counting;
-extern const struct mlrt_kernels mlrt_kernels_avx2;
-extern const struct mlrt_kernels mlrt_kernels_avx512;
+/* Which of them there are: dispatch.c. */
+extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_scalar_counting;
+extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
 
 #endif

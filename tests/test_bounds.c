@@ -45,9 +45,13 @@ static f4 remembering_divide_four(f4 a, f4 b)
 
 #define v_div   remembering_divide
 #define f4_div  remembering_divide_four
+#define KERNELS    bounds_kernels_kdtree
+#define trace_tile trace_tile_of_kdtree
+#include "kernels/kdtree_body.h"
+#undef KERNELS
+#undef trace_tile
 #define KERNELS bounds_kernels
-#define KDTREE_KERNELS 1
-#include "kernels/kernels_body.h"
+#include "kernels/bvh_body.h"
 #undef v_div
 #undef f4_div
 

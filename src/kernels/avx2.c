@@ -3,4 +3,4 @@
  */
 #include "simd_avx2.h"
 #define KERNELS mlrt_kernels_avx2
-#include "kernels_body.h"
+#include "bvh_body.h"

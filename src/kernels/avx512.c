@@ -3,4 +3,4 @@
  * it come here. */
 #include "simd_avx512.h"
 #define KERNELS mlrt_kernels_avx512
-#include "kernels_body.h"
+#include "bvh_body.h"

@@ -18,14 +18,12 @@ struct leaf_corners {
     vf to[3][3];
 };
 
-MLRT_INLINE void load_leaf_corners(const struct mlrt_bvh *bvh, const struct cells *cells, uint32_t child, uint32_t v,
+MLRT_INLINE void load_leaf_corners(const struct cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t v,
                                    struct leaf_corners *corners)
 {
-    const uint32_t row = 4 * mlrt_bvh_quad_count(child);
-    const float *corner = bvh->corners + 36 * (size_t)mlrt_bvh_offset(child) + v;
     for (uint32_t i = 0; i < 3; ++i) {
         for (uint32_t k = 0; k < 3; ++k) {
-            corners->from[i][k] = v_load_any(corner + (3 * i + k) * row);
+            corners->from[i][k] = v_load_any(leaf->corners + (3 * i + k) * leaf->row + v);
             corners->to[i][k] = v_sub(corners->from[i][k], v_set1(cells->apex[k]));
         }
     }
@@ -111,7 +109,7 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(wanted >> v & ALL_LANES)) continue;
         struct leaf_corners corners;
-        load_leaf_corners(&tree->bvh, cells, leaf->child, v, &corners);
+        load_leaf_corners(cells, leaf, v, &corners);
         doubtful |= set_leaf_terms(cells, &corners, v, leaf) << v;
         leaf->ready |= (ALL_LANES & 0xFFFF) << v;
     }
@@ -128,11 +126,13 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
     leaf->child = child;
     leaf->axis = cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
+    leaf->corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    leaf->row = row;
     leaf->ready = leaf->negative = leaf->there = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct leaf_corners corners;
-        load_leaf_corners(&tree->bvh, cells, child, v, &corners);
+        load_leaf_corners(cells, leaf, v, &corners);
         set_leaf_outline(cells, &corners, v, leaf);
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
     }
@@ -277,19 +277,23 @@ static uint32_t offer_to_closed(struct cells *cells, const struct mlrt_leaf_setu
     return opened;
 }
 
-/* A leaf of one triangle that is surely seen. */
-static void set_up_triangle(const struct mlrt_tree *tree, const struct cells *cells, const uint32_t *number,
-                            struct mlrt_leaf_setup *leaf)
+/* A leaf of one triangle of its own: its corners are repeated as often as a vector is wide. */
+struct lone_triangle {
+    struct mlrt_leaf_setup leaf;
+    float corners[9 * 4 + MLRT_BVH_LEAF_LIMIT];
+    uint32_t number;
+};
+
+static void set_up_lone_triangle(const struct mlrt_tree *tree, const struct cells *cells, uint32_t number,
+                                 struct lone_triangle *lone)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[*number];
-    struct leaf_corners corners;
-    for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            corners.from[i][k] = v_set1(triangle->v[i][k]);
-            corners.to[i][k] = v_sub(corners.from[i][k], v_set1(cells->apex[k]));
-        }
-    }
-    leaf->numbers = number;
-    leaf->negative = 0;
-    if (set_leaf_terms(cells, &corners, 0, leaf) & 1) settle_sign(tree, cells->apex, 0, leaf);
+    const float *corner = tree->triangles[number].v[0];
+    for (int i = 0; i < 9 * 4 + MLRT_BVH_LEAF_LIMIT; ++i) lone->corners[i] = corner[i < 36 ? i / 4 : 0];
+    lone->number = number;
+    lone->leaf.numbers = &lone->number;
+    lone->leaf.corners = lone->corners;
+    lone->leaf.row = 4;
+    lone->leaf.there = 1;
+    lone->leaf.ready = lone->leaf.negative = 0;
+    set_up_triangles(tree, cells, 1, &lone->leaf);
 }

@@ -194,9 +194,9 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
     }
     cells->closed &= ~(1u << place);
     if (cells->cover[place] != MLRT_NONE) {
-        struct mlrt_leaf_setup leaf;
-        set_up_triangle(job->tree, cells, &cells->cover[place], &leaf);
-        test_packet(job, worker, tile, &leaf, 1, place);
+        struct lone_triangle lone;
+        set_up_lone_triangle(job->tree, cells, cells->cover[place], &lone);
+        test_packet(job, worker, tile, &lone.leaf, 1, place);
     } else {
         cells->farthest[place] = farthest_depth(packet, cells->main_axis);
     }

@@ -11,8 +11,6 @@
  * Groups are narrow (ray_group.h), so no ray of one has a main component of 0.
  */
 
-#define SLOPE_SLACK 0x1p-20f
-
 /* An axis and its sign in one number. */
 MLRT_INLINE uint32_t axis_code(int axis, int negative)
 {

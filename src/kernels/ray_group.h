@@ -41,32 +41,6 @@ struct ray_group {
     uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
-#define RECIPROCAL_SLACK 0x1p-21f
-
-/* fmaxf without its care for NaNs, which is a call. */
-MLRT_INLINE float larger_of(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-MLRT_INLINE float lowest(const float *values, uint32_t lanes)
-{
-    vf all = v_set1(INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        all = v_min(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(INFINITY)), all);
-    }
-    return v_hmin(all);
-}
-
-MLRT_INLINE float highest(const float *values, uint32_t lanes)
-{
-    vf all = v_set1(-INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        all = v_max(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(-INFINITY)), all);
-    }
-    return v_hmax(all);
-}
-
 /* Bounds of directions. */
 struct direction_range {
     float lo[3];

@@ -3,4 +3,4 @@
 #include "simd_scalar.h"
 #define KERNELS          mlrt_kernels_scalar
 #define KERNELS_COUNTING mlrt_kernels_scalar_counting
-#include "kernels_body.h"
+#include "bvh_body.h"

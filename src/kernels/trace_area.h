@@ -204,3 +204,11 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
         }
     }
 }
+
+static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
+                       uint32_t height)
+{
+    const struct rectangle area = {x, y, width, height};
+    COUNT(&worker->counters, ray_count, (uint64_t)width * height);
+    trace_area(job, worker, &area);
+}

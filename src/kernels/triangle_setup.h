@@ -4,13 +4,6 @@
  * functions. A worker keeps a small table of both for the packets of the neighbourhood.
  */
 
-/* triangle_filter.h derives these. */
-#define EDGE_BOUND     (11 * 0x1p-24f)
-#define PLANE_BOUND    (16 * 0x1p-24f)
-#define DISTANCE_BOUND (12 * 0x1p-24f)
-#define DISTANCE_FLOOR 0x1p-82f
-#define SMALLEST_SIZE  0x1p-100f
-
 static void forget_setups(const float apex[3], struct mlrt_worker *worker)
 {
     for (uint32_t i = 0; i <= worker->setup_mask; ++i) worker->setups[i].number = MLRT_NONE;

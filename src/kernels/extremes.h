@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The least and the greatest: of two numbers, and of some lanes of sixteen. And how far bounds of quotients are moved
+ * apart, as shares of themselves, to be safe from rounding: those of reciprocals (interval_traversal.h, bvh_single.h) and
+ * of slopes (outline.h, cells.h).
+ */
+
+#define RECIPROCAL_SLACK 0x1p-21f
+#define SLOPE_SLACK      0x1p-20f
+
+/* fmaxf without its care for NaNs, which is a call. */
+MLRT_INLINE float larger_of(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+MLRT_INLINE float lowest(const float *values, uint32_t lanes)
+{
+    vf all = v_set1(INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        all = v_min(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(INFINITY)), all);
+    }
+    return v_hmin(all);
+}
+
+MLRT_INLINE float highest(const float *values, uint32_t lanes)
+{
+    vf all = v_set1(-INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        all = v_max(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(-INFINITY)), all);
+    }
+    return v_hmax(all);
+}

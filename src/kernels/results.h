@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What comes after the search: rays that have to be traced one by one, and results on their way to frame and callback.
+ */
+
+/*
+ * The levels: a tile has a beam, the beam an entry point; from there the tile is cut into smaller tiles with beams and
+ * entry points of their own, until packets of 4x4 rays are traced from the last one.
+ *
+ * A tile whose rays differ in sign has no beam. It is cut as well, and packets of such a tile start where the tile
+ * above them started.
+ *
+ * Based on: Reshetov et al. 2005, section 4.2.
+ */
+
+static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                              mlrt_counters *counters)
+{
+    for (uint32_t lane = 0; lanes >> lane; ++lane) {
+        if (!(lanes >> lane & 1)) continue;
+        struct mlrt_ray_segment ray;
+        mlrt_get_segment(packet, lane, &ray);
+        COUNT(counters, packet_count, 1);
+        packet->triangle[lane] = mlrt_trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE,
+                                                    job->any, MLRT_COUNTING ? counters : NULL);
+    }
+}
+
+static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                         uint32_t lanes, const struct rectangle *block)
+{
+    if (job->has_frame) write_to_sink(job, worker, packet, lanes, block->x, block->y, &job->frame);
+    if (job->callback) {
+        write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
+    }
+}
+
+static void write_misses_of(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
+{
+    if (job->has_frame) mlrt_write_misses(tile->x, tile->y, tile->width, tile->height, &job->frame);
+    if (job->callback) {
+        mlrt_write_misses(tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width, tile->height, &worker->tile);
+    }
+}
+
+/* Of a list, the last row may be short. */
+static void write_misses(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
+{
+    const uint64_t last = (uint64_t)(tile->y + tile->height - 1) * job->source.width + tile->x;
+    struct rectangle part = *tile;
+    if (MLRT_UNLIKELY(last + tile->width > job->source.count)) {
+        const struct rectangle row = {tile->x, tile->y + tile->height - 1,
+                                      last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
+        write_misses_of(job, worker, &row);
+        --part.height;
+    }
+    write_misses_of(job, worker, &part);
+}
+
+/* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
+static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                        const struct rectangle *tile)
+{
+    if (!mlrt_sink_numbers(&job->frame) && !mlrt_sink_numbers(&worker->tile)) {
+        if (job->has_frame) {
+            mlrt_write_same_hits(job->tree, number, tile->x, tile->y, tile->width, tile->height, &job->frame);
+        }
+        if (job->callback) {
+            mlrt_write_same_hits(job->tree, number, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width,
+                                 tile->height, &worker->tile);
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct rectangle block = cut_piece(tile, i, j, 4);
+            const uint32_t lanes = mlrt_block_lanes(block.width, block.height);
+            struct mlrt_packet packet;
+            get_packet(&job->source, &block, lanes, &packet);
+            for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) i_store(packet.triangle + v, i_set1(number));
+            write_packet(job, worker, &packet, lanes, &block);
+        }
+    }
+}

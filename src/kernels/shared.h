@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the kernels of both structures begin with, in the words of the simd_*.h that was included before.
+ */
+#ifndef MLRT_KERNELS_SHARED_H
+#define MLRT_KERNELS_SHARED_H
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "counters.h"
+#include "hit.h"
+#include "kernels.h"
+#include "rounding.h"
+#include "trace_ray.h"
+
+#include "extremes.h"
+#include "camera_packet.h"
+#include "packet_check.h"
+#include "picture.h"
+#include "triangle_filter.h"
+#include "undecided.h"
+#include "write_packet.h"
+#include "results.h"
+
+#endif
