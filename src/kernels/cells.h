@@ -11,7 +11,8 @@
  * Slopes of rays have two roundings, and are moved apart by SLOPE_SLACK, 2^-20 of themselves. A depth or an offset
  * p - apex has one, the product of a slope and a depth one more. So where a ray meets a box between depths near and far,
  * its x_j = s_j z has x_j <= max(S near, S far), S the upper slope, also as computed: the slack of S pays for the
- * roundings, or, where products are denormal, x_j and S z both are multiples of 2^-149 and rounding keeps their order.
+ * roundings, or, where products are denormal, x_j is a multiple of 2^-149 and rounding keeps the order of it and S z. S
+ * itself is 0 or no denormal.
  *
  * To be compared with things a cell needs no rays. As long as all that it met was a triangle that covers it wholly and
  * what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it. The rays
@@ -25,6 +26,9 @@
 
 /* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
 #define WIDEST_PACKET 0.25f
+
+/* What slopes of cells without rays are moved apart at least: see gather_camera_cells. */
+#define SLOPE_FLOOR 0x1p-100f
 
 struct cells {
     struct {
@@ -115,9 +119,13 @@ MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side,
  *
  * A ray's direction before rounding is affine in column and row, so that ratios of two components have their extremes
  * over a cell at its corners. Rounding moves component k of any ray by at most 3.001 u (|d00_k| + |x dx_k| + |y dy_k|)
- * (camera.c); `pad` is 8 u of it and 2^-140 for underflow. A ratio so differs from the extreme of those computed at
+ * (camera.c); `pad` is 8 u of it and 2^-100 for underflow. A ratio so differs from the extreme of those computed at
  * the corners by at most 2 (p_j + |slope| p_main) / (|d_main| - 2 p_main), with p = 0.38 pad: less than with pad and
- * |d_main| alone, since that is more than 4 pad_main.
+ * |d_main| alone, since that is more than 4 pad_main. So it is more than 2^-98, and reciprocals are finite: an infinite
+ * slope times 0 would be a NaN.
+ *
+ * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them are
+ * moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
 static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                                uint32_t side, struct cells *cells)
@@ -131,7 +139,7 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
         if (!(whole <= MLRT_SAFE_MAX) || !mlrt_is_float_safe(view->eye[k])) return 0;
-        pad[k] = whole * (8 * 0x1p-24f) + 0x1p-140f;
+        pad[k] = whole * (8 * 0x1p-24f) + 0x1p-100f;
         middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
         cells->apex[k] = view->eye[k];
     }
@@ -176,7 +184,7 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
             const vf steepest = v_max(v_abs(lo[j]), v_abs(hi[j]));
             if (m_bits(m_andnot(there, v_le(steepest, v_set1(STEEPEST_SLOPE))))) return 0;
             const vf error = v_mul(v_add(v_set1(pad[(a + 1 + j) % 3]), v_mul(steepest, v_set1(pad[a]))), inverse);
-            const vf slack = v_add(error, v_mul(steepest, v_set1(SLOPE_SLACK)));
+            const vf slack = v_add(v_add(error, v_mul(steepest, v_set1(SLOPE_SLACK))), v_set1(SLOPE_FLOOR));
             v_store(cells->slopes[j].lo + v, v_select(there, v_sub(lo[j], slack), v_set1(INFINITY)));
             v_store(cells->slopes[j].hi + v, v_select(there, v_add(hi[j], slack), v_set1(-INFINITY)));
         }
