@@ -87,7 +87,8 @@ int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
     view->sample_x = camera->sample_x;
     view->sample_y = camera->sample_y;
     view->t_min = camera->t_min < 0 ? 0 : camera->t_min;
-    view->t_max = camera->t_max == 0 ? INFINITY : camera->t_max;
+    /* Below 0 there is no hit, nor up to 0; -inf must not pass for no limit. */
+    view->t_max = camera->t_max == 0 ? INFINITY : camera->t_max < 0 ? 0 : camera->t_max;
     return MLRT_OK;
 }
 

@@ -577,6 +577,23 @@ static void counters_do_not_change_answers_and_add_up(void **state)
     free_fixture(&fixture);
 }
 
+/* t_max = -inf lets no ray hit anything: it is no "no limit". */
+static void a_limit_of_minus_infinity(void **state)
+{
+    (void)state;
+    const float limits[] = {-INFINITY, -1, INFINITY}, eye[3] = {0, 0, 0}, target[3] = {0, 0, 1};
+    for (int i = 0; i < 3; i++) {
+        struct soup soup = {0};
+        const float corner[3] = {-8, -8, 1}, side[3] = {16, 0, 0}, other[3] = {0, 16, 0};
+        soup_add_quad(&soup, corner, side, other);
+        struct fixture fixture = fixture_of_soup("minus infinity", (uint64_t)i, &soup);
+        mlrt_camera camera = look_at(eye, target, 1, 40, 40);
+        camera.t_max = limits[i];
+        check_camera(&fixture, &camera);
+        free_fixture(&fixture);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -610,6 +627,7 @@ int main(void)
         cmocka_unit_test(a_callback_gets_what_it_asked_for),
         cmocka_unit_test(a_frame_without_arrays_is_allowed),
         cmocka_unit_test(counters_do_not_change_answers_and_add_up),
+        cmocka_unit_test(a_limit_of_minus_infinity),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
