@@ -5,7 +5,7 @@
  * products underflow, nearly equal), then hill climbing on mantissas, exponents and signs. True values are GMP floats
  * with more bits than any of these numbers needs.
  *
- *     test_bounds        about five seconds
+ *     test_bounds        about eight seconds
  *     test_bounds 100    100 times the search
  *
  * A line per bound: the largest error found, over the bound. Above 1 the test fails.
@@ -399,6 +399,7 @@ struct filtered {
     float size[4];
     float reach; /* R */
     float direction[3];
+    const struct leaf_triangles *leaf; /* the terms of bvh_leaf.h in place of these, if not NULL */
 };
 
 static void choose_axis(const float *input, struct ray_group *group)
@@ -421,6 +422,7 @@ static void find_terms(const float *input, int shared, struct filtered *filtered
     load_triangle(input, &triangle);
     choose_axis(input, &group);
     filtered->reach = group.reach;
+    filtered->leaf = NULL;
     memcpy(filtered->direction, input + 12, sizeof filtered->direction);
     if (shared) {
         struct mlrt_triangle_setup setup = {.main_axis = group.axis_code};
@@ -508,6 +510,7 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     packet.t_min[0] = t_min;
     packet.lo[0] = lo;
     packet.hi[0] = hi;
+    if (filtered->leaf) return filter_leaf_vector(filtered->leaf, 0, filtered->reach, 1, &packet, 0, m_from_bits(1));
     return filter_vector(&filtered->terms, filtered->reach, &packet, 0, m_from_bits(1));
 }
 
@@ -633,7 +636,7 @@ static double ends_over(const struct filtered *filtered, const mpf_t t, double m
     double worst = 0;
     for (int i = 0; i < 3; ++i) {
         const double end = ends[i];
-        if (end < 0 || isinf(end)) continue;
+        if (end < 0 || isinf(end) || (end == 0 && mpf_sgn(t) > 0)) continue;
         worst = fmax(worst, error_over(t, middle, is_above ? end - middle : middle - end));
     }
     return worst;
@@ -1031,6 +1034,392 @@ static double attack_camera_slope(const float *input)
                     hi / (1 - (hi < 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK)));
 }
 
+/* ---- cells and leaves -------------------------------------------------------------------------------------------- */
+
+/* A triangle of a leaf, as a cell of one ray sees it. */
+struct seen_triangle {
+    struct cells cells;
+    struct leaf_triangles leaf;
+    float size[4];
+    float direction[3];
+    int n_sign; /* 0: its plane holds the apex */
+};
+
+static const uint32_t only_number; /* 0 */
+
+/* Inputs as of the filter. With `slopes` the ray is (+-1, s_j, s_l) by its main axis, and s what the cell has of it. */
+static int see_triangle(const float *input, int slopes, struct seen_triangle *seen)
+{
+    static struct mlrt_triangle triangle;
+    struct mlrt_tree tree = {.triangles = &triangle};
+    struct ray_group group;
+    double direction[3];
+    if (!has_direction(input)) return 0;
+    choose_axis(input, &group);
+    const int a = (int)(group.axis_code & 3);
+    if (input[12 + a] == 0) return 0;
+    struct cells *cells = &seen->cells;
+    memset(cells, 0, sizeof *cells);
+    cells->main_axis = a;
+    cells->sign = input[12 + a] < 0 ? -1.0f : 1.0f;
+    memcpy(cells->apex, input + 9, sizeof cells->apex);
+    for (uint32_t i = 0; i < CELL_COUNT; ++i) leave_out_cell(cells, i);
+    cells->farthest[0] = cells->cover_near[0] = INFINITY;
+    cells->cover[0] = MLRT_NONE;
+    cells->closed = 1;
+    memcpy(seen->direction, input + 12, sizeof seen->direction);
+    for (int side = 0; side < 2; ++side) {
+        const int j = (a + 1 + side) % 3;
+        const float slope = input[12 + j] / fabsf(input[12 + a]);
+        if (!(fabsf(slope) <= STEEPEST_SLOPE)) return 0;
+        set_cell_slopes(cells, 0, side, slope, slope);
+        if (slopes) seen->direction[j] = slope;
+    }
+    if (slopes) seen->direction[a] = cells->sign;
+    sum_up_cells(cells);
+
+    load_triangle(input, &triangle);
+    for (int k = 0; k < 3; ++k) direction[k] = seen->direction[k];
+    load_exactly(input, direction);
+    find_d_and_n(other_truth, truth);
+    seen->n_sign = mpf_sgn(truth);
+    divisor_count = 0;
+    set_up_triangle(&tree, cells, &only_number, &seen->leaf);
+    for (int i = 0; i < 4; ++i) seen->size[i] = divisors[i * divisor_count / 4];
+    return 1;
+}
+
+/* 2 e_ij or D as the leaf has scaled them, with the sign of N. */
+static void find_seen_term(const struct seen_triangle *seen, int i, mpf_t result)
+{
+    if (i < 3) {
+        find_edge(i, result);
+        mpf_mul_ui(result, result, 2);
+    } else {
+        find_d_and_n(result, scratch[3]);
+    }
+    divide_by(seen->size[i], result);
+    if (seen->n_sign < 0) mpf_neg(result, result);
+}
+
+static double attack_slope_terms(const float *input, int first, int end, float bound)
+{
+    struct seen_triangle seen;
+    double worst = -1;
+    if (!see_triangle(input, 1, &seen) || seen.n_sign == 0) return -1;
+    for (int i = first; i < end; ++i) {
+        vf least, greatest;
+        range_over_cells(&seen.cells, &seen.leaf, i, 0, 0, &least, &greatest);
+        find_seen_term(&seen, i, truth);
+        worst = fmax(worst, error_over(truth, least, bound * seen.cells.slope_bound));
+        worst = fmax(worst, error_over(truth, greatest, bound * seen.cells.slope_bound));
+    }
+    return worst;
+}
+
+static double attack_slope_edge(const float *input)
+{
+    return attack_slope_terms(input, 0, 3, SLOPE_EDGE_BOUND);
+}
+
+static double attack_slope_plane(const float *input)
+{
+    return attack_slope_terms(input, 3, 4, SLOPE_PLANE_BOUND);
+}
+
+/* Exactly, of load_exactly's ray: 1 = all edges are surely inside, -1 = it misses from here, 0 = on an edge. */
+static int find_side(void)
+{
+    int sign[3];
+    for (int i = 0; i < 3; ++i) {
+        find_edge(i, truth);
+        sign[i] = mpf_sgn(truth);
+    }
+    find_d_and_n(other_truth, truth);
+    const int d = mpf_sgn(other_truth);
+    if (d == 0 || d * mpf_sgn(truth) <= 0) return -1;
+    for (int i = 0; i < 3; ++i) {
+        if (sign[i] * d < 0) return -1;
+    }
+    return sign[0] && sign[1] && sign[2];
+}
+
+/* What becomes of a closed cell of one ray: it must be right, and the depth between the ends that are kept. */
+static double attack_closed_cell(const float *input)
+{
+    struct seen_triangle seen;
+    uint32_t inside;
+    if (!see_triangle(input, 1, &seen) || seen.n_sign == 0) return -1;
+    seen.leaf.least_depth[0] = -INFINITY;
+    for (int side = 0; side < 2; ++side) {
+        seen.leaf.slope_lo[side][0] = -INFINITY;
+        seen.leaf.slope_hi[side][0] = INFINITY;
+    }
+    const int side = find_side();
+    const uint32_t left = seen_by_cell(&seen.cells, 0, 1, &seen.leaf);
+    const uint32_t opened = offer_to_closed(&seen.cells, &seen.leaf, 0, 1, 0, &inside);
+    const int is_covered = seen.cells.cover[0] != MLRT_NONE;
+    if ((!left || !(opened || is_covered)) && side >= 0) return INFINITY;
+    if ((is_covered || inside) && side <= 0) return INFINITY;
+    if (!is_covered) return -1;
+    find_d_and_n(other_truth, truth);
+    mpf_div(truth, truth, other_truth); /* |d_main| is 1 */
+    const float near = seen.cells.cover_near[0], far = seen.cells.farthest[0];
+    const double worst = place_in(truth, near, far);
+    /* Behind, or in front of, what was there before. */
+    seen.cells.cover[0] = MLRT_NONE;
+    seen.cells.cover_near[0] = INFINITY;
+    seen.cells.farthest[0] = round_up_exactly(truth);
+    if (!offer_to_closed(&seen.cells, &seen.leaf, 0, 1, 0, &inside) && seen.cells.cover[0] == MLRT_NONE) return INFINITY;
+    seen.cells.cover[0] = MLRT_NONE;
+    seen.cells.farthest[0] = INFINITY;
+    seen.cells.cover_near[0] = round_down_exactly(truth);
+    if (!offer_to_closed(&seen.cells, &seen.leaf, 0, 1, 0, &inside)) return INFINITY;
+    return worst;
+}
+
+/* Decisions on rays by leaves: as of the filter. */
+static double attack_leaf_decisions(const float *input)
+{
+    struct seen_triangle seen;
+    if (!see_triangle(input, 0, &seen)) return -1;
+    const int a = seen.cells.main_axis;
+    const float other = fmaxf(fabsf(input[12 + (a + 1) % 3]), fabsf(input[12 + (a + 2) % 3]));
+    struct filtered filtered = {.leaf = &seen.leaf, .reach = fmaxf(fabsf(input[12 + a]), 2 * other)};
+    memcpy(filtered.direction, input + 12, sizeof filtered.direction);
+    if (seen.n_sign == 0) return -1;
+    const int side = find_side();
+    const struct verdict verdict = decide(&filtered, 0, INFINITY, INFINITY);
+    if ((verdict.nearer || verdict.inside) && side <= 0) return INFINITY;
+    if (!verdict.nearer && !verdict.undecided && side >= 0) return INFINITY;
+    double worst = 0.0005;
+    for (int i = 0; i < 4; ++i) {
+        const float cross[3] = {seen.leaf.cross[i][0][0], seen.leaf.cross[i][1][0], seen.leaf.cross[i][2][0]};
+        const float value = dot_product(filtered.direction, cross);
+        find_seen_term(&seen, i, truth);
+        worst = fmax(worst, sign_over(truth, value, (i < 3 ? EDGE_BOUND : PLANE_BOUND) * filtered.reach));
+    }
+    return worst;
+}
+
+/* As attack_ends. */
+static double attack_leaf_ends(const float *input, enum quantity quantity)
+{
+    struct seen_triangle seen;
+    struct leaf_triangles *leaf = &seen.leaf;
+    if (!see_triangle(input, 0, &seen) || seen.n_sign == 0) return -1;
+    const int a = seen.cells.main_axis;
+    const float other = fmaxf(fabsf(input[12 + (a + 1) % 3]), fabsf(input[12 + (a + 2) % 3]));
+    struct filtered filtered = {.leaf = leaf, .reach = fmaxf(fabsf(input[12 + a]), 2 * other)};
+    memcpy(filtered.direction, input + 12, sizeof filtered.direction);
+    find_d_and_n(other_truth, truth);
+    divide_by(seen.size[3], other_truth);
+    divide_by(seen.size[3], truth);
+    if (seen.n_sign < 0) {
+        mpf_neg(truth, truth);
+        mpf_neg(other_truth, other_truth);
+    }
+    float distance = 0.5f * leaf->least_n[0] + 0.5f * leaf->greatest_n[0];
+    if (quantity == D) {
+        distance = leaf->least_n[0] = leaf->greatest_n[0] = 1;
+        mpf_set_d(truth, 1);
+    } else if (quantity == N) {
+        mpf_set_d(other_truth, 1);
+        memset(filtered.direction, 0, sizeof filtered.direction);
+        filtered.direction[0] = 1;
+        leaf->cross[3][0][0] = 1;
+        filtered.reach = 0;
+    }
+    if (mpf_sgn(other_truth) == 0) return -1;
+    mpf_div(truth, truth, other_truth);
+    const float cross[3] = {leaf->cross[3][0][0], leaf->cross[3][1][0], leaf->cross[3][2][0]};
+    const float d = dot_product(filtered.direction, cross);
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) leaf->cross[i][k][0] = filtered.direction[k] < 0 ? -1 : 1;
+    }
+    return ends_over(&filtered, truth, (double)distance / d);
+}
+
+static double attack_leaf_d(const float *input)
+{
+    return attack_leaf_ends(input, D);
+}
+
+static double attack_leaf_n(const float *input)
+{
+    return attack_leaf_ends(input, N);
+}
+
+static double attack_leaf_t(const float *input)
+{
+    return attack_leaf_ends(input, T);
+}
+
+/* |N| between its ends, also where it underflows. */
+static double attack_leaf_n_ends(const float *input)
+{
+    struct seen_triangle seen;
+    if (!see_triangle(input, 0, &seen) || seen.n_sign == 0) return -1;
+    find_d_and_n(other_truth, truth);
+    divide_by(seen.size[3], truth);
+    mpf_abs(truth, truth);
+    return place_in(truth, seen.leaf.least_n[0], seen.leaf.greatest_n[0]);
+}
+
+/* Inputs as of attack_outline. */
+static double attack_leaf_outline(const float *input)
+{
+    struct leaf_corners corners;
+    struct leaf_triangles leaf;
+    struct cells cells;
+    memset(&cells, 0, sizeof cells);
+    cells.sign = 1;
+    for (int i = 0; i < 3; ++i) {
+        corners.to[i][0] = input[0] - input[2];
+        corners.to[i][1] = input[1] - input[3];
+        corners.to[i][2] = 1;
+    }
+    if (!(corners.to[0][0] > SMALLEST_SIZE)) return -1;
+    set_leaf_outline(&cells, &corners, 0, &leaf);
+    subtract_exactly(input[1], input[3], truth);
+    subtract_exactly(input[0], input[2], other_truth);
+    mpf_div(truth, truth, other_truth);
+    if (!is_normal(truth)) return -1;
+    return fmax(slack_used(truth, leaf.slope_lo[0][0], SLOPE_SLACK, 0),
+                slack_used(truth, leaf.slope_hi[0][0], SLOPE_SLACK, 1));
+}
+
+/* Inputs: two directions. */
+static double attack_packet_slope(const float *input)
+{
+    static struct ray_tile tile;
+    struct mlrt_packet *packet = &tile.packets[0];
+    memset(&tile, 0, sizeof tile);
+    if (input[0] == 0 || input[1] == 0) return -1;
+    tile.cells.sign = input[0] < 0 ? -1.0f : 1.0f;
+    packet->direction[0][0] = input[0];
+    packet->direction[1][0] = input[1];
+    packet->active = 1;
+    if (!add_packet(&tile, 0)) return -1;
+    mpf_set_d(truth, input[1]);
+    mpf_set_d(other_truth, fabs(input[0]));
+    mpf_div(truth, truth, other_truth);
+    return fmax(slack_used(truth, tile.cells.slopes[0].lo[0], SLOPE_SLACK, 0),
+                slack_used(truth, tile.cells.slopes[0].hi[0], SLOPE_SLACK, 1));
+}
+
+/* Inputs: |d|, t. Nothing up to the depth of the nearest hit may be passed over. */
+static double attack_farthest_depth(const float *input)
+{
+    static struct mlrt_packet packet;
+    if (input[0] == 0) return -1;
+    packet.active = 1;
+    packet.direction[0][0] = input[0];
+    packet.hi[0] = fabsf(input[1]);
+    const float farthest = farthest_depth(&packet, 0);
+    mpf_set_d(truth, fabs((double)input[0] * input[1]));
+    if (farthest < round_down_exactly(truth)) return INFINITY;
+    return is_normal(truth) ? slack_used(truth, farthest, SLOPE_SLACK, 1) : 0;
+}
+
+/*
+ * Inputs: where a box is along the main axis, from where to where, the apex, and the same over another axis; |d_main|
+ * and d_j. How much of the slack of a slope is used up where the box is left out.
+ */
+static double attack_cell_box(const float *input)
+{
+    static struct ray_tile tile;
+    static struct mlrt_bvh_node node;
+    struct mlrt_packet *packet = &tile.packets[0];
+    struct cells *cells = &tile.cells;
+    float near[MLRT_BVH_WIDTH];
+    const float z[2] = {fminf(input[0], input[1]), fmaxf(input[0], input[1])};
+    const float x[2] = {fminf(input[3], input[4]), fmaxf(input[3], input[4])};
+    memset(&tile, 0, sizeof tile);
+    if (input[6] == 0) return -1;
+    cells->sign = input[6] < 0 ? -1.0f : 1.0f;
+    cells->apex[0] = input[2];
+    cells->apex[1] = input[5];
+    packet->direction[0][0] = input[6];
+    packet->direction[1][0] = input[7];
+    packet->hi[0] = INFINITY;
+    packet->active = 1;
+    for (uint32_t i = 1; i < CELL_COUNT; ++i) leave_out_cell(cells, i);
+    if (!add_packet(&tile, 0)) return -1;
+    sum_up_cells(cells);
+    for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
+        const int is_empty = i > 0;
+        for (int k = 0; k < 3; ++k) {
+            node.lo[k][i] = is_empty ? INFINITY : k == 0 ? z[0] : k == 1 ? x[0] : -1;
+            node.hi[k][i] = is_empty ? -INFINITY : k == 0 ? z[1] : k == 1 ? x[1] : 1;
+        }
+    }
+    const uint32_t of_all = children_met(cells, &node, near), of_cell = of_all & 1 ? cells_met(cells, &node, 0) : 0;
+    if (of_all > 1) return INFINITY;
+    if (of_cell) return -1;
+    /* Depths of the box, and its offsets: exactly. */
+    mpf_t *first = &true_vertex[0].x[0], *last = &true_vertex[0].x[1];
+    subtract_exactly(cells->sign > 0 ? z[0] : input[2], cells->sign > 0 ? input[2] : z[1], *first);
+    subtract_exactly(cells->sign > 0 ? z[1] : input[2], cells->sign > 0 ? input[2] : z[0], *last);
+    if (mpf_sgn(*last) <= 0) return -1;
+    if (mpf_sgn(*first) < 0) mpf_set_ui(*first, 0);
+    if (input[7] == 0) {
+        return x[0] <= input[5] && input[5] <= x[1] ? INFINITY : -1;
+    }
+    /* The box lies above or below the ray: by which slope would it be met? Mirrored, it lies above. */
+    for (int side = 0; side < 2; ++side) {
+        subtract_exactly(side ? input[5] : x[0], side ? x[1] : input[5], truth);
+        mpf_t *end = mpf_sgn(truth) > 0 ? last : first;
+        if (mpf_sgn(*end) == 0) continue;
+        mpf_div(truth, truth, *end);
+        /* `truth` is the least slope that meets it; the other side must be no reason to leave it out. */
+        mpf_set_d(other_truth, side ? -(double)input[7] : input[7]);
+        mpf_set_d(scratch[0], fabs(input[6]));
+        mpf_div(other_truth, other_truth, scratch[0]);
+        mpf_sub(difference, truth, other_truth);
+        if (mpf_sgn(difference) <= 0) continue;
+        /* The slope must be greater by this share to meet it: what is left of the slack was used. */
+        mpf_abs(other_truth, other_truth);
+        const double missing = over(difference, 1) / mpf_get_d(other_truth);
+        return missing < SLOPE_SLACK ? 1 - missing / SLOPE_SLACK : 0.01 / (1 + log2(missing / SLOPE_SLACK));
+    }
+    return INFINITY; /* met, but left out */
+}
+
+/* Inputs as of the camera: how far beyond the slopes of a cell's corners its rays go, of the way to the cell's bounds. */
+static double attack_camera_cell(const float *input)
+{
+    struct mlrt_view view;
+    struct cells cells;
+    uint32_t x, y;
+    float p[3];
+    load_view(input, &view, &x, &y);
+    if (!gather_camera_cells(&view, x, y, 4, 4, 4, &cells)) return -1;
+    const int a = cells.main_axis, side = a == 0 ? 0 : 1, j = 1 - a; /* over axes 0 and 1 */
+    if (a == 2) return -1;
+    double lo = INFINITY, hi = -INFINITY, worst = -1;
+    for (int i = 0; i < 4; ++i) {
+        const double sample_x = mlrt_sample_position(0, x + (i & 1 ? 3 : 0), view.sample_x);
+        const double sample_y = mlrt_sample_position(0, y + (i & 2 ? 3 : 0), view.sample_y);
+        double d[2];
+        for (int k = 0; k < 2; ++k) d[k] = view.d00[k] + sample_x * view.dx[k] + sample_y * view.dy[k];
+        const double slope = d[j] / fabs(d[a]);
+        lo = fmin(slope, lo);
+        hi = fmax(slope, hi);
+    }
+    const double below = lo - cells.slopes[side].lo[0], above = cells.slopes[side].hi[0] - hi;
+    if (!(below > 0 && above > 0)) return INFINITY;
+    for (uint32_t i = 0; i < 16; ++i) {
+        mlrt_view_point(&view, x + i % 4, y + i / 4, p);
+        if (!(p[a] * cells.sign > 0)) return INFINITY;
+        const double slope = (double)p[j] / fabs((double)p[a]);
+        worst = fmax(worst, fmax((lo - slope) / below, (slope - hi) / above));
+    }
+    return fmax(worst, 0);
+}
+
+/* ---- covers ------------------------------------------------------------------------------------------------------ */
+
 /* Inputs: a triangle, an apex, two slopes. */
 static void load_corner(const float *input, struct corner_terms *terms)
 {
@@ -1332,6 +1721,27 @@ static void single_ray_bounds_hold(void **state)
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
 }
 
+static void cell_bounds_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"cells: slope of a camera's ray", 10, 0, attack_camera_cell, 0.1, NULL},
+        {"cells: slope of a packet's ray", 2, 3, attack_packet_slope, 0.05, NULL},
+        {"cells: boxes", 8, 0xE4, attack_cell_box, 0.05, NULL},
+        {"cells: farthest depth", 2, 1, attack_farthest_depth, 0.05, NULL},
+        {"cells: outline of a triangle", 4, 0xC, attack_leaf_outline, 0.1, NULL},
+        {"cells: e over slopes", FILTER_INPUTS, RAY_IS_SAFE, attack_slope_edge, 0.3, worst_edge},
+        {"cells: D over slopes", FILTER_INPUTS, RAY_IS_SAFE, attack_slope_plane, 0.2, worst_d},
+        {"cells: depth of a cover", FILTER_INPUTS, RAY_IS_SAFE, attack_closed_cell, 0.2, worst_t},
+        {"leaf: e, D of the wrong sign", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_decisions, 0.1, NULL},
+        {"leaf: D", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_d, 0.3, worst_d},
+        {"leaf: N", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_n, 0.4, worst_n},
+        {"leaf: ends of N", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_n_ends, 0.4, worst_n},
+        {"leaf: t", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_t, 0.3, worst_t},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
+}
+
 /* Those of docs/accuracy.md. */
 static void tempting_bounds_do_not_hold(void **state)
 {
@@ -1495,6 +1905,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_bounds_hold),
         cmocka_unit_test(single_ray_bounds_hold),
+        cmocka_unit_test(cell_bounds_hold),
         cmocka_unit_test(tempting_bounds_do_not_hold),
         cmocka_unit_test(plane_bounds_hold),
         cmocka_unit_test(outline_bounds_hold),
