@@ -180,10 +180,10 @@ MLRT_INLINE int is_whole(const struct block *block)
 }
 
 /* Puts two rows of a block, an even one and the next, where their lanes are. */
-MLRT_INLINE void put_rows(f4 even, f4 odd, float lanes[8])
+MLRT_INLINE void put_rows(f4 even, f4 odd, void *lanes)
 {
-    f4_store(lanes, f4_low(even, odd));
-    f4_store(lanes + 4, f4_high(even, odd));
+    f4_store_any(lanes, f4_low(even, odd));
+    f4_store_any((unsigned char *)lanes + 16, f4_high(even, odd));
 }
 
 /* The vectors of a row, by axis. */
@@ -234,14 +234,37 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
     }
 }
 
-/* The pairs of mesh and triangle that a block skips. */
-MLRT_INLINE void fetch_pairs(const mlrt_const_array *array, const struct block *block,
-                             uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS])
+MLRT_INLINE void load_pairs(const mlrt_const_array *array, uint32_t first, f4 *meshes, f4 *triangles)
 {
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t *pair = (const uint32_t *)(const void *)float_at(array, element_of_lane(block, lane));
-        meshes[lane] = pair[0];
-        triangles[lane] = pair[1];
+    const unsigned char *at = (const unsigned char *)float_at(array, first);
+    uint32_t pairs[8];
+    if (MLRT_UNLIKELY(array->stride != sizeof *pairs * 2)) {
+        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, at + i * array->stride, 8);
+        at = (const unsigned char *)pairs;
+    }
+    const f4 low = f4_load_any(at), high = f4_load_any(at + 16);
+    *meshes = f4_evens(low, high);
+    *triangles = f4_odds(low, high);
+}
+
+/* The pairs of mesh and triangle that a block skips. */
+static void fetch_pairs(const mlrt_const_array *array, const struct block *block, uint32_t meshes[MLRT_PACKET_RAYS],
+                        uint32_t triangles[MLRT_PACKET_RAYS])
+{
+    if (MLRT_UNLIKELY(!is_whole(block))) {
+        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+            const float *pair = float_at(array, element_of_lane(block, lane));
+            memcpy(meshes + lane, pair, 4);
+            memcpy(triangles + lane, pair + 1, 4);
+        }
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        f4 even[2], odd[2];
+        load_pairs(array, block->first + row * block->row_length, &even[0], &even[1]);
+        load_pairs(array, block->first + (row + 1) * block->row_length, &odd[0], &odd[1]);
+        put_rows(even[0], odd[0], meshes + 4 * row);
+        put_rows(even[1], odd[1], triangles + 4 * row);
     }
 }
 

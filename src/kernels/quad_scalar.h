@@ -107,6 +107,16 @@ MLRT_INLINE f4 f4_high(f4 a, f4 b)
 {
     return (f4){{a.x[2], a.x[3], b.x[2], b.x[3]}};
 }
+/* 0, 2 of a and of b */
+MLRT_INLINE f4 f4_evens(f4 a, f4 b)
+{
+    return (f4){{a.x[0], a.x[2], b.x[0], b.x[2]}};
+}
+/* 1, 3 of a and of b */
+MLRT_INLINE f4 f4_odds(f4 a, f4 b)
+{
+    return (f4){{a.x[1], a.x[3], b.x[1], b.x[3]}};
+}
 /* Four vectors of three coordinates, whose starts are `step` floats apart: by_axis[k] has those along axis k. */
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {

@@ -93,6 +93,14 @@ MLRT_INLINE f4 f4_high(f4 a, f4 b)
 {
     return _mm_movehl_ps(b, a);
 }
+MLRT_INLINE f4 f4_evens(f4 a, f4 b)
+{
+    return _mm_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0));
+}
+MLRT_INLINE f4 f4_odds(f4 a, f4 b)
+{
+    return _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1));
+}
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {
     f4 xy[4];
