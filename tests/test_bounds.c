@@ -399,7 +399,7 @@ struct filtered {
     float size[4];
     float reach; /* R */
     float direction[3];
-    const struct leaf_triangles *leaf; /* the terms of bvh_leaf.h in place of these, if not NULL */
+    const struct mlrt_leaf_setup *leaf; /* the terms of bvh_leaf.h in place of these, if not NULL */
 };
 
 static void choose_axis(const float *input, struct ray_group *group)
@@ -1039,13 +1039,11 @@ static double attack_camera_slope(const float *input)
 /* A triangle of a leaf, as a cell of one ray sees it. */
 struct seen_triangle {
     struct cells cells;
-    struct leaf_triangles leaf;
+    struct lone_triangle lone;
     float size[4];
     float direction[3];
     int n_sign; /* 0: its plane holds the apex */
 };
-
-static const uint32_t only_number; /* 0 */
 
 /* Inputs as of the filter. With `slopes` the ray is (+-1, s_j, s_l) by its main axis, and s what the cell has of it. */
 static int see_triangle(const float *input, int slopes, struct seen_triangle *seen)
@@ -1064,8 +1062,8 @@ static int see_triangle(const float *input, int slopes, struct seen_triangle *se
     cells->sign = input[12 + a] < 0 ? -1.0f : 1.0f;
     memcpy(cells->apex, input + 9, sizeof cells->apex);
     for (uint32_t i = 0; i < CELL_COUNT; ++i) leave_out_cell(cells, i);
-    cells->farthest[0] = cells->cover_near[0] = INFINITY;
-    cells->cover[0] = MLRT_NONE;
+    cells->farthest[0] = cells->cover_near[0] = cells->shortest[0] = INFINITY;
+    cells->cover[0] = cells->skip[0] = MLRT_NONE;
     cells->closed = 1;
     memcpy(seen->direction, input + 12, sizeof seen->direction);
     for (int side = 0; side < 2; ++side) {
@@ -1084,7 +1082,7 @@ static int see_triangle(const float *input, int slopes, struct seen_triangle *se
     find_d_and_n(other_truth, truth);
     seen->n_sign = mpf_sgn(truth);
     divisor_count = 0;
-    set_up_triangle(&tree, cells, &only_number, &seen->leaf);
+    set_up_lone_triangle(&tree, cells, 0, &seen->lone);
     for (int i = 0; i < 4; ++i) seen->size[i] = divisors[i * divisor_count / 4];
     return 1;
 }
@@ -1109,7 +1107,7 @@ static double attack_slope_terms(const float *input, int first, int end, float b
     if (!see_triangle(input, 1, &seen) || seen.n_sign == 0) return -1;
     for (int i = first; i < end; ++i) {
         vf least, greatest;
-        range_over_cells(&seen.cells, &seen.leaf, i, 0, 0, &least, &greatest);
+        range_over_cells(&seen.cells, &seen.lone.leaf, i, 0, 0, &least, &greatest);
         find_seen_term(&seen, i, truth);
         worst = fmax(worst, error_over(truth, least, bound * seen.cells.slope_bound));
         worst = fmax(worst, error_over(truth, greatest, bound * seen.cells.slope_bound));
@@ -1150,14 +1148,14 @@ static double attack_closed_cell(const float *input)
     struct seen_triangle seen;
     uint32_t inside;
     if (!see_triangle(input, 1, &seen) || seen.n_sign == 0) return -1;
-    seen.leaf.least_depth[0] = -INFINITY;
+    seen.lone.leaf.least_depth[0] = -INFINITY;
     for (int side = 0; side < 2; ++side) {
-        seen.leaf.slope_lo[side][0] = -INFINITY;
-        seen.leaf.slope_hi[side][0] = INFINITY;
+        seen.lone.leaf.slope_lo[side][0] = -INFINITY;
+        seen.lone.leaf.slope_hi[side][0] = INFINITY;
     }
     const int side = find_side();
-    const uint32_t left = seen_by_cell(&seen.cells, 0, 1, &seen.leaf);
-    const uint32_t opened = offer_to_closed(&seen.cells, &seen.leaf, 0, 1, 0, &inside);
+    const uint32_t left = seen_by_cell(&seen.cells, 0, 1, &seen.lone.leaf);
+    const uint32_t opened = offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside);
     const int is_covered = seen.cells.cover[0] != MLRT_NONE;
     if ((!left || !(opened || is_covered)) && side >= 0) return INFINITY;
     if ((is_covered || inside) && side <= 0) return INFINITY;
@@ -1170,11 +1168,11 @@ static double attack_closed_cell(const float *input)
     seen.cells.cover[0] = MLRT_NONE;
     seen.cells.cover_near[0] = INFINITY;
     seen.cells.farthest[0] = round_up_exactly(truth);
-    if (!offer_to_closed(&seen.cells, &seen.leaf, 0, 1, 0, &inside) && seen.cells.cover[0] == MLRT_NONE) return INFINITY;
+    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside) && seen.cells.cover[0] == MLRT_NONE) return INFINITY;
     seen.cells.cover[0] = MLRT_NONE;
     seen.cells.farthest[0] = INFINITY;
     seen.cells.cover_near[0] = round_down_exactly(truth);
-    if (!offer_to_closed(&seen.cells, &seen.leaf, 0, 1, 0, &inside)) return INFINITY;
+    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside)) return INFINITY;
     return worst;
 }
 
@@ -1185,7 +1183,7 @@ static double attack_leaf_decisions(const float *input)
     if (!see_triangle(input, 0, &seen)) return -1;
     const int a = seen.cells.main_axis;
     const float other = fmaxf(fabsf(input[12 + (a + 1) % 3]), fabsf(input[12 + (a + 2) % 3]));
-    struct filtered filtered = {.leaf = &seen.leaf, .reach = fmaxf(fabsf(input[12 + a]), 2 * other)};
+    struct filtered filtered = {.leaf = &seen.lone.leaf, .reach = fmaxf(fabsf(input[12 + a]), 2 * other)};
     memcpy(filtered.direction, input + 12, sizeof filtered.direction);
     if (seen.n_sign == 0) return -1;
     const int side = find_side();
@@ -1194,7 +1192,7 @@ static double attack_leaf_decisions(const float *input)
     if (!verdict.nearer && !verdict.undecided && side >= 0) return INFINITY;
     double worst = 0.0005;
     for (int i = 0; i < 4; ++i) {
-        const float cross[3] = {seen.leaf.cross[i][0][0], seen.leaf.cross[i][1][0], seen.leaf.cross[i][2][0]};
+        const float cross[3] = {seen.lone.leaf.cross[i][0][0], seen.lone.leaf.cross[i][1][0], seen.lone.leaf.cross[i][2][0]};
         const float value = dot_product(filtered.direction, cross);
         find_seen_term(&seen, i, truth);
         worst = fmax(worst, sign_over(truth, value, (i < 3 ? EDGE_BOUND : PLANE_BOUND) * filtered.reach));
@@ -1206,7 +1204,7 @@ static double attack_leaf_decisions(const float *input)
 static double attack_leaf_ends(const float *input, enum quantity quantity)
 {
     struct seen_triangle seen;
-    struct leaf_triangles *leaf = &seen.leaf;
+    struct mlrt_leaf_setup *leaf = &seen.lone.leaf;
     if (!see_triangle(input, 0, &seen) || seen.n_sign == 0) return -1;
     const int a = seen.cells.main_axis;
     const float other = fmaxf(fabsf(input[12 + (a + 1) % 3]), fabsf(input[12 + (a + 2) % 3]));
@@ -1263,14 +1261,14 @@ static double attack_leaf_n_ends(const float *input)
     find_d_and_n(other_truth, truth);
     divide_by(seen.size[3], truth);
     mpf_abs(truth, truth);
-    return place_in(truth, seen.leaf.least_n[0], seen.leaf.greatest_n[0]);
+    return place_in(truth, seen.lone.leaf.least_n[0], seen.lone.leaf.greatest_n[0]);
 }
 
 /* Inputs as of attack_outline. */
 static double attack_leaf_outline(const float *input)
 {
     struct leaf_corners corners;
-    struct leaf_triangles leaf;
+    struct mlrt_leaf_setup leaf;
     struct cells cells;
     memset(&cells, 0, sizeof cells);
     cells.sign = 1;

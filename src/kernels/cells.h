@@ -113,6 +113,32 @@ MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side,
     }
 }
 
+/* Of a vector of cells: the least depth of the directions at their corners, and bounds of their slopes. */
+struct corner_slopes {
+    vf least_depth;
+    vf lo[2];
+    vf hi[2];
+};
+
+/* Adds the corners at these columns and rows. */
+static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct cells *cells, const float *columns,
+                                     const float *rows, struct corner_slopes *of)
+{
+    const int a = cells->main_axis;
+    const vf xs = v_load(columns), ys = v_load(rows);
+    vf d[3];
+    for (int k = 0; k < 3; ++k) {
+        d[k] = v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))), v_mul(ys, v_set1(view->dy[k])));
+    }
+    const vf depth = v_flip(d[a], v_set1(cells->sign)), inverse = v_div(v_set1(1), depth);
+    of->least_depth = v_min(depth, of->least_depth);
+    for (int j = 0; j < 2; ++j) {
+        const vf slope = v_mul(d[(a + 1 + j) % 3], inverse);
+        of->lo[j] = v_min(slope, of->lo[j]);
+        of->hi[j] = v_max(slope, of->hi[j]);
+    }
+}
+
 /*
  * Makes closed cells of `side` x `side` pixels out of a camera's picture, from (x, y) on. 0 if their rays have no
  * main axis in common, or more to them than a direction.
@@ -157,36 +183,22 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
         }
     }
     for (int v = 0; v < CELL_COUNT; v += VW) {
-        vf least = v_set1(INFINITY), lo[2], hi[2];
-        lo[0] = lo[1] = v_set1(INFINITY);
-        hi[0] = hi[1] = v_set1(-INFINITY);
+        struct corner_slopes of = {v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)},
+                                   {v_set1(-INFINITY), v_set1(-INFINITY)}};
         for (int corner = 0; corner < 4; ++corner) {
-            const vf xs = v_load(samples[corner & 1] + v), ys = v_load(samples[2 + (corner >> 1)] + v);
-            vf d[3];
-            for (int k = 0; k < 3; ++k) {
-                d[k] = v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))),
-                             v_mul(ys, v_set1(view->dy[k])));
-            }
-            const vf depth = v_flip(d[a], v_set1(cells->sign));
-            least = v_min(depth, least);
-            const vf inverse = v_div(v_set1(1), depth);
-            for (int j = 0; j < 2; ++j) {
-                const vf slope = v_mul(d[(a + 1 + j) % 3], inverse);
-                lo[j] = v_min(slope, lo[j]);
-                hi[j] = v_max(slope, hi[j]);
-            }
+            add_corner(view, cells, samples[corner & 1] + v, samples[2 + (corner >> 1)] + v, &of);
         }
-        const vm forward = v_gt(least, v_set1(4 * pad[a]));
+        const vm forward = v_gt(of.least_depth, v_set1(4 * pad[a]));
         const vm there = m_from_bits(cells->closed >> v);
         if (m_bits(m_andnot(there, forward))) return 0;
-        const vf inverse = v_div(v_set1(2), least);
+        const vf inverse = v_div(v_set1(2), of.least_depth);
         for (int j = 0; j < 2; ++j) {
-            const vf steepest = v_max(v_abs(lo[j]), v_abs(hi[j]));
+            const vf steepest = v_max(v_abs(of.lo[j]), v_abs(of.hi[j]));
             if (m_bits(m_andnot(there, v_le(steepest, v_set1(STEEPEST_SLOPE))))) return 0;
             const vf error = v_mul(v_add(v_set1(pad[(a + 1 + j) % 3]), v_mul(steepest, v_set1(pad[a]))), inverse);
             const vf slack = v_add(v_add(error, v_mul(steepest, v_set1(SLOPE_SLACK))), v_set1(SLOPE_FLOOR));
-            v_store(cells->slopes[j].lo + v, v_select(there, v_sub(lo[j], slack), v_set1(INFINITY)));
-            v_store(cells->slopes[j].hi + v, v_select(there, v_add(hi[j], slack), v_set1(-INFINITY)));
+            v_store(cells->slopes[j].lo + v, v_select(there, v_sub(of.lo[j], slack), v_set1(INFINITY)));
+            v_store(cells->slopes[j].hi + v, v_select(there, v_add(of.hi[j], slack), v_set1(-INFINITY)));
         }
         v_store(cells->farthest + v, v_select(there, v_set1(INFINITY), v_set1(-INFINITY)));
         v_store(cells->shortest + v, v_set1(INFINITY));

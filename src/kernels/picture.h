@@ -50,7 +50,7 @@ MLRT_INLINE void fetch_rays(const struct mlrt_source *source, const struct recta
     }
 }
 
-static void check_rays(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
+static void finish_rays(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
 {
     if (is_pinhole(source)) return;
     check_packet(lanes, packet);
@@ -62,5 +62,5 @@ static void get_packet(const struct mlrt_source *source, const struct rectangle 
                        struct mlrt_packet *packet)
 {
     fetch_rays(source, block, lanes, packet);
-    check_rays(source, lanes, packet);
+    finish_rays(source, lanes, packet);
 }

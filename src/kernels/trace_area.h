@@ -81,7 +81,7 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         struct mlrt_packet *packet = &tile->packets[place];
-        check_rays(&job->source, lanes[place], packet);
+        finish_rays(&job->source, lanes[place], packet);
         if (!job->tree->bvh.float_safe) {
             packet->single |= packet->active;
             packet->active = 0;
