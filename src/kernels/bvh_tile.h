@@ -127,9 +127,11 @@ MLRT_INLINE struct verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf
         nearer = m_and(nearer, m_or(v_gt(least_n, v_mul(t_min, greatest_d)), v_eq(t_min, v_set1(0))));
     }
     verdict.inside = m_and(certain, v_gt(least, v_set1(EDGE_BOUND * reach)));
+    if (MLRT_GUESS) verdict.inside = m_and(candidates, v_gt(size, v_set1(0)));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer),
                                  v_lt(greatest_d, v_set1(0)));
+    if (MLRT_GUESS) verdict.undecided = m_andnot(candidates, candidates);
     if (!m_bits(verdict.nearer)) return verdict;
     const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);
     verdict.lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));

@@ -45,10 +45,17 @@
  * and a hit is no farther than 2^61, so t <= 2^121. (The upper one may be infinite.)
  */
 
+#if MLRT_GUESS
+#define EDGE_BOUND     0.0f
+#define PLANE_BOUND    0.0f
+#define DISTANCE_BOUND 0.0f
+#define DISTANCE_FLOOR 0.0f
+#else
 #define EDGE_BOUND     (11 * 0x1p-24f)
 #define PLANE_BOUND    (16 * 0x1p-24f)
 #define DISTANCE_BOUND (12 * 0x1p-24f)
 #define DISTANCE_FLOOR 0x1p-82f
+#endif
 #define SMALLEST_SIZE  0x1p-100f
 
 MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3])
