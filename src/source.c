@@ -157,7 +157,10 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
 
 /* ---- packets ---- */
 
-/* A block of at most 4x4 elements: its first, the distance between rows, and the lanes that exist, the first among them. */
+/*
+ * A block of at most 4x4 elements: its first, the distance between rows, and the lanes that exist, the first among them.
+ * Behind the end of a short last row there are none; then the first is any other element.
+ */
 struct block {
     uint32_t first;
     uint32_t row_length;
@@ -324,7 +327,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         fetch_camera_rays(&source->view, x, y, packet);
         return;
     }
-    const struct block block = {y * source->width + x, source->width, lanes};
+    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     if (source->kind == MLRT_SOURCE_RAYS) {
         fetch_vectors(&source->points, &block, packet->origin);
         fetch_vectors(&source->directions, &block, packet->direction);

@@ -40,7 +40,7 @@ MLRT_INLINE int is_pinhole(const struct mlrt_source *source)
  * The rays of a block of any source, in two steps. Who makes many packets should take the first step for all of them:
  * what it stores in pieces, the second loads in whole vectors, for which it would have to wait.
  */
-MLRT_INLINE void fetch_rays(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
+MLRT_INLINE void fetch_block(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
                             struct mlrt_packet *packet)
 {
     if (is_pinhole(source)) {
@@ -50,7 +50,7 @@ MLRT_INLINE void fetch_rays(const struct mlrt_source *source, const struct recta
     }
 }
 
-static void finish_rays(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
+static void check_block(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
 {
     if (is_pinhole(source)) return;
     check_packet(lanes, packet);
@@ -61,6 +61,6 @@ static void finish_rays(const struct mlrt_source *source, uint32_t lanes, struct
 static void get_packet(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
-    fetch_rays(source, block, lanes, packet);
-    finish_rays(source, lanes, packet);
+    fetch_block(source, block, lanes, packet);
+    check_block(source, lanes, packet);
 }

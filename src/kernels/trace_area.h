@@ -76,12 +76,12 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
         if (!has_block(tile, place)) continue;
         const struct rectangle block = block_of_tile(tile, place);
         lanes[place] = existing_lanes(&job->source, &block);
-        fetch_rays(&job->source, &block, lanes[place], &tile->packets[place]);
+        fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
     }
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         struct mlrt_packet *packet = &tile->packets[place];
-        finish_rays(&job->source, lanes[place], packet);
+        check_block(&job->source, lanes[place], packet);
         if (!job->tree->bvh.float_safe) {
             packet->single |= packet->active;
             packet->active = 0;

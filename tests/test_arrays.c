@@ -1,0 +1,399 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Arrays as they lie in memory: packed or with gaps, at any address that is a multiple of 4, with nothing that may be
+ * touched behind their last element; rays that skip triangles of several meshes; results of all kinds, side by side.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support.h"
+
+enum { COUNT = 70, WORDS = 6, GUARD = 0xA5 };
+
+/* ---- arrays that end with their memory --------------------------------------------------------------------------- */
+
+struct array {
+    unsigned char *data;
+    size_t element_size;
+    size_t stride;
+    size_t size;
+};
+
+static struct array make_array(size_t count, size_t element_size, size_t gap)
+{
+    struct array array = {NULL, element_size, element_size + gap, (count - 1) * (element_size + gap) + element_size};
+    array.data = allocate_guarded(array.size);
+    memset(array.data, GUARD, array.size);
+    return array;
+}
+
+static void free_array(struct array *array)
+{
+    free_guarded(array->data, array->size);
+}
+
+static mlrt_const_array input_of(const struct array *array)
+{
+    return (mlrt_const_array){array->data, array->stride};
+}
+
+static mlrt_array output_of(const struct array *array)
+{
+    return (mlrt_array){array->data, array->stride, 0};
+}
+
+static void *element_at(const struct array *array, size_t i)
+{
+    return array->data + i * array->stride;
+}
+
+/* What is in the gaps must stay. */
+static void check_gaps(const struct array *array)
+{
+    for (size_t i = 0; i < array->size; i++) {
+        if (i % array->stride >= array->element_size) assert_int_equal(array->data[i], GUARD);
+    }
+}
+
+/* ---- scenes and rays --------------------------------------------------------------------------------------------- */
+
+/* A torus of three meshes, whose ids are not in the order of their positions. */
+static struct fixture three_meshes(void)
+{
+    struct soup soup = {0};
+    soup_add_torus(&soup, 24, 12, 1, 0.4f);
+    mlrt_mesh meshes[3];
+    const size_t third = soup.count / 3;
+    for (uint32_t i = 0; i < 3; i++) {
+        meshes[i] = soup_mesh(&soup);
+        meshes[i].id = 70 - 30 * i;
+        meshes[i].vertices = soup.corners + 9 * third * i;
+        meshes[i].triangle_count = i < 2 ? third : soup.count - 2 * third;
+        meshes[i].vertex_count = 3 * meshes[i].triangle_count;
+    }
+    struct fixture fixture = make_fixture("torus of three meshes", 1900, meshes, 3);
+    free_soup(&soup);
+    return fixture;
+}
+
+/* Some skip what they would hit, some another mesh's, some what there is not. */
+static void add_skips(const struct fixture *fixture, struct random *random, struct ray_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        struct reference_ray *ray = &list->rays[i];
+        struct reference_hit hit;
+        reference_trace(fixture->reference, ray, &hit);
+        ray->skip[0] = hit.mesh;
+        ray->skip[1] = hit.triangle;
+        const uint32_t kind = draw_below(random, 8);
+        if (kind == 0) ray->skip[0] = 10 + 30 * draw_below(random, 3);
+        if (kind == 1) ray->skip[0] = ray->skip[1] = MLRT_NONE;
+        if (kind == 2) ray->skip[1] += 1000;
+        if (kind == 3) ray->skip[0] = 41;
+    }
+}
+
+static void add_picture(struct ray_list *list)
+{
+    const float eye[3] = {0.1f, -3, 0.7f}, target[3] = {0, 0, 0};
+    mlrt_camera camera = look_at(eye, target, 0.6f, 10, 7);
+    add_camera_rays(list, &camera);
+}
+
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
+
+static uint32_t word_of(const struct reference_hit *hit, int word)
+{
+    const uint32_t words[WORDS] = {bits_of_float(hit->t), bits_of_float(hit->u), bits_of_float(hit->v),
+                                   hit->mesh,             hit->triangle,         (uint32_t)hit->facing};
+    return words[word];
+}
+
+static void check_words(const struct array outputs[WORDS], const struct reference_hit *expected, size_t count)
+{
+    for (int word = 0; word < WORDS; word++) {
+        for (size_t i = 0; i < count; i++) {
+            uint32_t found;
+            memcpy(&found, element_at(&outputs[word], i), 4);
+            if (found != word_of(&expected[i], word)) {
+                fail_msg("word %d of ray %zu of %zu is %08x, not %08x", word, i, count, (unsigned)found,
+                         (unsigned)word_of(&expected[i], word));
+            }
+        }
+        check_gaps(&outputs[word]);
+    }
+}
+
+static void trace_closest(const struct fixture *fixture, const mlrt_rays *rays, const struct variant *variant,
+                          size_t gap, const struct reference_hit *expected)
+{
+    struct array outputs[WORDS];
+    for (int word = 0; word < WORDS; word++) outputs[word] = make_array(rays->count, 4, gap);
+    mlrt_hits hits = {.struct_size = sizeof hits,
+                      .t = output_of(&outputs[0]),
+                      .u = output_of(&outputs[1]),
+                      .v = output_of(&outputs[2]),
+                      .mesh = output_of(&outputs[3]),
+                      .triangle = output_of(&outputs[4]),
+                      .facing = output_of(&outputs[5])};
+    assert_int_equal(mlrt_trace_packet(variant_tree(variant, fixture), rays, &variant->options, &hits), MLRT_OK);
+    check_words(outputs, expected, rays->count);
+    for (int word = 0; word < WORDS; word++) free_array(&outputs[word]);
+}
+
+static void check_occluded_bytes(const struct array *output, const struct reference_hit *expected, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        assert_int_equal(*(unsigned char *)element_at(output, i), expected[i].mesh != MLRT_NONE);
+    }
+    check_gaps(output);
+}
+
+static void trace_any(const struct fixture *fixture, const mlrt_rays *rays, const struct variant *variant, size_t gap,
+                      const struct reference_hit *expected)
+{
+    struct array output = make_array(rays->count, 1, gap);
+    mlrt_hits hits = {.struct_size = sizeof hits, .occluded = output_of(&output)};
+    mlrt_trace_options options = variant->options;
+    options.query = MLRT_QUERY_ANY;
+    assert_int_equal(mlrt_trace_packet(variant_tree(variant, fixture), rays, &options, &hits), MLRT_OK);
+    check_occluded_bytes(&output, expected, rays->count);
+    free_array(&output);
+}
+
+/* The first `count` rays of a list in arrays of their own. */
+static void trace_arrays(const struct fixture *fixture, const struct ray_list *list, size_t count, uint32_t row_length,
+                         size_t gap, const struct reference_hit *expected)
+{
+    struct array origins = make_array(count, 12, gap), directions = make_array(count, 12, gap);
+    struct array t_min = make_array(count, 4, gap), t_max = make_array(count, 4, gap);
+    struct array skip = make_array(count, 8, gap);
+    for (size_t i = 0; i < count; i++) {
+        memcpy(element_at(&origins, i), list->rays[i].origin, 12);
+        memcpy(element_at(&directions, i), list->rays[i].direction, 12);
+        memcpy(element_at(&t_min, i), &list->rays[i].t_min, 4);
+        memcpy(element_at(&t_max, i), &list->rays[i].t_max, 4);
+        memcpy(element_at(&skip, i), list->rays[i].skip, 8);
+    }
+    mlrt_rays rays = {.struct_size = sizeof rays,
+                      .row_length = row_length,
+                      .count = count,
+                      .origins = input_of(&origins),
+                      .directions = input_of(&directions),
+                      .t_min = input_of(&t_min),
+                      .t_max = input_of(&t_max),
+                      .skip = input_of(&skip)};
+    for (size_t v = 0; v < variant_count(); v++) {
+        if (!variant_at(v)->probe) continue;
+        trace_closest(fixture, &rays, variant_at(v), gap, expected);
+        trace_any(fixture, &rays, variant_at(v), gap, expected);
+    }
+    free_array(&origins);
+    free_array(&directions);
+    free_array(&t_min);
+    free_array(&t_max);
+    free_array(&skip);
+}
+
+static void trace_every_count(const struct fixture *fixture, const struct ray_list *list)
+{
+    static const uint32_t row_lengths[] = {0, 10, 5, 16, 4, 33, 8};
+    struct reference_hit expected[COUNT];
+    assert_true(list->count >= COUNT);
+    struct ray_list first = *list;
+    first.count = COUNT;
+    trace_reference(fixture, &first, expected);
+    for (size_t count = 1; count <= COUNT; count++) {
+        trace_arrays(fixture, list, count, row_lengths[count % 7], count / 7 % 3 * 4, expected);
+    }
+    for (uint32_t row_length = 0; row_length <= 20; row_length++) {
+        trace_arrays(fixture, list, COUNT, row_length, row_length % 4 * 4, expected);
+    }
+}
+
+static void rays_of_one_origin(void **state)
+{
+    (void)state;
+    struct random random = {1901};
+    struct fixture fixture = three_meshes();
+    struct ray_list list = {0};
+    add_picture(&list);
+    trace_every_count(&fixture, &list);
+    add_skips(&fixture, &random, &list);
+    trace_every_count(&fixture, &list);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+static void rays_of_many_origins(void **state)
+{
+    (void)state;
+    struct random random = {1902};
+    struct fixture fixture = three_meshes();
+    struct ray_list list = {0};
+    add_aimed_rays(&list, &random, &fixture, COUNT, -3, 3);
+    for (size_t i = 0; i < list.count; i++) {
+        if (draw_below(&random, 2)) list.rays[i].t_min = draw_range(&random, -1, 1);
+        if (draw_below(&random, 2)) list.rays[i].t_max = draw_range(&random, -1, 4);
+    }
+    add_skips(&fixture, &random, &list);
+    trace_every_count(&fixture, &list);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+/* ---- points ------------------------------------------------------------------------------------------------------ */
+
+static void trace_points(const struct fixture *fixture, const struct ray_list *list, const mlrt_light *light,
+                         size_t count, uint32_t row_length, size_t gap, const struct reference_hit *expected)
+{
+    const int is_point = light->kind == MLRT_LIGHT_POINT;
+    struct array positions = make_array(count, 12, gap), skip = make_array(count, 8, gap);
+    for (size_t i = 0; i < count; i++) {
+        // Of a point light, the list has its position and the way from there to the point.
+        float point[3];
+        for (int k = 0; k < 3; k++) {
+            point[k] = list->rays[i].origin[k] + (is_point ? list->rays[i].direction[k] : 0);
+        }
+        memcpy(element_at(&positions, i), point, 12);
+        memcpy(element_at(&skip, i), list->rays[i].skip, 8);
+    }
+    const mlrt_points points = {.struct_size = sizeof points,
+                                .row_length = row_length,
+                                .count = count,
+                                .positions = input_of(&positions),
+                                .skip = input_of(&skip)};
+    for (size_t v = 0; v < variant_count(); v++) {
+        const struct variant *variant = variant_at(v);
+        if (!variant->probe) continue;
+        struct array output = make_array(count, 1, gap);
+        const mlrt_array occluded = output_of(&output);
+        assert_int_equal(
+            mlrt_occluded_points(variant_tree(variant, fixture), &points, light, &variant->options, &occluded), MLRT_OK);
+        check_occluded_bytes(&output, expected, count);
+        free_array(&output);
+    }
+    free_array(&positions);
+    free_array(&skip);
+}
+
+static void trace_every_count_of_points(const struct fixture *fixture, struct ray_list *list, const mlrt_light *light)
+{
+    static const uint32_t row_lengths[] = {0, 10, 5, 16, 4, 33, 8};
+    struct random random = {1903};
+    struct reference_hit expected[COUNT];
+    add_skips(fixture, &random, list);
+    trace_reference(fixture, list, expected);
+    for (size_t count = 1; count <= COUNT; count++) {
+        trace_points(fixture, list, light, count, row_lengths[count % 7], count / 7 % 3 * 4, expected);
+    }
+}
+
+/* Coordinates are small multiples of 2^-10, so that a point is its light's position and the way from there, exactly. */
+static float draw_short(struct random *random)
+{
+    return (float)((int)draw_below(random, 4096) - 2048) / 1024;
+}
+
+static void points_of_a_point_light(void **state)
+{
+    (void)state;
+    struct random random = {1904};
+    struct fixture fixture = three_meshes();
+    struct ray_list list = {0};
+    const mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {0.125f, -3, 0.75f}};
+    for (int i = 0; i < COUNT; i++) {
+        float direction[3];
+        for (int k = 0; k < 3; k++) direction[k] = draw_short(&random) - light.position[k];
+        add_ray(&list, light.position, direction)->t_max = 1;
+    }
+    trace_every_count_of_points(&fixture, &list, &light);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+static void points_of_a_directional_light(void **state)
+{
+    (void)state;
+    struct random random = {1905};
+    struct fixture fixture = three_meshes();
+    struct ray_list list = {0};
+    const mlrt_light light = {
+        .struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {0.125f, -3, 0.75f}};
+    for (int i = 0; i < COUNT; i++) {
+        const float origin[3] = {draw_short(&random), draw_short(&random), draw_short(&random)};
+        add_ray(&list, origin, light.position);
+    }
+    trace_every_count_of_points(&fixture, &list, &light);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+/* Frames of all words, packed: what one triangle covers and what is missed goes out in rectangles. */
+static void check_frame(const struct fixture *fixture, const mlrt_camera *camera)
+{
+    struct ray_list list = {0};
+    add_camera_rays(&list, camera);
+    struct reference_hit *expected = allocate_or_fail(list.count, sizeof *expected);
+    trace_reference(fixture, &list, expected);
+    for (size_t v = 0; v < variant_count(); v++) {
+        const struct variant *variant = variant_at(v);
+        if (!variant->probe) continue;
+        for (size_t gap = 0; gap <= 4; gap += 4) {
+            struct array outputs[WORDS];
+            for (int word = 0; word < WORDS; word++) outputs[word] = make_array(list.count, 4, gap);
+            mlrt_hits frame = {.struct_size = sizeof frame,
+                               .t = output_of(&outputs[0]),
+                               .u = output_of(&outputs[1]),
+                               .v = output_of(&outputs[2]),
+                               .mesh = output_of(&outputs[3]),
+                               .triangle = output_of(&outputs[4]),
+                               .facing = output_of(&outputs[5])};
+            assert_int_equal(
+                mlrt_render_tiles(variant_tree(variant, fixture), camera, &variant->options, &frame, NULL, NULL),
+                MLRT_OK);
+            check_words(outputs, expected, list.count);
+            for (int word = 0; word < WORDS; word++) free_array(&outputs[word]);
+        }
+    }
+    free(expected);
+    free_rays(&list);
+}
+
+static void frames_of_a_torus(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1}, {4, 4}, {5, 3}, {37, 41}, {66, 9}, {64, 64}};
+    const float eye[3] = {0.1f, -3, 0.7f}, target[3] = {0, 0, 0};
+    struct fixture fixture = three_meshes();
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        const mlrt_camera camera = look_at(eye, target, 0.9f, sizes[i][0], sizes[i][1]);
+        check_frame(&fixture, &camera);
+    }
+    free_fixture(&fixture);
+}
+
+static void frames_of_a_box(void **state)
+{
+    (void)state;
+    const float eye[3] = {0.3f, -3, 0.7f}, target[3] = {0, 0, 0}, lo[3] = {-1, -1, -1}, hi[3] = {1, 1, 1};
+    struct soup soup = {0};
+    soup_add_box(&soup, lo, hi);
+    struct fixture fixture = fixture_of_soup("box", 1906, &soup);
+    const mlrt_camera camera = look_at(eye, target, 1.2f, 83, 79);
+    check_frame(&fixture, &camera);
+    free_fixture(&fixture);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rays_of_one_origin),      cmocka_unit_test(rays_of_many_origins),
+        cmocka_unit_test(points_of_a_point_light), cmocka_unit_test(points_of_a_directional_light),
+        cmocka_unit_test(frames_of_a_torus),       cmocka_unit_test(frames_of_a_box),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
