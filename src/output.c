@@ -126,10 +126,9 @@ void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y
 
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
 {
-    static const uint8_t bytes[16][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0},
-                                         {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0},
-                                         {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1},
-                                         {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
+    static const uint8_t bytes[16][4] = {
+        {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0},
+        {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
     const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
     const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
     unsigned char *corner = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);

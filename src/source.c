@@ -158,8 +158,8 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
 /* ---- packets ---- */
 
 /*
- * A block of at most 4x4 elements: its first, the distance between rows, and the lanes that exist, the first among them.
- * Behind the end of a short last row there are none; then the first is any other element.
+ * A block of at most 4x4 elements: its first, the distance between rows, and the lanes that exist, the first among
+ * them. Behind the end of a short last row there are none; then the first is any other element.
  */
 struct block {
     uint32_t first;

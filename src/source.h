@@ -60,8 +60,8 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
 /*
  * The numbers of a block of at most 4x4 rays at (x, y), for any kind of source: direction, origin, t_min, t_max, and
  * has_skip and skip of a packet, as they are given. A point light's packets have its apex instead of origins. `lanes`
- * are those that exist, the first among them, or none. Nothing is checked (kernels/packet_check.h does), and the other lanes
- * hold anything.
+ * are those that exist, the first among them, or none. Nothing is checked (kernels/packet_check.h does), and the other
+ * lanes hold anything.
  */
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);

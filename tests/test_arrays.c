@@ -105,8 +105,8 @@ static void add_picture(struct ray_list *list)
 
 static uint32_t word_of(const struct reference_hit *hit, int word)
 {
-    const uint32_t words[WORDS] = {bits_of_float(hit->t), bits_of_float(hit->u), bits_of_float(hit->v),
-                                   hit->mesh,             hit->triangle,         (uint32_t)hit->facing};
+    const uint32_t words[WORDS] = {bits_of_float(hit->t), bits_of_float(hit->u), bits_of_float(hit->v), hit->mesh,
+                                   hit->triangle,         (uint32_t)hit->facing};
     return words[word];
 }
 
@@ -270,7 +270,8 @@ static void trace_points(const struct fixture *fixture, const struct ray_list *l
         struct array output = make_array(count, 1, gap);
         const mlrt_array occluded = output_of(&output);
         assert_int_equal(
-            mlrt_occluded_points(variant_tree(variant, fixture), &points, light, &variant->options, &occluded), MLRT_OK);
+            mlrt_occluded_points(variant_tree(variant, fixture), &points, light, &variant->options, &occluded),
+            MLRT_OK);
         check_occluded_bytes(&output, expected, count);
         free_array(&output);
     }

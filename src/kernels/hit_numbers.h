@@ -61,8 +61,8 @@ static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packe
     }
 }
 
-MLRT_INLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *packet, uint32_t lane,
-                                  uint32_t outputs, struct hit_terms *terms)
+MLRT_INLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
+                                  struct hit_terms *terms)
 {
     vd ab[3], ac[3], p[3];
     for (int k = 0; k < 3; ++k) {
@@ -93,8 +93,8 @@ struct lane_denominator {
 MLRT_INLINE uint32_t round_quotients(vd x, vd size, const struct lane_denominator *d, float *result)
 {
     const vd quotient = d_mul(x, d->inverse);
-    const vd width = d_add(d_mul(d_mul(d_set1(MLRT_NUMERATOR_ERROR), size), d->inverse_size),
-                           d_mul(d_abs(quotient), d->error));
+    const vd width =
+        d_add(d_mul(d_mul(d_set1(MLRT_NUMERATOR_ERROR), size), d->inverse_size), d_mul(d_abs(quotient), d->error));
     const vd low = d_sub(quotient, width), high = d_add(quotient, width);
     d_store(result, high);
     return MLRT_GUESS ? ALL_LANES : d_same_float(low, high);

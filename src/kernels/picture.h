@@ -41,7 +41,7 @@ MLRT_INLINE int is_pinhole(const struct mlrt_source *source)
  * what it stores in pieces, the second loads in whole vectors, for which it would have to wait.
  */
 MLRT_INLINE void fetch_block(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
-                            struct mlrt_packet *packet)
+                             struct mlrt_packet *packet)
 {
     if (is_pinhole(source)) {
         get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);

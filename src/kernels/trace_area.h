@@ -114,9 +114,9 @@ static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
 }
 
 /*
- * Has the rays of what comes after a tile brought into the cache while the tile is traced: rows of a picture are often a
- * multiple of the page size apart, which is too much for the processor to foresee. `tile` is one of rows of tiles that
- * are 64 wide at most.
+ * Has the rays of what comes after a tile brought into the cache while the tile is traced: rows of a picture are often
+ * a multiple of the page size apart, which is too much for the processor to foresee. `tile` is one of rows of tiles
+ * that are 64 wide at most.
  */
 static void prefetch_next(const struct mlrt_source *source, const struct rectangle *tile)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The results of a packet on their way out: its triangles are turned into ids and numbers a vector at a time. Where they
- * go is output.h's.
+ * The results of a packet on their way out: its triangles are turned into ids and numbers a vector at a time. Where
+ * they go is output.h's.
  */
 
 /* The lanes whose nearest hit is a triangle. */

@@ -57,6 +57,29 @@ static void run_loads(const struct word_input *in, int v, struct word_output *ou
     i_store(out->integers[WORD_INTEGER_LOAD_ANY] + v, i_load_any(integers + 1 + v));
 }
 
+static void put_bits(struct word_output *out, int word, int lane, unsigned bits)
+{
+    const unsigned past = bits >> DW;
+    for (int i = 0; i < DW; ++i) out->integers[word][lane + i] = (bits >> i & 1) | past;
+}
+
+/* Quotients a / b and their neighbours in double are looked at beside the floats: there is more to be rounded. */
+static void run_doubles(const struct word_input *in, int lane, struct word_output *out)
+{
+    const vd a = d_load(in->a + lane), b = d_load(in->b + lane), quotient = d_div(a, b);
+    const vd near = d_mul(quotient, d_set1(1 + 0x1p-24)), nearer = d_mul(quotient, d_set1(1 + 0x1p-25));
+    d_store(out->values[WORD_DOUBLE_SET1] + lane, d_set1((double)in->a[0] + 0x1p-30));
+    d_store(out->values[WORD_DOUBLE_LOAD] + lane, a);
+    d_store(out->values[WORD_DOUBLE_ADD] + lane, d_add(quotient, b));
+    d_store(out->values[WORD_DOUBLE_SUB] + lane, d_sub(quotient, b));
+    d_store(out->values[WORD_DOUBLE_MUL] + lane, nearer);
+    d_store(out->values[WORD_DOUBLE_DIV] + lane, quotient);
+    d_store(out->values[WORD_DOUBLE_MUL_ADD] + lane, d_sub(d_mul(quotient, b), a));
+    d_store(out->values[WORD_DOUBLE_ABS] + lane, d_abs(quotient));
+    put_bits(out, WORD_DOUBLE_GT, lane, d_gt(a, b) ^ d_gt(near, quotient));
+    put_bits(out, WORD_DOUBLE_SAME_FLOAT, lane, d_same_float(quotient, nearer));
+}
+
 static void run_quad(const struct word_input *in, int v, struct word_output *out)
 {
     const f4 a = f4_load(in->a + v), b = f4_load(in->b + v);
@@ -70,6 +93,11 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     f4_store(out->values[WORD_QUAD_FLIP] + v, f4_flip(a, in->lanes & 1 ? -1.0f : 1.0f));
     f4_store(out->values[WORD_QUAD_NEXT] + v, f4_next(a));
     f4_store(out->values[WORD_QUAD_JOIN] + v, f4_join(a, b));
+    f4_store_any(out->values[WORD_QUAD_ANY] + v, f4_load_any((const char *)in->a + 3 * v));
+    f4_store(out->values[WORD_QUAD_LOW] + v, f4_low(a, b));
+    f4_store(out->values[WORD_QUAD_HIGH] + v, f4_high(a, b));
+    f4_store(out->values[WORD_QUAD_EVENS] + v, f4_evens(a, b));
+    f4_store(out->values[WORD_QUAD_ODDS] + v, f4_odds(a, b));
     out->values[WORD_QUAD_LAST][v] = f4_last(a);
     if (in->has_order) {
         out->values[WORD_QUAD_HMIN][v] = f4_hmin(a) + 0.0f; /* of -0 and 0 either may be the least */
@@ -84,6 +112,15 @@ static void run_corners(const struct word_input *in, struct word_output *out)
     memcpy(corner, in->a + 1, sizeof corner);
     f4_corners((const float(*)[3])corner, by_axis);
     for (int k = 0; k < 3; ++k) f4_store(out->values[WORD_QUAD_CORNERS] + 4 * k, by_axis[k]);
+}
+
+static void run_triples(const struct word_input *in, struct word_output *out)
+{
+    f4 by_axis[3];
+    f4_triples(in->a + 3, by_axis);
+    for (int k = 0; k < 3; ++k) f4_store(out->values[WORD_QUAD_TRIPLES] + 4 * k, by_axis[k]);
+    f4_gather_triples(in->a + 1, 4, by_axis);
+    for (int k = 0; k < 3; ++k) f4_store(out->values[WORD_QUAD_GATHER_TRIPLES] + 4 * k, by_axis[k]);
 }
 
 static void run_least(const struct word_input *in, struct word_output *out)
@@ -105,6 +142,8 @@ void RUN_WORDS(const struct word_input *in, struct word_output *out)
         run_loads(in, v, out);
     }
     for (int v = 0; v < WORD_LANES; v += 4) run_quad(in, v, out);
+    for (int lane = 0; lane < WORD_LANES; lane += DW) run_doubles(in, lane, out);
     run_corners(in, out);
+    run_triples(in, out);
     if (in->has_order) run_least(in, out);
 }
