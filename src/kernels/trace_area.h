@@ -130,6 +130,20 @@ static void prefetch_next(const struct mlrt_source *source, const struct rectang
     }
 }
 
+/*
+ * Has the triangles that a packet hits brought into the cache: who works out t needs their corners as they were given,
+ * which the hierarchy does not. Where all lanes hit one, that is soon there by itself. Always inlined: to the compiler
+ * a function that only prefetches does nothing, and a call of it is dropped.
+ */
+MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
+{
+    if (lanes_of_triangle(packet, packet->triangle[0]) == 0xFFFF) return;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t number = packet->triangle[lane];
+        if (number != MLRT_NONE) mlrt_prefetch(&tree->triangles[number]);
+    }
+}
+
 /* Traces a rectangle of at most 16 blocks. */
 static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
 {
@@ -150,8 +164,13 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         if (job->has_frame) mlrt_prefetch_sink(area->x, area->y, area->width, area->height, &job->frame);
         trace_packets(job, worker, &tile, waiting);
     }
+    const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        const uint32_t ahead = place + 2;
         if (!has_block(&tile, place)) continue;
+        if (has_numbers && ahead < CELL_COUNT && has_block(&tile, ahead) && !(tile.cells.closed >> ahead & 1)) {
+            prefetch_triangles(job->tree, &tile.packets[ahead]);
+        }
         if (tile.cells.closed >> place & 1) {
             const struct rectangle block = block_of_tile(&tile, place);
             write_closed(job, worker, tile.cells.cover[place], &block);
