@@ -83,13 +83,16 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fpeel-loops || echo -O3))
 SMALL := $(if $(filter -O2,$(OPTIMIZE)),-Os)
 
+# What only tests call stays out of the shared library.
+INSIDE := -fPIC -fvisibility=hidden -ffunction-sections
+
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -DMLRT_COUNTING=1 $(SMALL) $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(SMALL) $(ISA_FLAGS_$*) -c $< -o $@
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(filter kdtree,$*),,$(FAST)) -fPIC -fvisibility=hidden $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(if $(filter kdtree,$*),,$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # Parts of the builders that hardly take time, or that few wait for.
 COLD := bvh_build bvh_check bvh_collapse kdtree_build kdtree_check split clip
@@ -97,13 +100,13 @@ $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) -fPIC -fvisibility=hidden -c $< -o $@
+	$(Q)$(COMPILE) $(INSIDE) -c $< -o $@
 
 $(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
 $(BUILD)/libmlrt.so.$(VERSION): $(LIBRARY_OBJECTS)
-	$(Q)$(LINK) -shared -Wl,-soname,libmlrt.so.$(SOVERSION) $(if $(SAN),,-Wl,-z,defs) $^ -lm -o $@
+	$(Q)$(LINK) -shared -Wl,--gc-sections -Wl,-soname,libmlrt.so.$(SOVERSION) $(if $(SAN),,-Wl,-z,defs) $^ -lm -o $@
 
 $(BUILD)/libmlrt.so: $(BUILD)/libmlrt.so.$(VERSION)
 	$(Q)ln -sf libmlrt.so.$(VERSION) $(BUILD)/libmlrt.so.$(SOVERSION) && ln -sf libmlrt.so.$(SOVERSION) $@
