@@ -298,7 +298,13 @@ enum {
 };
 
 /* Results a tile callback receives: mlrt_trace_options.outputs */
-enum { MLRT_OUTPUT_T = 1, MLRT_OUTPUT_UV = 2, MLRT_OUTPUT_IDS = 4, MLRT_OUTPUT_FACING = 8 };
+enum {
+    MLRT_OUTPUT_T = 1,
+    MLRT_OUTPUT_UV = 2,
+    MLRT_OUTPUT_IDS = 4, /* mesh and triangle */
+    MLRT_OUTPUT_FACING = 8,
+    MLRT_OUTPUT_TRIANGLE = 16 /* the triangle without its mesh: half as much to write, where there is one mesh only */
+};
 
 /*
  * What traversal did, in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to what is there,

@@ -294,7 +294,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_AVX512) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if (options->reserved != 0 || options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~15u)
+    if (options->reserved != 0 || options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~31u)
         return MLRT_ERROR_ARGUMENT;
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
         return MLRT_ERROR_ARGUMENT;

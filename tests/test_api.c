@@ -596,7 +596,7 @@ static void trace_codes_out_of_range(void **state)
         assert_trace_options((mlrt_trace_options){.culling = wrong}, MLRT_ERROR_ARGUMENT);
     }
     assert_trace_options((mlrt_trace_options){.culling_check = 2}, MLRT_ERROR_ARGUMENT);
-    assert_trace_options((mlrt_trace_options){.outputs = 16}, MLRT_ERROR_ARGUMENT);
+    assert_trace_options((mlrt_trace_options){.outputs = 32}, MLRT_ERROR_ARGUMENT);
 }
 
 static void tile_sizes_out_of_range(void **state)

@@ -510,7 +510,8 @@ static int32_t look_at_outputs(void *user, const mlrt_tile *tile)
     uint32_t outputs = asked->outputs;
     if (!tile->t != !(outputs & MLRT_OUTPUT_T)) asked->wrong |= 1;
     if (!tile->u != !(outputs & MLRT_OUTPUT_UV) || !tile->v != !tile->u) asked->wrong |= 2;
-    if (!tile->mesh != !(outputs & MLRT_OUTPUT_IDS) || !tile->triangle != !tile->mesh) asked->wrong |= 4;
+    if (!tile->mesh != !(outputs & MLRT_OUTPUT_IDS)) asked->wrong |= 4;
+    if (!tile->triangle != !(outputs & (MLRT_OUTPUT_IDS | MLRT_OUTPUT_TRIANGLE))) asked->wrong |= 32;
     if (!tile->facing != !(outputs & MLRT_OUTPUT_FACING)) asked->wrong |= 8;
     if (tile->occluded) asked->wrong |= 16;
     return 0;
@@ -522,7 +523,7 @@ static void a_callback_gets_what_it_asked_for(void **state)
     const float eye[3] = {0.3f, -3, 1}, target[3] = {0, 0, 0};
     struct fixture fixture = torus();
     mlrt_camera camera = look_at(eye, target, 1, WIDTH, HEIGHT);
-    for (uint32_t outputs = 0; outputs < 16; outputs++) {
+    for (uint32_t outputs = 0; outputs < 32; outputs++) {
         float t[WIDTH * HEIGHT];
         struct asked asked = {outputs, 0};
         mlrt_hits frame = {.struct_size = sizeof frame, .t = {t, 0, 0}};

@@ -10,7 +10,7 @@ static int32_t render_frame(const mlrt_tree *tree, const mlrt_trace_options *opt
                             .triangle_count = (uint32_t)task->subject->scene.triangle_count,
                             .rgba = answers->rgba};
     mlrt_trace_options with_outputs = *options;
-    with_outputs.outputs = MLRT_OUTPUT_IDS;
+    with_outputs.outputs = MLRT_OUTPUT_TRIANGLE;
     return mlrt_render_tiles(tree, job.camera, &with_outputs, NULL, shade_tile_of_ids, &job);
 }
 

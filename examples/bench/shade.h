@@ -51,7 +51,7 @@ struct shade_job {
     uint32_t *rgba; /* camera->width a row */
 };
 
-/* A tile callback for MLRT_OUTPUT_IDS; `user` is the struct shade_job. */
+/* A tile callback for MLRT_OUTPUT_TRIANGLE; `user` is the struct shade_job. */
 int32_t shade_tile_of_ids(void *user, const mlrt_tile *tile);
 
 #endif
