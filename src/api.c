@@ -21,7 +21,9 @@
 #define TRIANGLE_LIMIT ((1u << 30) - 1) /* leaves count in 30 bits */
 
 #define DEFAULT_INITIAL_TILE        128
-#define DEFAULT_INITIAL_TILE_ARRAYS 32 /* beams of arrays are made by looking at every ray: on one level only */
+#define DEFAULT_TILE_ROWS           64  /* of the tile method, for arrays with rows */
+#define DEFAULT_TILE_LIST           256 /* and for lists, which are four wide */
+#define DEFAULT_INITIAL_TILE_ARRAYS 32  /* beams of arrays are made by looking at every ray: on one level only */
 #define DEFAULT_MINIMUM_TILE        16
 #define DEFAULT_SPLIT_FACTOR        16
 
@@ -284,6 +286,14 @@ static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
     return has_kdtree || method == MLRT_METHOD_RAY ? method : MLRT_METHOD_DEFAULT;
 }
 
+/* The side of the tiles that are shared out among threads. */
+static uint32_t standard_initial_tile(const struct mlrt_job *job)
+{
+    if (job->source.kind == MLRT_SOURCE_CAMERA) return DEFAULT_INITIAL_TILE;
+    if (job->method != MLRT_METHOD_TILE) return DEFAULT_INITIAL_TILE_ARRAYS;
+    return job->source.width <= 4 ? DEFAULT_TILE_LIST : DEFAULT_TILE_ROWS;
+}
+
 /* Checks options and puts what they say into a job whose source is set. */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
@@ -310,9 +320,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     job->whole_tiles = (shortcuts & MLRT_SHORTCUT_WHOLE_TILES) != 0;
     job->entry_lists = (shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) != 0;
     job->shared_setups = (shortcuts & MLRT_SHORTCUT_SHARED_SETUPS) != 0;
-    const uint32_t standard_tile =
-        job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_INITIAL_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
-    job->initial_tile_size = resolve_size(options->initial_tile_size, standard_tile, 4, 1024);
+    job->initial_tile_size = resolve_size(options->initial_tile_size, standard_initial_tile(job), 4, 1024);
     uint32_t standard_minimum =
         job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_MINIMUM_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
     if (standard_minimum > job->initial_tile_size) standard_minimum = job->initial_tile_size;
