@@ -104,7 +104,7 @@ MLRT_INLINE f4 f4_odds(f4 a, f4 b)
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {
     f4 xy[4];
-    for (int i = 0; i < 4; ++i) xy[i] = _mm_castpd_ps(_mm_load_sd((const void *)(p + (size_t)i * step)));
+    for (int i = 0; i < 4; ++i) xy[i] = _mm_castsi128_ps(_mm_loadl_epi64((const void *)(p + (size_t)i * step)));
     const f4 ab = _mm_unpacklo_ps(xy[0], xy[1]), cd = _mm_unpacklo_ps(xy[2], xy[3]);
     by_axis[0] = _mm_movelh_ps(ab, cd);
     by_axis[1] = _mm_movehl_ps(cd, ab);

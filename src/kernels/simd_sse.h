@@ -165,7 +165,7 @@ MLRT_INLINE vd d_set1(double a)
 }
 MLRT_INLINE vd d_load(const float *p)
 {
-    return _mm_cvtps_pd(_mm_castpd_ps(_mm_load_sd((const void *)p)));
+    return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const void *)p)));
 }
 MLRT_INLINE void d_store(float *p, vd a)
 {
