@@ -130,6 +130,13 @@ static void prefetch_next(const struct mlrt_source *source, const struct rectang
     }
 }
 
+/* What comes after a tile, and where its own results go. Lists are read and written in order: that is foreseen. */
+static void prefetch_around(const struct mlrt_job *job, const struct rectangle *tile)
+{
+    prefetch_next(&job->source, tile);
+    if (job->has_frame) mlrt_prefetch_sink(tile->x, tile->y, tile->width, tile->height, &job->frame);
+}
+
 /*
  * Has the triangles that a packet hits brought into the cache: who works out t needs their corners as they were given,
  * which the hierarchy does not. Where all lanes hit one, that is soon there by itself. Always inlined: to the compiler
@@ -160,8 +167,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     } else {
         tile.made = 0xFFFF;
         const uint32_t waiting = make_packets(job, worker, &tile);
-        if (!is_list(&job->source)) prefetch_next(&job->source, area);
-        if (job->has_frame) mlrt_prefetch_sink(area->x, area->y, area->width, area->height, &job->frame);
+        if (!is_list(&job->source)) prefetch_around(job, area);
         trace_packets(job, worker, &tile, waiting);
     }
     const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;
