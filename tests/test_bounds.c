@@ -1898,6 +1898,66 @@ static void rays_may_begin_and_end_in_a_split_plane(void **state)
     }
 }
 
+/*
+ * The deepest hierarchy there may be, all of whose boxes are met, the inner ones first: so all others wait. (What lies
+ * behind a stack is noticed by a build with SAN=address.)
+ */
+static void stacks_hold_what_waits(void **state)
+{
+    enum { QUAD = MLRT_BVH_DEPTH_LIMIT };
+    static struct mlrt_bvh_node nodes[MLRT_BVH_DEPTH_LIMIT];
+    static float corners[36 * (QUAD + 1) + 16];
+    static uint32_t numbers[4 * (QUAD + 1) + 16];
+    static struct mlrt_worker worker;
+    static struct mlrt_packet packet;
+    static struct mlrt_triangle triangle;
+    static struct cells cells;
+    struct mlrt_tree tree = {.triangles = &triangle};
+    const struct mlrt_job job = {.tree = &tree};
+    (void)state;
+    assert_true(TILE_STACK_SIZE >= (MLRT_BVH_DEPTH_LIMIT - 1) * (MLRT_BVH_WIDTH - 1) + MLRT_BVH_WIDTH);
+    assert_true(WAITING_LIMIT >= MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1));
+    for (uint32_t n = 0; n < MLRT_BVH_DEPTH_LIMIT; ++n) {
+        for (uint32_t i = 0; i < MLRT_BVH_WIDTH; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                nodes[n].lo[k][i] = k == 2 ? 1 : -1;
+                nodes[n].hi[k][i] = k == 2 ? 2 : 1;
+            }
+            const int is_inner = i == MLRT_BVH_WIDTH - 1 && n + 1 < MLRT_BVH_DEPTH_LIMIT;
+            nodes[n].child[i] = is_inner ? (n + 1) << 3 : QUAD << 3 | 1;
+        }
+    }
+    /* One triangle, beside the rays. */
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            triangle.v[i][k] = k == i ? 0.9f : 1;
+            for (int place = 0; place < 4; ++place) corners[36 * QUAD + 4 * (3 * i + k) + place] = triangle.v[i][k];
+        }
+    }
+    for (int place = 1; place < 4; ++place) numbers[4 * QUAD + place] = MLRT_NONE;
+    tree.bvh = (struct mlrt_bvh){nodes, MLRT_BVH_DEPTH_LIMIT, QUAD + 1, corners, numbers, 1};
+
+    const float direction[3] = {0, 0, 1};
+    set_main_axis_of(direction, &cells);
+    for (uint32_t i = 0; i < CELL_COUNT; ++i) {
+        leave_out_cell(&cells, i);
+        cells.cover[i] = MLRT_NONE;
+    }
+    for (int side = 0; side < 2; ++side) set_cell_slopes(&cells, 0, side, -0.01f, 0.01f);
+    cells.farthest[0] = cells.cover_near[0] = INFINITY;
+    cells.closed = 1;
+    sum_up_cells(&cells);
+    traverse_bvh(&job, &worker, &cells);
+    assert_true(cells.closed == 1 && cells.cover[0] == MLRT_NONE);
+
+    packet.direction[2][0] = 1;
+    packet.lo[0] = packet.hi[0] = INFINITY;
+    packet.triangle[0] = MLRT_NONE;
+    packet.has_apex = 1;
+    trace_singles(&job, 1, &packet, &worker);
+    assert_true(packet.triangle[0] == MLRT_NONE);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -1912,6 +1972,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_clip_margin_holds),
         cmocka_unit_test(products_that_underflow_decide_nothing),
         cmocka_unit_test(rays_may_begin_and_end_in_a_split_plane),
+        cmocka_unit_test(stacks_hold_what_waits),
     };
     if (argc > 1 && atoi(argv[1]) > 0) effort = (size_t)atoi(argv[1]);
     init_numbers();

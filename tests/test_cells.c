@@ -102,7 +102,7 @@ static int draw_exponent(struct random *random, int limit)
 
 static uint32_t draw_length(struct random *random)
 {
-    static const uint32_t lengths[] = {1, 2, 3, 4, 5, 7, 8, 12, 15, 16, 17, 20, 33, 47, 64, 65, 80};
+    static const uint32_t lengths[] = {1, 2, 3, 4, 5, 7, 8, 12, 15, 16, 17, 20, 33, 47, 64, 65, 80, 130};
     return lengths[draw_below(random, sizeof lengths / sizeof lengths[0])];
 }
 
@@ -369,6 +369,12 @@ static void check_hostile_picture(uint64_t seed)
         if (!isfinite(soup.corners[i])) soup.corners[i] = 0;
     }
     for (int k = 0; k < 3; k++) camera.eye[k] = (camera.eye[k] + offset[k]) * size;
+    /* Mostly without limits: with them there are no cells before there are rays. */
+    if (draw_below(&random, 8) == 0) {
+        camera.t_min = ldexpf(draw_range(&random, 0, 1), draw_exponent(&random, 4)) * size * scale;
+        if (!isfinite(camera.t_min)) camera.t_min = 0;
+        if (draw_below(&random, 2)) camera.t_max = camera.t_min * draw_range(&random, 0.9f, 4);
+    }
     check_cells("hostile picture", seed, &soup, &camera);
 }
 
