@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where do rays hit triangles: exact ray tracing by the Multi-Level Ray Tracing Algorithm, for numpy arrays.
+"""Where do rays hit triangles: exact ray tracing for numpy arrays.
 
     import mlrt
     tree = mlrt.Tree(vertices, faces)           # float32 (n, 3), uint32 (m, 3)

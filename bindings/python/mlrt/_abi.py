@@ -14,9 +14,10 @@ from . import _library
 
 NONE = 0xFFFFFFFF
 
-PRESETS = {"default": 0, "paper": 1}
+PRESETS = {"default": 0, "paper": 1, "fast": 2, "best": 3}
+STRUCTURES = {"kdtree": 1, "bvh": 2}
 RULES = {"empty_space": 1, "coplanar": 2, "minimum_cell": 4, "clipped_splits": 8, "retraction": 16}
-METHODS = {None: 0, "ray": 1, "packet2": 2, "packet4": 3, "multilevel": 4}
+METHODS = {None: 0, "ray": 1, "packet2": 2, "packet4": 3, "multilevel": 4, "tile": 5}
 ISAS = {None: 0, "scalar": 1, "sse": 2, "avx2": 3, "avx512": 4}
 PROJECTIONS = {"pinhole": 0, "parallel": 1}
 QUERY_CLOSEST, QUERY_ANY = 0, 1
@@ -57,6 +58,9 @@ class BuildOptions(Struct):
         ("intersection_cost", c_float),
         ("message", c_void_p),
         ("message_size", c_size_t),
+        ("pool", c_void_p),
+        ("structures", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 

@@ -5,7 +5,7 @@ import ctypes
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from types import TracebackType
-from typing import Any, Literal, NamedTuple, Optional
+from typing import Any, Literal, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,29 +20,30 @@ from ._pool import Pool
 from ._rays import Rays
 from ._results import HitLists, Hits
 
-Method = Literal["ray", "packet2", "packet4", "multilevel"]
+Method = Literal["ray", "packet2", "packet4", "multilevel", "tile"]
 Isa = Literal["scalar", "sse", "avx2", "avx512"]
-Preset = Literal["default", "paper"]
+Preset = Literal["default", "paper", "fast", "best"]
+Structure = Literal["kdtree", "bvh"]
 
 MESSAGE_SIZE = 256
 
 
 class TreeInfo(NamedTuple):
-    """The build report."""
+    """The build report: of the kd-tree if there is one, else of the hierarchy of boxes."""
 
     depth: int  #: inner nodes above the deepest leaf
     triangle_count: int  #: as given, left-out ones included
     non_finite_count: int  #: left out: a vertex is NaN or infinite
     zero_area_count: int  #: left out: the area is exactly zero
-    node_count: int  #: inner nodes and leaves
+    node_count: int  #: inner nodes and leaves; of boxes: nodes, each of up to sixteen boxes
     leaf_count: int  #: empty ones included
     empty_leaf_count: int
     reference_count: int  #: entries of all leaves together
-    retracted_count: int  #: subtrees turned back into leaves
+    retracted_count: int  #: subtrees turned back into leaves; of boxes: 0
     memory_size: int  #: bytes held by the tree
     peak_memory_size: int  #: bytes held at most at one time while building
     tree_hash: int  #: equal trees have equal hashes
-    sah_cost: float  #: expected cost of a random ray, in triangle tests
+    sah_cost: float  #: expected cost of a random ray: in triangle tests, of boxes: in nodes
     build_seconds: float
     bounds: NDArray[np.float32]  #: (2, 3): lower and upper corner; all 0 if there is no triangle
 
@@ -52,6 +53,11 @@ def _named(value: Any, names: dict, what: str) -> int:
         return names[value]
     except (KeyError, TypeError):
         raise ValueError(f"{what}: {value!r} is none of {', '.join(map(repr, names))}") from None
+
+
+def _structures(given: Union[None, Structure, Iterable[Structure]]) -> int:
+    words = (given,) if isinstance(given, str) else given or ()
+    return sum({_named(word, _abi.STRUCTURES, "structures") for word in words})
 
 
 @lru_cache(maxsize=None)
@@ -83,14 +89,18 @@ def _options(
 
 
 class Tree:
-    """A kd-tree over triangles. It never changes: any number of threads may trace it at once, without the GIL.
+    """Triangles, and what finds them. It never changes: any number of threads may trace it at once, without the GIL.
 
     vertices: float32 (n, 3). faces: uint16, uint32 or int32 (m, 3), or None, then each three vertices in a row are a triangle.
     Other dtypes are copied; float64 is rounded to float32. The arrays may go when the tree is built.
 
-    preset: "default", or "paper" for the paper's kind of tree. rules_off: names out of "empty_space", "coplanar",
-    "minimum_cell", "clipped_splits", "retraction". max_depth, max_references, traversal_cost, intersection_cost: 0 = by
-    itself. mlrt.h explains them.
+    preset: "default", "fast" (built fastest, for scenes that change), "best" (built slowest, for many pictures of one scene),
+    "paper" (the paper's kind of kd-tree). pool: a Pool that shares the work of building; the tree is the same. structures: what
+    to search in, "bvh" (a hierarchy of boxes: methods "tile" and "ray"), "kdtree" (all methods but "tile"), or both of them;
+    None = by the preset. traversal_cost, intersection_cost: 0 = by itself. mlrt.h explains them.
+
+    For kd-trees only: rules_off, names out of "empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction";
+    max_depth, max_references, 0 = by itself.
 
     Usable in a `with` statement; otherwise the tree is freed with its last reference.
     """
@@ -119,6 +129,8 @@ class Tree:
         max_references: int = 0,
         traversal_cost: float = 0.0,
         intersection_cost: float = 0.0,
+        structures: Union[None, Structure, Iterable[Structure]] = None,
+        pool: Optional[Pool] = None,
     ) -> None:
         self._handle: Optional[TreeHandle] = None
         if ids is not None and len(ids) != len(meshes):
@@ -137,11 +149,15 @@ class Tree:
             intersection_cost=intersection_cost,
             message=ctypes.addressof(message),
             message_size=MESSAGE_SIZE,
+            structures=_structures(structures),
         )
+        threads = None if pool is None else pool.handle()
+        if threads is not None:
+            options.pool = threads.value
         handle = TreeHandle()
         status = library.mlrt_build_kdtree(structs, len(meshes), ctypes.byref(options), ctypes.byref(handle))
         check(status, message.value.decode())
-        del alive
+        del alive, threads
         self._handle = handle
 
     def _open_handle(self) -> TreeHandle:
@@ -192,7 +208,8 @@ class Tree:
 
         outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead.
         row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes.
-        method, isa: how to trace. They never change the results.
+        method, isa: how to trace. They never change the results. A method that needs a structure the tree does not have is an
+        UnsupportedError.
         """
         tree = self._open_handle()
         rays = Rays(origins, directions, t_min, t_max, skip, row_length)

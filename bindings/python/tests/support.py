@@ -7,7 +7,7 @@ import mlrt
 
 # What every x86-64 has, and what this one may have.
 ISAS = ("scalar", "sse", "avx2", "avx512")
-METHODS = ("ray", "packet2", "packet4", "multilevel")
+METHODS = ("ray", "packet2", "packet4", "multilevel", "tile")
 
 
 def box(lower=-1.0, upper=1.0):
@@ -58,7 +58,7 @@ def isas():
     found = []
     for isa in ISAS:
         try:
-            tree.trace([0, 0, 0], [0, 0, 1], isa=isa, method="packet4")
+            tree.trace([0, 0, 0], [0, 0, 1], isa=isa)
             found.append(isa)
         except mlrt.UnsupportedError:
             pass

@@ -195,7 +195,9 @@ class Refused(unittest.TestCase):
             with self.assertRaises((ValueError, TypeError), msg=str(arguments)):
                 self.tree.trace(**{"origins": [0, 0, 0], "directions": [0, 0, 1], **arguments})
         with self.assertRaises(ValueError):
-            mlrt.Tree(self.vertices, self.faces, preset="best")
+            mlrt.Tree(self.vertices, self.faces, preset="fine")
+        with self.assertRaises(ValueError):
+            mlrt.Tree(self.vertices, self.faces, structures="octree")
         with self.assertRaises(ValueError):
             mlrt.Tree(self.vertices, self.faces, rules_off=["all"])
         with self.assertRaises(ValueError):

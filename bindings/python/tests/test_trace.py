@@ -62,7 +62,7 @@ class AgainstIntegers(unittest.TestCase):
 class SameAnswers(unittest.TestCase):
     def test_methods_and_instruction_sets(self):
         vertices, faces, origins, directions = integer_scene(1)
-        tree = mlrt.Tree(vertices, faces)
+        tree = mlrt.Tree(vertices, faces, structures=("kdtree", "bvh"))
         expected = tree.trace(origins, directions)
         occluded = tree.occluded(origins, directions)
         for isa in isas():
@@ -81,12 +81,34 @@ class SameAnswers(unittest.TestCase):
             lists = tree.hits(origins, directions, 4)
             assert_same(self, lists, tree.hits(origins, directions, 4, pool=pool))
 
+    def test_presets_and_structures(self):
+        vertices, faces, origins, directions = integer_scene(4)
+        expected = mlrt.Tree(vertices, faces).trace(origins, directions)
+        for options in ({"preset": "fast"}, {"preset": "best"}, {"structures": "kdtree"}, {"structures": ["bvh", "kdtree"]}):
+            with self.subTest(**options):
+                assert_same(self, expected, mlrt.Tree(vertices, faces, **options).trace(origins, directions))
+
+    def test_threads_build_the_same_tree(self):
+        vertices, faces, _, _ = integer_scene(5, triangle_count=2000)
+        for structures in (None, "kdtree"):
+            alone = mlrt.Tree(vertices, faces, structures=structures).info
+            with mlrt.Pool(3) as pool:
+                self.assertEqual(mlrt.Tree(vertices, faces, structures=structures, pool=pool).info.tree_hash, alone.tree_hash)
+
+    def test_a_method_without_its_structure_is_unsupported(self):
+        for structures, wrong, right in (("bvh", "multilevel", "tile"), ("kdtree", "tile", "multilevel")):
+            tree = mlrt.Tree(*box(), structures=structures)
+            tree.trace([0, 0, 0], [0, 0, 1], method=right)
+            with self.assertRaises(mlrt.UnsupportedError):
+                tree.trace([0, 0, 0], [0, 0, 1], method=wrong)
+
     def test_paper_tree(self):
         vertices, faces, origins, directions = integer_scene(3)
         rules = ("empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction")
         expected = mlrt.Tree(vertices, faces).trace(origins, directions)
         for options in ({"preset": "paper"}, {"rules_off": rules}, {"max_depth": 3}, {"max_references": 100}):
-            assert_same(self, expected, mlrt.Tree(vertices, faces, **options).trace(origins, directions))
+            tree = mlrt.Tree(vertices, faces, structures="kdtree", **options)
+            assert_same(self, expected, tree.trace(origins, directions))
 
 
 class InsideAndOutside(unittest.TestCase):
@@ -123,7 +145,7 @@ class Pictures(unittest.TestCase):
             self.assertTrue(picture.hit.any() and not picture.hit.all())
             assert_same(self, picture, tree.trace(*camera.rays()))
             with mlrt.Pool(2) as pool:
-                assert_same(self, picture, tree.render(camera, pool=pool, method="packet2"))
+                assert_same(self, picture, tree.render(camera, pool=pool, method="ray"))
 
     def test_look_at(self):
         camera = mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 101, 101, fov=90)
