@@ -42,7 +42,7 @@ MLRT_API const char *mlrt_status_string(int32_t status)
         "out of memory",
         "more triangles, rays or pixels than 32-bit counts allow",
         "camera of size zero, crop outside of it, numbers that are not finite, or vectors that span no picture",
-        "instruction set not available here",
+        "instruction set not available here, or a method for a structure that the tree does not have",
         "the system would not start a thread",
         "stopped by a callback",
     };
