@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * depth.c - how much tree a scene needs: below how many triangles none at all, and how deep elsewhere
+ * depth.c - how much kd-tree a scene needs: below how many triangles none at all, and how deep elsewhere
  *
  *     depth                               small meshes: their default tree against a single leaf of everything
  *     depth --scene erw6.ply,building     scenes: trees of limited depth against the default tree
@@ -343,9 +343,10 @@ static void print_small_row(const struct settings *settings, const char *name, c
 
 static int study_small(const struct settings *settings, const char *name, struct scene *scene)
 {
-    const mlrt_build_options usual = {.struct_size = sizeof usual};
+    const mlrt_build_options usual = {.struct_size = sizeof usual, .structures = MLRT_STRUCTURE_KDTREE};
     // A step that costs a million tests never pays: retraction makes everything one leaf.
-    const mlrt_build_options one_leaf = {.struct_size = sizeof one_leaf, .traversal_cost = 1e6f};
+    const mlrt_build_options one_leaf = {
+        .struct_size = sizeof one_leaf, .traversal_cost = 1e6f, .structures = MLRT_STRUCTURE_KDTREE};
     mlrt_tree *tree = NULL, *leaf = NULL;
     struct rays rays = {.t = NULL};
     double seconds;
@@ -427,7 +428,7 @@ static double compare_trees(const struct settings *settings, const char *name, u
 
 static int study_depth(const struct settings *settings, const char *name, const struct scene *scene)
 {
-    mlrt_build_options build = {.struct_size = sizeof build};
+    mlrt_build_options build = {.struct_size = sizeof build, .structures = MLRT_STRUCTURE_KDTREE};
     mlrt_tree *tree = NULL;
     struct rays rays = {.t = NULL};
     double seconds, ratio = 1;
@@ -477,7 +478,7 @@ int main(int argc, char **argv)
         {OPTION_FLAG, "--csv", &settings.csv, "", "comma-separated values instead of tables", 0, 0},
     };
     int exit_code;
-    if (!parse_options("depth - how much tree a scene needs", options, LENGTH(options), argc, argv, &exit_code))
+    if (!parse_options("depth - how much kd-tree a scene needs", options, LENGTH(options), argc, argv, &exit_code))
         return exit_code;
     return settings.scenes.count ? study_depths(&settings) : study_small_meshes(&settings);
 }
