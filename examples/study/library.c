@@ -2,7 +2,7 @@
 /*
  * library.c - the library's own methods, through its public interface, with ids as the only results
  *
- * Rays go in as arrays, like everybody's, with the row length of a picture as a hint. The last method gets the camera
+ * Rays go in as arrays, like everybody's, with the row length of a picture as a hint. Some methods get the camera
  * instead, so that the library makes the same rays itself and knows a tile's beam without looking at them.
  */
 #include "method.h"
@@ -42,5 +42,7 @@ const struct method library_methods[] = {
     {"mlrt_packet4", "mlrt, 4x4 packets", 1, 0, MLRT_METHOD_PACKET4, NULL, trace_arrays, NULL},
     {"mlrt_multilevel", "mlrt, multi-level", 1, 0, MLRT_METHOD_MULTILEVEL, NULL, trace_arrays, NULL},
     {"mlrt_camera", "mlrt, multi-level, from the camera", 1, 1, MLRT_METHOD_MULTILEVEL, NULL, trace_camera, NULL},
+    {"mlrt_tile", "mlrt, tiles", 1, 0, MLRT_METHOD_TILE, NULL, trace_arrays, NULL},
+    {"mlrt_tile_camera", "mlrt, tiles, from the camera", 1, 1, MLRT_METHOD_TILE, NULL, trace_camera, NULL},
     {NULL, NULL, 0, 0, 0, NULL, NULL, NULL},
 };

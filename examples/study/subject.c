@@ -14,9 +14,11 @@ enum { PATH_SIZE = 4096 };
 
 int complete_subject(struct subject *subject)
 {
-    const mlrt_build_options defaults = {.struct_size = sizeof defaults};
+    // The walk of others' triangle tests (traversal.h) goes through the kd-tree, method `tile` through the boxes.
+    const mlrt_build_options both = {.struct_size = sizeof both,
+                                     .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
     double seconds;
-    return build_tree(&subject->scene, &defaults, &subject->tree, &seconds);
+    return build_tree(&subject->scene, &both, &subject->tree, &seconds);
 }
 
 // A word of the list as a path, and the scene's name: of a file, without folder and extension.
