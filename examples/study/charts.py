@@ -47,6 +47,8 @@ METHODS = {
     "mlrt_packet4": Style("mlrt, 4×4 packets", BLUE, "D", True, 8),
     "mlrt_multilevel": Style("mlrt, multi-level", BLUE, "*", False, 14),
     "mlrt_camera": Style("mlrt, multi-level, from the camera", BLUE, "*", True, 14),
+    "mlrt_tile": Style("mlrt, tiles", RED, "*", False, 14),
+    "mlrt_tile_camera": Style("mlrt, tiles, from the camera", RED, "*", True, 14),
 }
 
 GENERATORS = {
@@ -165,7 +167,7 @@ Line = collections.namedtuple("Line", "title members colour dash width mark")
 
 # Methods that share all arithmetic that decides are one line: the worst of them.
 LINES = [
-    Line("mlrt, all four methods", ["mlrt_ray", "mlrt_packet2", "mlrt_packet4", "mlrt_multilevel"], BLUE, "-", 3.0, None),
+    Line("mlrt, all five methods", ["mlrt_ray", "mlrt_packet2", "mlrt_packet4", "mlrt_multilevel", "mlrt_tile"], BLUE, "-", 3.0, None),
     Line("Möller–Trumbore, double", ["mt_double"], RED, "-", 1.5, "s"),
     Line("Woop et al. 2013 (watertight), float", ["woop2013"], SKY, "-", 1.5, "P"),
     Line("Embree 3 robust, 1 and 16 rays", ["embree_robust", "embree_robust16"], GREY, "-", 1.5, "s"),
