@@ -57,9 +57,12 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         {OPTION_TEXT, "-o", &s->output, "FILE.png", "where the picture goes", 0, 0},
 
         {OPTION_HEADING, 0, 0, 0, "How to trace it (the answers are the same from all):", 0, 0},
-        {OPTION_CHOICE, "--method", &s->trace.method, "ray|packet2|packet4|multilevel",
-         "one ray at a time, 2x2 or 4x4 packets, or the\nmultilevel algorithm (default)", MLRT_METHOD_RAY, 0},
-        {OPTION_CHOICE, "--isa", &s->trace.isa, "auto|scalar|sse", "instruction set (default: auto, the best there is)",
+        {OPTION_CHOICE, "--method", &s->trace.method, "ray|packet2|packet4|multilevel|tile",
+         "one ray at a time; with --structure kdtree 2x2 or 4x4 packets, or the\nmultilevel algorithm; tiles down the "
+         "hierarchy of boxes (default)",
+         MLRT_METHOD_RAY, 0},
+        {OPTION_CHOICE, "--isa", &s->trace.isa, "auto|scalar|sse|avx2|avx512",
+         "instruction set (default: auto, the best there is)",
          MLRT_ISA_AUTO, 0},
         {OPTION_COUNT, "--threads", &s->threads, "N", "threads; 0 = one per processor (default: 0)", 0,
          MAXIMUM_WORKERS},
@@ -83,7 +86,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         {OPTION_FLAG, "--hash", &s->hash, NULL,
          "a number that stands for all hits (and one for the shadows): equal if\nand only if every bit is", 0, 0},
     };
-    if (!parse_options("render - renders a scene of triangles with the multilevel ray tracing algorithm", options,
+    if (!parse_options("render - renders a scene of triangles", options,
                        sizeof options / sizeof *options, argc, argv, exit_code))
         return 0;
     const char *mistake = NULL;
