@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Counting: COUNT(counters, field, n) adds n to a field of mlrt_counters in the object files compiled with
- * MLRT_COUNTING=1, and is nothing in the others. Each instruction set has both, so that nobody pays who does not ask.
+ * MLRT_COUNTING=1, and is nothing in the others, so that nobody pays who does not ask (dispatch.c).
  */
 #ifndef MLRT_COUNTERS_H
 #define MLRT_COUNTERS_H
