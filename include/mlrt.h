@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * mlrt.h - where do rays hit triangles: the Multi-Level Ray Tracing Algorithm behind a C ABI
+ * mlrt.h - where do rays hit triangles: exact answers behind a C ABI, by tiles of rays that go through a tree together
  *
- * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
+ * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005. Ingo
+ * Wald, Solomon Boulos, Peter Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
  *
  * A complete program: one triangle, one ray, the distance printed.
  *
@@ -30,15 +31,15 @@
  *
  *   - Never hit: a triangle with a vertex that is not finite, or with n exactly 0. Hits nothing: a ray with a NaN, with
  *     an o or d that is not finite, with d = 0, or without t_min < t_max. A t_min below 0 counts as 0.
- *   - e_ij = d . ((v_i - o) x (v_j - o)), D = d . n = e_ab + e_bc + e_ca, N = (a - o) . n. The ray hits if D is not 0,
- * no D e_ij is negative, and t_min < N / D <= t_max. So triangles are closed and two-sided, the interval is half open,
- *     and a ray in the plane of a triangle misses it.
+ *   - e_ij = d . ((v_i - o) x (v_j - o)), D = d . n = e_ab + e_bc + e_ca, N = (a - o) . n. The ray hits if D is not
+ *     0, no D e_ij is negative, and t_min < N / D <= t_max. So triangles are closed and two-sided, the interval is half
+ *     open, and a ray in the plane of a triangle misses it.
  *   - The closest hit has the smallest N / D; of equal ones the first in the input wins (mesh by position, then
- * triangle).
+ *     triangle).
  *   - Any-hit says yes exactly if there is a closest hit.
  *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), each correctly rounded,
  * and facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0, mesh =
- * triangle = MLRT_NONE, facing = 0.
+ *     triangle = MLRT_NONE, facing = 0.
  *
  * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
  * Denormals count as what they are. The floating-point environment (rounding, flush-to-zero, exception masks) may be
@@ -51,7 +52,7 @@
  * outside the elements is read or written.
  *
  * Ownership. Arguments are borrowed for the length of the call. Only mlrt_create_* and mlrt_build_* hand something out,
- * and it goes to the mlrt_destroy_* of the same name. Destroying NULL does nothing.
+ * and it goes to mlrt_destroy_tree or mlrt_destroy_pool. Destroying NULL does nothing.
  *
  * Errors. Functions that can fail return an int32_t status, MLRT_OK = 0 or one of MLRT_ERROR_*; new codes may be added.
  * After an error nothing is leaked and outputs given by handle are NULL. The library never prints, exits or aborts.
@@ -114,7 +115,7 @@ MLRT_API const char *mlrt_status_string(int32_t status);
  * Building a tree
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* A tree: the triangles of any number of meshes, and a kd-tree over them. Immutable. */
+/* A tree: the triangles of any number of meshes, and what finds them (MLRT_STRUCTURE_*). Immutable. */
 typedef struct mlrt_tree mlrt_tree;
 
 /*
@@ -139,9 +140,10 @@ typedef struct mlrt_mesh {
 /*
  * What kind of tree to build: mlrt_build_options.preset
  *
- * MLRT_TREE_FAST and MLRT_TREE_BEST are about hierarchies of boxes; a kd-tree is the default's. FAST refers to each
- * triangle once. Where large triangles lie among small ones the others cut them in two: DEFAULT makes up to 1.15
- * references per triangle and takes about twice as long to build, BEST up to 1.5 and about twice as long again.
+ * DEFAULT, FAST and BEST are kinds of hierarchies of boxes; where a kd-tree is asked for, all three make the same one.
+ * FAST refers to each triangle once. Where large triangles lie among small ones the others cut them in two: DEFAULT
+ * makes up to 1.15 references per triangle and takes about twice as long to build, BEST up to 1.5 and about twice as
+ * long again. PAPER always has a kd-tree; if boxes are asked for besides, they are those of DEFAULT.
  */
 enum {
     MLRT_TREE_DEFAULT = 0, /* the tree that renders fastest here, but for BEST */
@@ -150,7 +152,7 @@ enum {
     MLRT_TREE_BEST = 3     /* for many pictures of one scene, if it takes memory and time to build does not matter */
 };
 
-/* Rules of the builder that can be switched off to measure their effect: mlrt_build_options.rules_off */
+/* Rules of the kd-tree's builder that can be switched off to measure their effect: mlrt_build_options.rules_off */
 enum {
     MLRT_RULE_EMPTY_SPACE = 1,  /* an empty side of more than 10 % of a cell is cut off first */
     MLRT_RULE_COPLANAR = 2,     /* a plane wholly covered by triangles in it is a split, they go to the smaller side */
@@ -160,29 +162,35 @@ enum {
     MLRT_RULE_RETRACTION = 16 /* a subtree that costs more than a leaf becomes a leaf */
 };
 
-/* What to search in: mlrt_build_options.structures, or-ed together. The answers are the same from each. */
+/*
+ * What to search in: mlrt_build_options.structures, or-ed together. The answers are the same from each.
+ *
+ * The hierarchy of boxes is the faster one to build and to trace, and what a tree has if nothing is said. The kd-tree
+ * is there for study and for the paper's tables. A tree can have both.
+ */
 enum {
     MLRT_STRUCTURE_KDTREE = 1, /* the kd-tree of the paper: methods packet2, packet4, multilevel and ray */
-    MLRT_STRUCTURE_BVH = 2     /* a hierarchy of boxes, 16 a node: methods tile and ray */
+    MLRT_STRUCTURE_BVH = 2     /* a hierarchy of boxes, 16 a node, up to 16 triangles a leaf: methods tile and ray */
 };
 
 typedef struct mlrt_build_options {
     uint32_t struct_size;
     int32_t preset;          /* MLRT_TREE_* */
-    uint32_t rules_off;      /* MLRT_RULE_* or-ed together; 0 = every rule is on */
-    uint32_t max_depth;      /* inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
-    uint64_t max_references; /* leaf entries at most, bounding the tree's memory; 0 = 8 per triangle + 1024 */
-    float traversal_cost;    /* of one node step, relative to intersection_cost; 0 = the preset's */
-    float intersection_cost; /* of one triangle test; 0 = the preset's */
+    uint32_t rules_off;      /* kd-tree: MLRT_RULE_* or-ed together; 0 = every rule is on */
+    uint32_t max_depth;      /* kd-tree: inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
+    uint64_t max_references; /* kd-tree: leaf entries at most, bounding its memory; 0 = 8 per triangle + 1024 */
+    float traversal_cost;    /* of one node step, 0..1e6, relative to intersection_cost; 0 = the preset's */
+    float intersection_cost; /* of one triangle, 0..1e6; 0 = the preset's. In a leaf of boxes, besides 1 for the leaf */
     char *message;           /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
     size_t message_size;     /* its size in bytes */
-    struct mlrt_pool *pool;  /* NULL = the calling thread alone; the tree is the same for any number of threads */
-    uint32_t structures;     /* MLRT_STRUCTURE_*; 0 = the one that is best for rays of all kinds */
+    struct mlrt_pool *pool;  /* NULL = the calling thread alone, which builds kd-trees anyhow; the tree is the same */
+    uint32_t structures;     /* MLRT_STRUCTURE_*; 0 = MLRT_STRUCTURE_BVH, of preset PAPER the kd-tree */
     uint32_t reserved;       /* 0 */
 } mlrt_build_options;
 
 /*
- * Builds a tree over the triangles of `meshes`.
+ * Builds a tree over the triangles of `meshes`: a hierarchy of boxes, if options do not say otherwise. (The name is
+ * that of what it first built.)
  *
  *   meshes      array of mesh_count structs, all of the struct_size of the first. The mesh data may be freed on return.
  *   mesh_count  0 is allowed, as is a mesh without triangles: the tree is empty and every ray misses.
@@ -192,15 +200,17 @@ typedef struct mlrt_build_options {
  * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
  * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
  * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
- * 2^30 - 1 triangles in all. Memory: see mlrt_tree_info; a kd-tree takes some 60 to 90 bytes per triangle and twice
- * that while building, a hierarchy of boxes 82 to 92 (BEST: 101) and up to 130 (BEST: 150).
+ * 2^30 - 1 triangles in all, or MLRT_ERROR_TOO_LARGE.
  *
- * Method, kd-tree: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees
- * for ray shooting", 2002) with the three rules of the paper (section 3.1). Hierarchy of boxes: surface area heuristic
- * over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits in Bounding Volume Hierarchies",
- * 2009), and the best way to put sixteen boxes into a node (H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray
- * Traversal on GPUs Through Compressed Wide BVHs", 2017); of the options only preset, pool, traversal_cost (of a node)
- * and intersection_cost (of each triangle of a leaf, which costs 1 besides) matter for it.
+ * Memory, the triangles' 36 bytes included: a hierarchy of boxes takes some 85 to 92 bytes per triangle, at most 129
+ * while it is built (FAST: 83 to 85 and 117, BEST: 85 to 101 and 150), a kd-tree 60 to 90 and twice that. Meshes of a
+ * few triangles take more. mlrt_tree_info says how much it was.
+ *
+ * Method, hierarchy of boxes: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A.
+ * Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009), and the best way to put sixteen boxes into a node
+ * (H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017).
+ * Kd-tree: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
+ * shooting", 2002) with the three rules of the paper (section 3.1).
  */
 MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
                                    mlrt_tree **tree);
@@ -210,6 +220,7 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
 
 /*
  * The build report. Counts are of the finished tree; of the kd-tree if there is one, else of the hierarchy of boxes.
+ * Bytes and seconds are those of all there is.
  */
 typedef struct mlrt_tree_info {
     uint32_t struct_size;
@@ -219,9 +230,9 @@ typedef struct mlrt_tree_info {
     uint64_t zero_area_count;  /* left out: the area is exactly zero */
     uint64_t node_count;       /* inner nodes and leaves; of boxes: nodes, which are all inner ones */
     uint64_t leaf_count;       /* empty ones included */
-    uint64_t empty_leaf_count;
+    uint64_t empty_leaf_count; /* of boxes: 0 */
     uint64_t reference_count;  /* entries of all leaves together: a triangle can be in several */
-    uint64_t retracted_count;  /* subtrees turned back into leaves */
+    uint64_t retracted_count;  /* subtrees turned back into leaves; of boxes: 0 */
     uint64_t memory_size;      /* bytes held by the tree */
     uint64_t peak_memory_size; /* bytes held at most at one time while building */
     uint64_t tree_hash;        /* over nodes and leaf entries: equal trees have equal hashes */
@@ -255,24 +266,34 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
  * Tracing: options, results, counters
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* How to trace: mlrt_trace_options.method. The answers are the same from each. */
+/*
+ * How to trace: mlrt_trace_options.method. The answers are the same from each. A method for a structure that the tree
+ * does not have is MLRT_ERROR_UNSUPPORTED.
+ */
 enum {
-    MLRT_METHOD_DEFAULT = 0, /* tile; in a tree without boxes multilevel, and for a single ray there, ray */
-    MLRT_METHOD_RAY = 1,     /* one ray at a time, plain C: the reference */
-    MLRT_METHOD_PACKET2 =
-        2, /* 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray Tracing", 2001) */
-    MLRT_METHOD_PACKET4 = 3,    /* 4x4 rays by interval traversal from the root (the paper, section 4.3) */
-    MLRT_METHOD_MULTILEVEL = 4, /* the same from entry points found by beams (the paper, sections 3.3 to 4.2) */
-    MLRT_METHOD_TILE = 5        /* 16 packets of 4x4 rays down the hierarchy of boxes together */
+    MLRT_METHOD_DEFAULT = 0, /* tile; in a tree without boxes multilevel, and in mlrt_trace_ray there, ray */
+    MLRT_METHOD_RAY = 1,     /* one ray at a time in double, plain C, in either structure: the reference */
+    MLRT_METHOD_PACKET2 = 2, /* kd-tree: 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray
+                                Tracing", 2001) */
+    MLRT_METHOD_PACKET4 = 3, /* kd-tree: 4x4 rays by interval traversal from the root (the paper, section 4.3) */
+    MLRT_METHOD_MULTILEVEL = 4, /* kd-tree: the same from entry points of beams (the paper, sections 3.3 to 4.2) */
+    MLRT_METHOD_TILE = 5 /* boxes: 16 packets of 4x4 rays together; of a camera first 16 tiles of them, without rays.
+                            Rays that have no origin or no way in common go alone */
 };
 
-/* Instruction sets: mlrt_trace_options.isa. The answers are the same from each. */
+/*
+ * Instruction sets: mlrt_trace_options.isa. The answers are the same from each. One that is not in this machine or
+ * build is MLRT_ERROR_UNSUPPORTED.
+ *
+ * All of them are there for method tile. The methods of the kd-tree take SSE2 where there is SSE2, whatever is asked
+ * for, method ray is plain C, and so is method tile with counters.
+ */
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
     MLRT_ISA_SCALAR = 1, /* plain C, always there */
-    MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 rays at a time */
-    MLRT_ISA_AVX2 = 3,   /* 8 rays at a time */
-    MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 rays at a time */
+    MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 boxes, triangles, packets or rays at a time */
+    MLRT_ISA_AVX2 = 3,   /* 8 at a time */
+    MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 at a time */
 };
 
 /* What to ask: mlrt_trace_options.query */
@@ -281,7 +302,7 @@ enum {
     MLRT_QUERY_ANY = 1 /* is there a hit at all: only mlrt_hits.occluded is written */
 };
 
-/* How a beam is tested against a cell (the paper, section 3.3): mlrt_trace_options.culling */
+/* Method multilevel: how a beam is tested against a cell (the paper, section 3.3), mlrt_trace_options.culling */
 enum {
     MLRT_CULLING_INVERSE = 0, /* the planes of the cell against the beam */
     MLRT_CULLING_DIRECT = 1   /* the planes of the beam against the cell */
@@ -307,20 +328,27 @@ enum {
 };
 
 /*
- * What traversal did, in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to what is there,
- * so that one struct can collect several calls; they can differ between methods and instruction sets. Counting takes
- * time, and is done by the kernels of MLRT_ISA_SSE where wider ones were asked for.
+ * What traversal did, of the kd-tree in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to
+ * what is there, so that one struct can collect several calls; they can differ between methods and machines. Counting
+ * takes time: that of method tile is done in plain C.
+ *
+ * Method tile looks at sixteen packets, or at sixteen tiles of them, at once. So cells and tests are shared by up to
+ * 256 or 4096 rays, and are not to be compared with those of the kd-tree. It has no beams and entry points: these
+ * counters stay as they are.
  */
 typedef struct mlrt_counters {
     uint32_t struct_size;
     uint32_t reserved;     /* 0 */
     uint64_t ray_count;    /* rays traced */
     uint64_t packet_count; /* groups of rays traced together: packets, or less where directions differ; rays
-                            * of method `ray` */
+                            * that went alone. Of method tile only the latter */
     uint64_t beam_count;   /* beams for which an entry point was searched */
-    uint64_t cell_count; /* nodes, inner or leaf, descended into or popped; those of the entry-point search included */
+    uint64_t cell_count;   /* nodes, inner or leaf, descended into or popped; those of the entry-point search included.
+                            * Method tile: nodes opened and leaves looked at by a tile or by a ray that went alone */
     uint64_t entry_point_cell_count;  /* of these, in the entry-point search */
-    uint64_t triangle_test_count;     /* (packet, triangle) tests with at least one ray taking part */
+    uint64_t triangle_test_count;     /* (packet, triangle) tests with at least one ray taking part. Method tile: also
+                                       * tests of all closed cells of a tile against a triangle, and (ray, triangle) of
+                                       * rays that went alone */
     uint64_t judged_lane_count;       /* (ray, triangle) pairs that the float filter left to double arithmetic */
     uint64_t entry_point_count;       /* entry points from which packets were traced */
     uint64_t entry_point_depth_sum;   /* their depths below the root, added up */
@@ -337,10 +365,13 @@ typedef struct mlrt_counters {
 } mlrt_counters;
 
 /*
- * How to trace. NULL or all zero = defaults.
+ * How to trace. NULL or all zero but struct_size = defaults.
  *
- * The tile sizes are those of the paper, section 4.2: the picture is cut into squares of initial_tile_size; a tile
- * larger than minimum_tile_size whose entry point is not a leaf is cut into split_factor pieces, and so on.
+ * The picture is cut into squares of initial_tile_size, which are what threads claim and what a tile callback gets. For
+ * method multilevel this and the next two are the tile sizes of the paper, section 4.2: a tile larger than
+ * minimum_tile_size whose entry point is not a leaf is cut into split_factor pieces, and so on. Method tile has levels
+ * of its own, of 64, 16 and 4 pixels, less where initial_tile_size is less; minimum_tile_size, split_factor, culling,
+ * culling_check and shortcuts_off are checked, and do nothing there.
  */
 typedef struct mlrt_trace_options {
     uint32_t struct_size;
@@ -349,14 +380,14 @@ typedef struct mlrt_trace_options {
     int32_t isa;                /* MLRT_ISA_* */
     int32_t culling;            /* MLRT_CULLING_* */
     uint32_t culling_check;     /* 1 = check cells that the culling test leaves undecided against all their faces */
-    uint32_t initial_tile_size; /* pixels, 4..1024, a power of two; 0 = default */
+    uint32_t initial_tile_size; /* pixels, 4..1024, a power of two; 0 = default, by source and method */
     uint32_t minimum_tile_size; /* pixels, 4..initial_tile_size, a power of two; 0 = default */
-    uint32_t split_factor;      /* 4 or 16; 0 = default */
+    uint32_t split_factor;      /* 4 or 16; 0 = 16 */
     uint32_t outputs;           /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
     uint32_t shortcuts_off;     /* MLRT_SHORTCUT_* or-ed together: parts of multilevel to do without */
     uint32_t reserved;          /* 0 */
     mlrt_pool *pool;            /* NULL = the calling thread alone */
-    mlrt_counters *counters;    /* NULL = not counted, at no cost */
+    mlrt_counters *counters;    /* NULL = not counted, at no cost, but for the kd-tree, whose kernels always count */
 } mlrt_trace_options;
 
 /* An array of results. `data` = NULL: not wanted, and not computed. */
@@ -442,7 +473,10 @@ typedef struct mlrt_hit {
     uint32_t occluded; /* 1 = something is hit. With MLRT_QUERY_ANY the only field written */
 } mlrt_hit;
 
-/* Traces one ray. For more than a few use mlrt_trace_packet: it is many times faster per ray. */
+/*
+ * Traces one ray. `options` may be NULL; a pool does nothing. For more than a few rays use mlrt_trace_packet: for rays
+ * that are alike it is many times faster per ray.
+ */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit);
 
@@ -478,8 +512,9 @@ typedef struct mlrt_hit_lists {
  * Muecke, "Simulation of Simplicity", 1990). Along any ray from a point that does not lie on a closed mesh, with t_max
  * = inf, crossing_total is odd if the point is inside, and even if it is outside.
  *
- * `options` may be NULL; of its fields only pool and counters matter. MLRT_ERROR_OUT_OF_MEMORY is possible: hits are
- * gathered in memory that grows with the hits of one ray. The arrays then hold the results of some rays only.
+ * `options` may be NULL; of its fields only pool and counters matter, though all are checked. MLRT_ERROR_OUT_OF_MEMORY
+ * is possible: hits are gathered in memory that grows with the hits of one ray. The arrays then hold the results of
+ * some rays only.
  */
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists);
