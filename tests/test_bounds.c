@@ -1201,7 +1201,7 @@ static double attack_leaf_decisions(const float *input)
 }
 
 /* As attack_ends. */
-static double attack_leaf_ends(const float *input, enum quantity quantity)
+static double attack_leaf_ends(const float *input, enum quantity quantity, int tiny)
 {
     struct seen_triangle seen;
     struct mlrt_leaf_setup *leaf = &seen.lone.leaf;
@@ -1218,6 +1218,7 @@ static double attack_leaf_ends(const float *input, enum quantity quantity)
         mpf_neg(other_truth, other_truth);
     }
     float distance = 0.5f * leaf->least_n[0] + 0.5f * leaf->greatest_n[0];
+    if (tiny != (0.5f * leaf->greatest_n[0] - 0.5f * leaf->least_n[0] < NEARLY_FLOOR)) return -1;
     if (quantity == D) {
         distance = leaf->least_n[0] = leaf->greatest_n[0] = 1;
         mpf_set_d(truth, 1);
@@ -1240,17 +1241,22 @@ static double attack_leaf_ends(const float *input, enum quantity quantity)
 
 static double attack_leaf_d(const float *input)
 {
-    return attack_leaf_ends(input, D);
+    return attack_leaf_ends(input, D, 0);
 }
 
 static double attack_leaf_n(const float *input)
 {
-    return attack_leaf_ends(input, N);
+    return attack_leaf_ends(input, N, 0);
 }
 
 static double attack_leaf_t(const float *input)
 {
-    return attack_leaf_ends(input, T);
+    return attack_leaf_ends(input, T, 0);
+}
+
+static double attack_leaf_t_floor(const float *input)
+{
+    return attack_leaf_ends(input, T, 1);
 }
 
 /* |N| between its ends, also where it underflows. */
@@ -1735,6 +1741,7 @@ static void cell_bounds_hold(void **state)
         {"leaf: N", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_n, 0.4, worst_n},
         {"leaf: ends of N", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_n_ends, 0.4, worst_n},
         {"leaf: t", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_t, 0.3, worst_t},
+        {"leaf: t, where it underflows", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_t_floor, 0.05, NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
