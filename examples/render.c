@@ -62,8 +62,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
          "hierarchy of boxes (default)",
          MLRT_METHOD_RAY, 0},
         {OPTION_CHOICE, "--isa", &s->trace.isa, "auto|scalar|sse|avx2|avx512",
-         "instruction set (default: auto, the best there is)",
-         MLRT_ISA_AUTO, 0},
+         "instruction set (default: auto, the best there is)", MLRT_ISA_AUTO, 0},
         {OPTION_COUNT, "--threads", &s->threads, "N", "threads; 0 = one per processor (default: 0)", 0,
          MAXIMUM_WORKERS},
         {OPTION_POWER_OF_TWO, "--its", &s->trace.initial_tile_size, "N", "initial tile size in pixels, a power of two",
@@ -86,8 +85,8 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         {OPTION_FLAG, "--hash", &s->hash, NULL,
          "a number that stands for all hits (and one for the shadows): equal if\nand only if every bit is", 0, 0},
     };
-    if (!parse_options("render - renders a scene of triangles", options,
-                       sizeof options / sizeof *options, argc, argv, exit_code))
+    if (!parse_options("render - renders a scene of triangles", options, sizeof options / sizeof *options, argc, argv,
+                       exit_code))
         return 0;
     const char *mistake = NULL;
     if (!s->output && !s->frames && !s->stats && !s->hash)

@@ -2,9 +2,9 @@
 /*
  * reproduce.c - measures what the paper measured, and prints it beside the paper's numbers as Markdown tables
  *
- * For each scene the kd-trees of both presets are built, and every table takes its numbers from them. Each picture that is
- * counted is compared with the answers of the plain method as well. Counters are those of one thread; times are medians
- * of runs that take turns, so that a machine that slows down or speeds up does so for all that is compared.
+ * For each scene the kd-trees of both presets are built, and every table takes its numbers from them. Each picture that
+ * is counted is compared with the answers of the plain method as well. Counters are those of one thread; times are
+ * medians of runs that take turns, so that a machine that slows down or speeds up does so for all that is compared.
  *
  * Exit codes: 0, 1 if something failed or an answer differed, 2 for a mistake on the command line.
  *
@@ -489,9 +489,8 @@ static int measure_tree(struct subject *subject, const mlrt_tree *tree, struct r
 static int measure_rules(struct subject *subject)
 {
     for (size_t i = 0; i < LENGTH(rules); i++) {
-        const mlrt_build_options build = {.preset = presets[subject->preset].preset,
-                                          .rules_off = rules[i].off,
-                                          .structures = MLRT_STRUCTURE_KDTREE};
+        const mlrt_build_options build = {
+            .preset = presets[subject->preset].preset, .rules_off = rules[i].off, .structures = MLRT_STRUCTURE_KDTREE};
         mlrt_tree *tree = NULL;
         double seconds;
         int failed = rules[i].off && build_tree(&subject->scene, &build, &tree, &seconds);
@@ -935,7 +934,8 @@ static const struct table {
      "is bold.",
      ON_PAPER_TREE, measure_sweep, print_sweep},
     {"Frames per second",
-     "The paper's table 1. The tree is the kd-tree of preset `default`. The shader is a dot product with the triangle's normal, "
+     "The paper's table 1. The tree is the kd-tree of preset `default`. The shader is a dot product with the "
+     "triangle's normal, "
      "stored as 8-bit RGBA; without it, the numbers of the triangles hit are stored.",
      ON_DEFAULT_TREE, measure_methods, print_methods},
     {"Same answers",
@@ -944,8 +944,8 @@ static const struct table {
      "tile "
      "sizes and culling tests, and what was counted for other tables, on the trees of both presets.",
      ON_DEFAULT_TREE | ON_PAPER_TREE, check_answers, print_check},
-    {"Building", "By one thread. The kd-tree of each scene is built once with each preset.", ON_DEFAULT_TREE | ON_PAPER_TREE,
-     describe_tree, print_builds},
+    {"Building", "By one thread. The kd-tree of each scene is built once with each preset.",
+     ON_DEFAULT_TREE | ON_PAPER_TREE, describe_tree, print_builds},
 };
 
 static int is_wanted(const struct settings *settings, size_t table)
