@@ -8,8 +8,8 @@
  *   B2. The children of a node are in slots 0 .. n - 1, 1 <= n <= 16, in no particular order. The boxes of the other
  *       slots are empty: lo = +inf, hi = -inf.
  *   B3. A child's box contains every part of the triangles below it that the child stands for; for every triangle that
- *       was not left out, and every point p of it, some leaf whose closed box, and those of the nodes above it, contain p
- *       holds the triangle. Here arithmetic is exact: boxes are rounded outward wherever they are computed. (A builder
+ *       was not left out, and every point p of it, some leaf whose closed box, and those of the nodes above it, contain
+ * p holds the triangle. Here arithmetic is exact: boxes are rounded outward wherever they are computed. (A builder
  *       without spatial splits has each triangle in one leaf, all of it in the box.)
  *   B4. No path has more than MLRT_BVH_DEPTH_LIMIT nodes.
  *   B5. A leaf holds triangles by their numbers, each once, and 1 to 16 of them. It takes whole groups of four places
@@ -45,8 +45,8 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
 
 /*
  * Leaves with q quads from quad f on: row 3 i + k of the corners, which is coordinate k of corner i of all its 4 q
- * triangles, starts at corners[36 f + 4 q (3 i + k)], and their numbers at numbers[4 f]. Both arrays may be read (not used)
- * up to 16 elements behind what belongs to a leaf.
+ * triangles, starts at corners[36 f + 4 q (3 i + k)], and their numbers at numbers[4 f]. Both arrays may be read (not
+ * used) up to 16 elements behind what belongs to a leaf.
  */
 struct mlrt_bvh {
     struct mlrt_bvh_node *nodes;

@@ -3,9 +3,9 @@
  * Which processor gets which kernels. What it can do is asked of the compiler's runtime, which looks once per process,
  * also at whether the operating system saves the wide registers.
  *
- * Who counts gets the kernels in plain C, which do the same work in more steps: one that counts for each instruction set
- * is not worth its size. Where there is SSE nobody is in a hurry with plain C, and it always counts. So do the kernels
- * of the kd-tree.
+ * Who counts gets the kernels in plain C, which do the same work in more steps: one that counts for each instruction
+ * set is not worth its size. Where there is SSE nobody is in a hurry with plain C, and it always counts. So do the
+ * kernels of the kd-tree.
  */
 #include "dispatch.h"
 

@@ -56,8 +56,8 @@ struct mlrt_triangle_setup {
 #define MLRT_SETUP_COUNT 256 /* 24 KiB: fits the first-level cache beside a tile's packets and nodes */
 
 /*
- * What tiles of one apex share about the triangles of a leaf (bvh_leaf.h). Arrays have a place for each triangle, masks a
- * bit.
+ * What tiles of one apex share about the triangles of a leaf (bvh_leaf.h). Arrays have a place for each triangle, masks
+ * a bit.
  */
 struct mlrt_leaf_setup {
     uint32_t child;    /* as in the node above; 0 = empty entry */
@@ -68,7 +68,8 @@ struct mlrt_leaf_setup {
     uint32_t row;      /* floats in a row of corners */
     const float *corners;
     const uint32_t *numbers;
-    MLRT_ALIGNED(64) float slope_lo[2][MLRT_BVH_LEAF_LIMIT]; /* bounds of where it is seen; all if not wholly in front */
+    MLRT_ALIGNED(64)
+    float slope_lo[2][MLRT_BVH_LEAF_LIMIT]; /* bounds of where it is seen; all if not wholly in front */
     MLRT_ALIGNED(64) float slope_hi[2][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float least_depth[MLRT_BVH_LEAF_LIMIT]; /* inf if all of it is behind */
     MLRT_ALIGNED(64) float cross[4][3][MLRT_BVH_LEAF_LIMIT]; /* edges ab, bc, ca and the normal, with N's sign */
@@ -97,7 +98,7 @@ struct mlrt_worker {
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
     struct mlrt_leaf_setup leaves[1u << MLRT_LEAF_SETUP_BITS]; /* by a hash of the first quad, seen from `leaf_apex` */
     float leaf_apex[3];
-    uint32_t open_tiles;   /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
+    uint32_t open_tiles; /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
     uint32_t open_squares;
     uint32_t mesh; /* position of the one that was last hit */
     uint32_t tile_x;

@@ -56,8 +56,9 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
                          float *hi);
 
 /*
- * How double quotients of determinants are enclosed, here and in kernels/hit_numbers.h: the relative errors of numerator
- * and denominator, and the least denominator, relative to its size, that they are for. Derived in predicate.c.
+ * How double quotients of determinants are enclosed, here and in kernels/hit_numbers.h: the relative errors of
+ * numerator and denominator, and the least denominator, relative to its size, that they are for. Derived in
+ * predicate.c.
  */
 #define MLRT_UNIT_ROUNDOFF     0x1p-53
 #define MLRT_NUMERATOR_ERROR   (12 * MLRT_UNIT_ROUNDOFF)

@@ -75,9 +75,9 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
 
 static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
 {
-    static const uint32_t output[MLRT_CHANNEL_COUNT] = {MLRT_OUTPUT_T,   MLRT_OUTPUT_UV,  MLRT_OUTPUT_UV,
-                                                        MLRT_OUTPUT_IDS, MLRT_OUTPUT_IDS | MLRT_OUTPUT_TRIANGLE,
-                                                        MLRT_OUTPUT_FACING};
+    static const uint32_t output[MLRT_CHANNEL_COUNT] = {
+        MLRT_OUTPUT_T,     MLRT_OUTPUT_UV, MLRT_OUTPUT_UV, MLRT_OUTPUT_IDS, MLRT_OUTPUT_IDS | MLRT_OUTPUT_TRIANGLE,
+        MLRT_OUTPUT_FACING};
     if (!job->callback) return 0;
     return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->outputs & output[channel]) != 0;
 }

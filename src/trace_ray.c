@@ -2,8 +2,8 @@
 /*
  * One ray through the tree: near child first, far child on a stack, nearest hit so far cuts both short.
  *
- * Node tests are in double (ray_interval.h): a cell is left out only if its interval is surely empty or surely behind the
- * nearest hit. Trees that have only a hierarchy of boxes go to bvh_ray.c.
+ * Node tests are in double (ray_interval.h): a cell is left out only if its interval is surely empty or surely behind
+ * the nearest hit. Trees that have only a hierarchy of boxes go to bvh_ray.c.
  *
  * Based on: V. Havran, "Heuristic Ray Shooting Algorithms", 2000, appendix C (recursive traversal with a stack).
  */
@@ -24,8 +24,10 @@ static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciproc
             continue;
         }
         int negative = ray->direction[k] < 0;
-        struct mlrt_interval near = mlrt_plane_distance(negative ? box->hi[k] : box->lo[k], ray->origin[k], reciprocal[k]);
-        struct mlrt_interval far = mlrt_plane_distance(negative ? box->lo[k] : box->hi[k], ray->origin[k], reciprocal[k]);
+        struct mlrt_interval near =
+            mlrt_plane_distance(negative ? box->hi[k] : box->lo[k], ray->origin[k], reciprocal[k]);
+        struct mlrt_interval far =
+            mlrt_plane_distance(negative ? box->lo[k] : box->hi[k], ray->origin[k], reciprocal[k]);
         if (near.enter > part->enter) part->enter = near.enter;
         if (far.exit < part->exit) part->exit = far.exit;
     }

@@ -43,8 +43,8 @@ static f4 remembering_divide_four(f4 a, f4 b)
     return f4_div(a, b);
 }
 
-#define v_div   remembering_divide
-#define f4_div  remembering_divide_four
+#define v_div      remembering_divide
+#define f4_div     remembering_divide_four
 #define KERNELS    bounds_kernels_kdtree
 #define trace_tile trace_tile_of_kdtree
 #include "kernels/kdtree_body.h"
@@ -1168,7 +1168,8 @@ static double attack_closed_cell(const float *input)
     seen.cells.cover[0] = MLRT_NONE;
     seen.cells.cover_near[0] = INFINITY;
     seen.cells.farthest[0] = round_up_exactly(truth);
-    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside) && seen.cells.cover[0] == MLRT_NONE) return INFINITY;
+    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside) && seen.cells.cover[0] == MLRT_NONE)
+        return INFINITY;
     seen.cells.cover[0] = MLRT_NONE;
     seen.cells.farthest[0] = INFINITY;
     seen.cells.cover_near[0] = round_down_exactly(truth);
@@ -1192,7 +1193,8 @@ static double attack_leaf_decisions(const float *input)
     if (!verdict.nearer && !verdict.undecided && side >= 0) return INFINITY;
     double worst = 0.0005;
     for (int i = 0; i < 4; ++i) {
-        const float cross[3] = {seen.lone.leaf.cross[i][0][0], seen.lone.leaf.cross[i][1][0], seen.lone.leaf.cross[i][2][0]};
+        const float cross[3] = {seen.lone.leaf.cross[i][0][0], seen.lone.leaf.cross[i][1][0],
+                                seen.lone.leaf.cross[i][2][0]};
         const float value = dot_product(filtered.direction, cross);
         find_seen_term(&seen, i, truth);
         worst = fmax(worst, sign_over(truth, value, (i < 3 ? EDGE_BOUND : PLANE_BOUND) * filtered.reach));
@@ -1390,7 +1392,8 @@ static double attack_cell_box(const float *input)
     return INFINITY; /* met, but left out */
 }
 
-/* Inputs as of the camera: how far beyond the slopes of a cell's corners its rays go, of the way to the cell's bounds. */
+/* Inputs as of the camera: how far beyond the slopes of a cell's corners its rays go, of the way to the cell's bounds.
+ */
 static double attack_camera_cell(const float *input)
 {
     struct mlrt_view view;

@@ -151,7 +151,8 @@ static mlrt_camera draw_camera(struct random *random)
 
     /* Slopes of the first ray, and from one end to the other. */
     const int is_plain = draw_below(random, 3) == 0, is_narrow = draw_below(random, 3) == 0;
-    const float field = ldexpf(draw_range(random, 1, 2), is_narrow ? -(int)draw_below(random, 22) : -2 + (int)draw_below(random, 4));
+    const float field =
+        ldexpf(draw_range(random, 1, 2), is_narrow ? -(int)draw_below(random, 22) : -2 + (int)draw_below(random, 4));
     const float ratio = draw_below(random, 3) ? 1 : ldexpf(1, draw_exponent(random, 14));
     float dx[3] = {field / (float)camera.crop_width, 0, 0}, dy[3] = {0, field / (float)camera.crop_height, 0};
     float start[3] = {draw_range(random, -1, 0) * field, draw_range(random, -1, 0) * field, 1};
@@ -423,8 +424,8 @@ static void short_directions(void **state)
 }
 
 /*
- * Slopes that are denormal, of rays whose components are not, and triangles that begin just beside a cell's last ray: what
- * rounding takes of such a slope is no small part of it.
+ * Slopes that are denormal, of rays whose components are not, and triangles that begin just beside a cell's last ray:
+ * what rounding takes of such a slope is no small part of it.
  */
 static void denormal_slopes(void **state)
 {

@@ -13,7 +13,16 @@
 #include "words/words.h"
 
 static const char *const names[WORD_COUNT] = {
-    "v_set1", "v_add", "v_sub", "v_mul", "v_div", "v_mul and v_add", "v_min", "v_max", "v_abs", "v_flip", "v_select", "v_hmin", "v_hmax", "v_load_any", "i_set1", "i_select", "i_load_any", "i_sub", "v_lt", "v_le", "v_gt", "v_ge", "v_eq", "i_eq", "i_lt", "m_from_bits", "m_and", "m_or", "m_andnot", "d_set1", "d_load", "d_add", "d_sub", "d_mul", "d_div", "d_mul and d_sub", "d_abs", "d_gt", "d_same_float", "f4_set1", "f4_add", "f4_sub", "f4_mul", "f4_div", "f4_max", "f4_abs", "f4_flip", "f4_next", "f4_join", "f4_last", "f4_hmin", "f4_hmax", "f4_corners", "f4_load_any", "f4_low", "f4_high", "f4_evens", "f4_odds", "f4_triples", "f4_gather_triples"};
+    "v_set1",  "v_add",       "v_sub",        "v_mul",    "v_div",      "v_mul and v_add",
+    "v_min",   "v_max",       "v_abs",        "v_flip",   "v_select",   "v_hmin",
+    "v_hmax",  "v_load_any",  "i_set1",       "i_select", "i_load_any", "i_sub",
+    "v_lt",    "v_le",        "v_gt",         "v_ge",     "v_eq",       "i_eq",
+    "i_lt",    "m_from_bits", "m_and",        "m_or",     "m_andnot",   "d_set1",
+    "d_load",  "d_add",       "d_sub",        "d_mul",    "d_div",      "d_mul and d_sub",
+    "d_abs",   "d_gt",        "d_same_float", "f4_set1",  "f4_add",     "f4_sub",
+    "f4_mul",  "f4_div",      "f4_max",       "f4_abs",   "f4_flip",    "f4_next",
+    "f4_join", "f4_last",     "f4_hmin",      "f4_hmax",  "f4_corners", "f4_load_any",
+    "f4_low",  "f4_high",     "f4_evens",     "f4_odds",  "f4_triples", "f4_gather_triples"};
 
 static const float special[] = {0,
                                 -0.0f,

@@ -17,7 +17,8 @@
      "the fastest kind of tree, the paper's: deep, small leaves,\nbuilt fastest, or slower to build than the default", \
      MLRT_TREE_DEFAULT,                                                                                                \
      0},                                                                                                               \
-        {OPTION_SET, "--structure", &(build).structures, "kdtree,bvh", "what to search in, a list (default: bvh)", 0, 0},             \
+        {OPTION_SET, "--structure", &(build).structures, "kdtree,bvh", "what to search in, a list (default: bvh)", 0,  \
+         0},                                                                                                           \
     {                                                                                                                  \
         OPTION_SET, "--rules-off", &(build).rules_off, "empty,coplanar,minimum,clip,retract",                          \
             "builder rules to leave out, a list: empty space cut off first, planes covered\nby triangles, no cells "   \

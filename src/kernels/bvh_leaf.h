@@ -183,7 +183,7 @@ static void forget_leaves(const float apex[3], struct mlrt_worker *worker)
 
 /* Of the triangles `seen`, those that the rays of one cell may hit. */
 MLRT_INLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uint32_t seen,
-                                    const struct mlrt_leaf_setup *leaf)
+                                  const struct mlrt_leaf_setup *leaf)
 {
     const float *slope_lo[2] = {&cells->slopes[0].lo[place], &cells->slopes[1].lo[place]};
     const float *slope_hi[2] = {&cells->slopes[0].hi[place], &cells->slopes[1].hi[place]};
@@ -227,14 +227,14 @@ MLRT_INLINE void range_over_cells(const struct cells *cells, const struct mlrt_l
 
 /*
  * Offers a triangle to closed cells: those that it covers in front of what covered them are closed by it from now on,
- * those that it misses, or lies behind the cover of, stay as they are. Returns the others: they may have to be opened. All
- * rays of `inside_cells` hit the triangle.
+ * those that it misses, or lies behind the cover of, stay as they are. Returns the others: they may have to be opened.
+ * All rays of `inside_cells` hit the triangle.
  *
  * Edge functions over slopes have the bound of triangle_filter.h with R = 1, or twice the steepest slope, and so has D;
  * all rays of a cell hit what is surely inside at its corners. There their depth is N / D.
  */
-static uint32_t offer_to_closed(struct cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t place,
-                                uint32_t among, int any, uint32_t *inside_cells)
+static uint32_t offer_to_closed(struct cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t place, uint32_t among,
+                                int any, uint32_t *inside_cells)
 {
     const uint32_t number = leaf->numbers[place];
     const float bound = SLOPE_EDGE_BOUND * cells->slope_bound, width = SLOPE_PLANE_BOUND * cells->slope_bound;
@@ -242,7 +242,8 @@ static uint32_t offer_to_closed(struct cells *cells, const struct mlrt_leaf_setu
     *inside_cells = 0;
     for (int v = 0; v < CELL_COUNT; v += VW) {
         const vf farthest = v_load(cells->farthest + v);
-        const vm known = m_or(i_eq(i_load(cells->cover + v), i_set1(number)), i_eq(i_load(cells->skip + v), i_set1(number)));
+        const vm known =
+            m_or(i_eq(i_load(cells->cover + v), i_set1(number)), i_eq(i_load(cells->skip + v), i_set1(number)));
         vm may = m_andnot(m_from_bits(among >> v), known);
         may = m_and(may, v_le(v_set1(leaf->least_depth[place]), farthest));
         for (int side = 0; side < 2; ++side) {

@@ -78,7 +78,7 @@ MLRT_INLINE void prefetch_child(const struct mlrt_bvh *bvh, uint32_t child)
 
 /* Puts children on the stack, the nearest on top. */
 MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint32_t met,
-                                   const float near[MLRT_BVH_WIDTH], struct pending_box *stack, uint32_t count)
+                                const float near[MLRT_BVH_WIDTH], struct pending_box *stack, uint32_t count)
 {
     const uint32_t base = count;
     for (; met; met &= met - 1) {
@@ -129,8 +129,8 @@ MLRT_INLINE struct verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf
     verdict.inside = m_and(certain, v_gt(least, v_set1(EDGE_BOUND * reach)));
     if (MLRT_GUESS) verdict.inside = m_and(candidates, v_gt(size, v_set1(0)));
     verdict.nearer = m_and(verdict.inside, nearer);
-    verdict.undecided = m_andnot(m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer),
-                                 v_lt(greatest_d, v_set1(0)));
+    verdict.undecided =
+        m_andnot(m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer), v_lt(greatest_d, v_set1(0)));
     if (MLRT_GUESS) verdict.undecided = m_andnot(candidates, candidates);
     if (!m_bits(verdict.nearer)) return verdict;
     const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);

@@ -9,14 +9,14 @@
  * step compares something with all of them.
  *
  * Slopes of rays have two roundings, and are moved apart by SLOPE_SLACK, 2^-20 of themselves. A depth or an offset
- * p - apex has one, the product of a slope and a depth one more. So where a ray meets a box between depths near and far,
- * its x_j = s_j z has x_j <= max(S near, S far), S the upper slope, also as computed: the slack of S pays for the
+ * p - apex has one, the product of a slope and a depth one more. So where a ray meets a box between depths near and
+ * far, its x_j = s_j z has x_j <= max(S near, S far), S the upper slope, also as computed: the slack of S pays for the
  * roundings, or, where products are denormal, x_j is a multiple of 2^-149 and rounding keeps the order of it and S z. S
  * itself is 0 or no denormal.
  *
  * To be compared with things a cell needs no rays. As long as all that it met was a triangle that covers it wholly and
- * what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it. The rays
- * of a camera's closed cells are not even made.
+ * what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it. The
+ * rays of a camera's closed cells are not even made.
  */
 
 #define CELL_COUNT 16
@@ -150,8 +150,8 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
  * |d_main| alone, since that is more than 4 pad_main. So it is more than 2^-98, and reciprocals are finite: an infinite
  * slope times 0 would be a NaN.
  *
- * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them are
- * moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
+ * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them
+ * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
 static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                                uint32_t side, struct cells *cells)
@@ -160,8 +160,10 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
     float columns[2][4], rows[2][4], pad[3], middle[3];
     set_cell_samples(view->first_x, x, side, width, view->sample_x, columns);
     set_cell_samples(view->first_y, y, side, height, view->sample_y, rows);
-    const float x_max = larger_of(fabsf(columns[0][0]), fabsf(mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)));
-    const float y_max = larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
+    const float x_max =
+        larger_of(fabsf(columns[0][0]), fabsf(mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)));
+    const float y_max =
+        larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
         if (!(whole <= MLRT_SAFE_MAX) || !mlrt_is_float_safe(view->eye[k])) return 0;
@@ -183,8 +185,8 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
         }
     }
     for (int v = 0; v < CELL_COUNT; v += VW) {
-        struct corner_slopes of = {v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)},
-                                   {v_set1(-INFINITY), v_set1(-INFINITY)}};
+        struct corner_slopes of = {
+            v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)}, {v_set1(-INFINITY), v_set1(-INFINITY)}};
         for (int corner = 0; corner < 4; ++corner) {
             add_corner(view, cells, samples[corner & 1] + v, samples[2 + (corner >> 1)] + v, &of);
         }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The least and the greatest: of two numbers, and of some lanes of sixteen. And how far bounds of quotients are moved
- * apart, as shares of themselves, to be safe from rounding: those of reciprocals (interval_traversal.h, bvh_single.h) and
- * of slopes (outline.h, cells.h).
+ * apart, as shares of themselves, to be safe from rounding: those of reciprocals (interval_traversal.h, bvh_single.h)
+ * and of slopes (outline.h, cells.h).
  */
 
 #define RECIPROCAL_SLACK 0x1p-21f

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The levels: a tile has a beam, the beam an entry point; from there the tile is cut into smaller tiles with beams and
+ * entry points of their own, until packets of 4x4 rays are traced from the last one.
+ *
+ * A tile whose rays differ in sign has no beam. It is cut as well, and packets of such a tile start where the tile
+ * above them started.
+ *
+ * Based on: Reshetov et al. 2005, section 4.2.
+ */
 
 /* Traces the active rays of a packet. */
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,

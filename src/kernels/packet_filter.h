@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A packet against one triangle, as triangle_filter.h has it: rays of one origin by the triangle's set-up, others lane by
- * lane.
+ * A packet against one triangle, as triangle_filter.h has it: rays of one origin by the triangle's set-up, others lane
+ * by lane.
  */
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */

@@ -3,16 +3,6 @@
  * What comes after the search: rays that have to be traced one by one, and results on their way to frame and callback.
  */
 
-/*
- * The levels: a tile has a beam, the beam an entry point; from there the tile is cut into smaller tiles with beams and
- * entry points of their own, until packets of 4x4 rays are traced from the last one.
- *
- * A tile whose rays differ in sign has no beam. It is cut as well, and packets of such a tile start where the tile
- * above them started.
- *
- * Based on: Reshetov et al. 2005, section 4.2.
- */
-
 static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                               mlrt_counters *counters)
 {

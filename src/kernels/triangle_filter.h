@@ -56,7 +56,7 @@
 #define DISTANCE_BOUND (12 * 0x1p-24f)
 #define DISTANCE_FLOOR 0x1p-82f
 #endif
-#define SMALLEST_SIZE  0x1p-100f
+#define SMALLEST_SIZE 0x1p-100f
 
 MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3])
 {
