@@ -27,6 +27,9 @@
 /* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
 #define WIDEST_PACKET 0.25f
 
+/* Nor does one that is so many times as wide as most of its tile. */
+#define WIDE_FACTOR 3.0f
+
 /* What slopes of cells without rays are moved apart at least: see gather_camera_cells. */
 #define SLOPE_FLOOR 0x1p-100f
 

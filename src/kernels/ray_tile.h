@@ -112,10 +112,33 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
 }
 
 /*
- * Makes cells of the packets of `waiting` (bit per place) that can go together with the first of them, and returns
- * which: none if not even that one can.
+ * Of the packets `gathered`, those far wider than most, which lie across an edge of what the tile is about: they would
+ * meet all that lies between their rays. Most is a quarter of them, so that edges may be many.
  */
-static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting)
+static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered)
+{
+    float widths[CELL_COUNT], sorted[CELL_COUNT];
+    uint32_t count = 0, wide = 0;
+    for (uint32_t left = gathered; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        const float width = larger_of(cells->slopes[0].hi[place] - cells->slopes[0].lo[place],
+                                      cells->slopes[1].hi[place] - cells->slopes[1].lo[place]);
+        uint32_t at = count++;
+        for (; at > 0 && sorted[at - 1] > width; --at) sorted[at] = sorted[at - 1];
+        sorted[at] = widths[place] = width;
+    }
+    for (uint32_t left = gathered; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (widths[place] > WIDE_FACTOR * sorted[count / 4]) wide |= 1u << place;
+    }
+    return wide;
+}
+
+/*
+ * Makes cells of the packets of `waiting` (bit per place) that can go together with the first of them, and returns
+ * which: none if not even that one can. *wide receives those whose rays should go alone.
+ */
+static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting, uint32_t *wide)
 {
     struct cells *cells = &tile->cells;
     const struct mlrt_packet *first = &tile->packets[mlrt_lowest_bit(waiting)];
@@ -135,6 +158,9 @@ static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting)
             leave_out_cell(cells, place);
         }
     }
+    *wide = find_wide_packets(cells, gathered);
+    for (uint32_t left = *wide; left; left &= left - 1) leave_out_cell(cells, mlrt_lowest_bit(left));
+    cells->closed &= ~*wide;
     sum_up_cells(cells);
-    return gathered;
+    return gathered & ~*wide;
 }

@@ -55,15 +55,17 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
                           uint32_t waiting)
 {
     while (waiting) {
-        const uint32_t gathered = gather_packets(tile, waiting);
+        uint32_t alone, gathered = gather_packets(tile, waiting, &alone);
         if (gathered) {
             traverse_bvh(job, worker, &tile->cells);
             close_packets(tile);
-            waiting &= ~gathered;
         } else {
-            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(waiting)];
+            alone = waiting & (0u - waiting);
+        }
+        waiting &= ~(gathered | alone);
+        for (; alone; alone &= alone - 1) {
+            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(alone)];
             trace_singles(job, packet->active, packet, worker);
-            waiting &= waiting - 1;
         }
     }
 }
