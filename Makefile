@@ -92,10 +92,10 @@ $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(filter kdtree,$*),,$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
-# Parts of the builders that hardly take time, or that few wait for.
-COLD := bvh_build bvh_check bvh_collapse kdtree_build kdtree_check split clip
+# What hardly takes time, or few wait for.
+COLD := api camera offset bvh_build bvh_check bvh_collapse kdtree_build kdtree_check split clip
 $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c
