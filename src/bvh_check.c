@@ -5,6 +5,8 @@
  */
 #include "bvh_check.h"
 
+#include "check_point.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -235,25 +237,6 @@ static int is_found_at(const struct mlrt_bvh *bvh, uint32_t number, uint32_t tri
     return 0;
 }
 
-/* a + b in *sum. Returns whether that is exact. */
-static int add_exactly(double a, double b, double *sum)
-{
-    *sum = a + b;
-    double b_part = *sum - a, a_part = *sum - b_part;
-    return (a - a_part) + (b - b_part) == 0;
-}
-
-/* Sixteenths of the vertices: products with a float are exact. Returns whether the point is. */
-static int find_point(const struct mlrt_triangle *triangle, const int weight[3], double point[3])
-{
-    for (int k = 0; k < 3; k++) {
-        double a = triangle->v[0][k] * (weight[0] / 16.0), b = triangle->v[1][k] * (weight[1] / 16.0),
-               c = triangle->v[2][k] * (weight[2] / 16.0);
-        if (!add_exactly(a, b, &point[k]) || !add_exactly(point[k], c, &point[k])) return 0;
-    }
-    return 1;
-}
-
 static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
     static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
@@ -261,7 +244,7 @@ static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
     const struct mlrt_triangle *triangle = &tree->triangles[number];
     for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
         double point[3];
-        if (!find_point(triangle, WEIGHTS[i], point)) continue;
+        if (!mlrt_find_check_point(triangle, WEIGHTS[i], point)) continue;
         for (int k = 0; k < 3; k++)
             if (!(tree->bounds.lo[k] <= point[k] && point[k] <= tree->bounds.hi[k]))
                 return "a triangle is outside of the bounds";

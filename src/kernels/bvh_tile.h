@@ -133,9 +133,7 @@ MLRT_INLINE struct verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf
         m_andnot(m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer), v_lt(greatest_d, v_set1(0)));
     if (MLRT_GUESS) verdict.undecided = m_andnot(candidates, candidates);
     if (!m_bits(verdict.nearer)) return verdict;
-    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);
-    verdict.lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
-    verdict.hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
+    bound_distance(least_n, greatest_n, size, width, &verdict);
     return verdict;
 }
 
@@ -148,20 +146,11 @@ MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_
     struct outcome outcome = {0, 0, 0};
     COUNT(&worker->counters, triangle_test_count, 1);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vm active = m_andnot(m_from_bits(packet->active >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
-        if (packet->has_skip) active = m_andnot(active, i_eq(i_load(packet->skip + v), i_set1(number)));
+        const vm active = concerned_rays(packet, packet->active, number, v);
         if (!m_bits(active)) continue;
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
         const struct verdict verdict = filter_leaf_vector(leaf, place, reach, limits_below, packet, v, active);
-        const uint32_t nearer = m_bits(verdict.nearer);
-        if (nearer) {
-            v_store(packet->lo + v, v_select(verdict.nearer, verdict.lo, v_load(packet->lo + v)));
-            v_store(packet->hi + v, v_select(verdict.nearer, verdict.hi, v_load(packet->hi + v)));
-            i_store(packet->triangle + v, i_select(verdict.nearer, i_set1(number), i_load(packet->triangle + v)));
-            outcome.nearer |= nearer << v;
-        }
-        outcome.undecided |= m_bits(verdict.undecided) << v;
-        outcome.inside |= m_bits(verdict.inside) << v;
+        keep_verdict(&verdict, number, v, packet, &outcome);
     }
     if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
     return outcome.nearer | decide_lanes(job->tree, number, &outcome, packet, worker);

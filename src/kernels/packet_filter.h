@@ -101,9 +101,7 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
     if (setup) set_apex_terms(setup, &terms);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
-        /* A triangle met again in another leaf is no news to the rays that it is the nearest of. */
-        vm active = m_andnot(m_from_bits(lanes >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
-        if (packet->has_skip) active = m_andnot(active, i_eq(i_load(packet->skip + v), i_set1(number)));
+        const vm active = concerned_rays(packet, lanes, number, v);
         if (!m_bits(active)) continue;
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
         if (!setup) {
@@ -112,15 +110,7 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
             set_terms(&tree->triangles[number], origin, group->axis_code & 3, &terms);
         }
         const struct verdict verdict = filter_vector(&terms, group->reach, packet, v, active);
-        const uint32_t nearer = m_bits(verdict.nearer);
-        if (nearer) {
-            v_store(packet->lo + v, v_select(verdict.nearer, verdict.lo, v_load(packet->lo + v)));
-            v_store(packet->hi + v, v_select(verdict.nearer, verdict.hi, v_load(packet->hi + v)));
-            i_store(packet->triangle + v, i_select(verdict.nearer, i_set1(number), i_load(packet->triangle + v)));
-            outcome.nearer |= nearer << v;
-        }
-        outcome.undecided |= m_bits(verdict.undecided) << v;
-        outcome.inside |= m_bits(verdict.inside) << v;
+        keep_verdict(&verdict, number, v, packet, &outcome);
     }
     return outcome;
 }

@@ -20,6 +20,7 @@
 #include "packet_check.h"
 #include "picture.h"
 #include "triangle_filter.h"
+#include "outcome.h"
 #include "undecided.h"
 #include "write_packet.h"
 #include "results.h"

@@ -116,6 +116,14 @@ MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
     return m_andnot(active, m_and(v_gt(test->greatest, test->above), v_lt(test->least, test->below)));
 }
 
+/* lo and hi of t = N / |D|: see the head of this file. `width` is W. */
+MLRT_INLINE void bound_distance(vf least_n, vf greatest_n, vf size, vf width, struct verdict *verdict)
+{
+    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);
+    verdict->lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
+    verdict->hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
+}
+
 /* The verdict on lanes that are not surely outside; lo and hi are of the nearest hits so far. */
 MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi)
 {
@@ -131,8 +139,6 @@ MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm c
     verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
     verdict.lo = verdict.hi = v_set1(0);
     if (!m_bits(verdict.nearer)) return verdict;
-    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, test->plane_bound);
-    verdict.lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
-    verdict.hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
+    bound_distance(least_n, greatest_n, size, test->plane_bound, &verdict);
     return verdict;
 }

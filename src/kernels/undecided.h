@@ -56,13 +56,6 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
     return hit;
 }
 
-/* What filter_lanes has to say: lanes that are nearer, and what is left of the others. */
-struct outcome {
-    uint32_t nearer;
-    uint32_t undecided;
-    uint32_t inside;
-};
-
 /* What the filter leaves of a test: exact ties, and then the judge. Returns the lanes whose nearest hit changed. */
 static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, const struct outcome *outcome,
                                            struct mlrt_packet *packet, struct mlrt_worker *worker)
