@@ -519,6 +519,24 @@ static void order_does_not_matter(void **state)
     free_fixture(&fixture);
 }
 
+/* Packets from several points, near each other and in turn: what was worked out for one must not serve the next. */
+static void eyes_in_turn(void **state)
+{
+    (void)state;
+    struct fixture fixture = torus_fixture();
+    struct ray_list list = {0};
+    for (int round = 0; round < 8; round++) {
+        const float eye[3] = {3, 0.25f * (float)(round % 3), 0.5f - 0.3f * (float)(round % 3)};
+        for (int i = 0; i < 64; i++) {
+            const float target[3] = {1.2f, 0.05f * (float)(i % 8) - 0.17f, 0.05f * (float)(i / 8) - 0.19f};
+            add_ray_towards(&list, eye, target);
+        }
+    }
+    check_rays_quickly(&fixture, &list);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
 static void parallel_rays(void **state)
 {
     (void)state;
@@ -814,6 +832,7 @@ int main(void)
         cmocka_unit_test(every_row_length),
         cmocka_unit_test(every_count_up_to_70),
         cmocka_unit_test(order_does_not_matter),
+        cmocka_unit_test(eyes_in_turn),
         cmocka_unit_test(parallel_rays),
         cmocka_unit_test(ranges_and_skips_in_coherent_packets),
         cmocka_unit_test(each_output_alone_at_each_stride),
