@@ -202,7 +202,7 @@ typedef struct mlrt_build_options {
  * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
  * 2^30 - 1 triangles in all, or MLRT_ERROR_TOO_LARGE.
  *
- * Memory, the triangles' 36 bytes included: a hierarchy of boxes takes some 85 to 92 bytes per triangle, at most 129
+ * Memory, the triangles' 36 bytes included: a hierarchy of boxes takes some 83 to 92 bytes per triangle, at most 129
  * while it is built (FAST: 83 to 85 and 117, BEST: 85 to 101 and 150), a kd-tree 60 to 90 and twice that. Meshes of a
  * few triangles take more. mlrt_tree_info says how much it was.
  *
