@@ -46,13 +46,19 @@
  * anything: each call sets what it needs and restores what it found.
  *
  * Structs start with `struct_size`, which the caller sets to sizeof; the rest zero means default. Later versions append
- * fields and never change the meaning of those that are here. A size that no version had is MLRT_ERROR_STRUCT_SIZE.
+ * fields, in multiples of 4 bytes, and never change the meaning or the place of those that are here. So header and
+ * library may be of different versions: fields that the caller's struct is too short for count as 0 and are not
+ * written; those that the library does not know must be 0, and if they are for results, they are set to 0. Otherwise,
+ * and for a size below that of version 0.1, the answer is MLRT_ERROR_STRUCT_SIZE. The size of an array's element is
+ * that of the first. Only mlrt_array, mlrt_const_array and mlrt_tile never grow, or grow at the end of what is
+ * handed out.
  *
  * Arrays are a pointer and a byte stride; stride 0 means packed. An address aligned to 4 bytes is enough, and no byte
  * outside the elements is read or written.
  *
- * Ownership. Arguments are borrowed for the length of the call. Only mlrt_create_* and mlrt_build_* hand something out,
- * and it goes to mlrt_destroy_tree or mlrt_destroy_pool. Destroying NULL does nothing.
+ * Ownership. Arguments are borrowed for the length of the call; a tree or pool keeps the allocator of the host it was
+ * made with. Only mlrt_create_*, mlrt_build_* and mlrt_load_* hand something out, and it goes to mlrt_destroy_tree or
+ * mlrt_destroy_pool. Destroying NULL does nothing.
  *
  * Errors. Functions that can fail return an int32_t status, MLRT_OK = 0 or one of MLRT_ERROR_*; new codes may be added.
  * After an error nothing is leaked and outputs given by handle are NULL. The library never prints, exits or aborts.
@@ -99,7 +105,8 @@ enum {
     MLRT_ERROR_UNSUPPORTED = 7, /* an instruction set that is not in this machine or build, or a method for a structure
                                    that the tree does not have */
     MLRT_ERROR_THREAD = 8,      /* the system would not start a thread */
-    MLRT_ERROR_CANCELLED = 9    /* a tile callback asked to stop */
+    MLRT_ERROR_CANCELLED = 9,   /* a tile callback or a host's progress function asked to stop */
+    MLRT_ERROR_DATA = 10        /* not a saved tree, or one that is damaged, of another version, or of other triangles */
 };
 
 /* The id reported for a miss; also what a `skip` entry holds to skip nothing. */
@@ -110,6 +117,95 @@ MLRT_API uint32_t mlrt_version(void);
 
 /* What a status code means, as one English phrase. Never NULL: an unknown code has a text too. The string is static. */
 MLRT_API const char *mlrt_status_string(int32_t status);
+
+/* What mlrt_capabilities tells, or-ed together. New ones may be added. */
+enum {
+    MLRT_CAN_SSE = 1,    /* MLRT_ISA_SSE works: in this build, on this machine */
+    MLRT_CAN_AVX2 = 2,   /* MLRT_ISA_AVX2 */
+    MLRT_CAN_AVX512 = 4, /* MLRT_ISA_AVX512 */
+    MLRT_CAN_BVH = 8,    /* MLRT_STRUCTURE_BVH */
+    MLRT_CAN_KDTREE = 16 /* MLRT_STRUCTURE_KDTREE */
+};
+
+/* What this library can do on this machine: MLRT_CAN_*. May be called before anything else. */
+MLRT_API uint64_t mlrt_capabilities(void);
+
+/*
+ * The structs of this header, in the order of mlrt_struct_sizes. New ones are added at the end.
+ */
+enum {
+    MLRT_STRUCT_HOST = 0,
+    MLRT_STRUCT_MESH = 1,
+    MLRT_STRUCT_BUILD_OPTIONS = 2,
+    MLRT_STRUCT_TREE_INFO = 3,
+    MLRT_STRUCT_MEMORY_ESTIMATE = 4,
+    MLRT_STRUCT_LOAD_OPTIONS = 5,
+    MLRT_STRUCT_POOL_OPTIONS = 6,
+    MLRT_STRUCT_COUNTERS = 7,
+    MLRT_STRUCT_TRACE_OPTIONS = 8,
+    MLRT_STRUCT_ARRAY = 9,
+    MLRT_STRUCT_HITS = 10,
+    MLRT_STRUCT_CONST_ARRAY = 11,
+    MLRT_STRUCT_RAYS = 12,
+    MLRT_STRUCT_RAY = 13,
+    MLRT_STRUCT_HIT = 14,
+    MLRT_STRUCT_HIT_LISTS = 15,
+    MLRT_STRUCT_CAMERA = 16,
+    MLRT_STRUCT_TILE = 17,
+    MLRT_STRUCT_LIGHT = 18,
+    MLRT_STRUCT_POINTS = 19,
+    MLRT_STRUCT_COUNT = 20
+};
+
+/*
+ * Writes sizeof each struct, as this library was compiled, to sizes[0 .. count - 1]: element MLRT_STRUCT_MESH is that of
+ * mlrt_mesh. Elements that this library has no struct for become 0. For bindings that write layouts by hand: one that
+ * differs from theirs is of another version, or wrong. May be called before anything else.
+ */
+MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count);
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * The host: memory, messages, progress
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* Returns `size` bytes (not 0), aligned to `alignment` (a power of two, 64 at most), or NULL if there are none. */
+typedef void *(*mlrt_allocate_callback)(void *user, size_t size, size_t alignment);
+
+/* Takes back a block (not NULL), with the size and alignment that it was asked for with. */
+typedef void (*mlrt_free_callback)(void *user, void *block, size_t size, size_t alignment);
+
+enum {
+    MLRT_LOG_ERROR = 0,   /* why a call fails, in words */
+    MLRT_LOG_WARNING = 1, /* something was left out */
+    MLRT_LOG_INFO = 2     /* what was built, and how long it took */
+};
+
+/* Receives one line (UTF-8, no newline), valid for the length of the call. */
+typedef void (*mlrt_log_callback)(void *user, int32_t level, const char *message);
+
+/*
+ * Told how much of a call is done, 0..1 and never less than before: every few milliseconds, and at the end. Return 0
+ * to go on; anything else ends the call within some milliseconds, and it returns MLRT_ERROR_CANCELLED.
+ */
+typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
+
+/*
+ * What the program around the library provides: options that have a `host` may point to one. Any function may be NULL.
+ *
+ * `allocate` and `free` are given both or neither; neither means malloc and free. A call with a host takes all its
+ * memory from it, and a tree or a pool that it makes keeps both functions and `user` until it is destroyed. They may
+ * be called from the thread of the call only; so may `log`. `progress` may be called from the threads of the call's
+ * pool too, but never twice at a time. No function may call the library with the same pool, or jump out of it.
+ */
+typedef struct mlrt_host {
+    uint32_t struct_size;
+    uint32_t reserved; /* 0 */
+    void *user;        /* handed to all of them */
+    mlrt_allocate_callback allocate;
+    mlrt_free_callback free;
+    mlrt_log_callback log;
+    mlrt_progress_callback progress;
+} mlrt_host;
 
 /* ------------------------------------------------------------------------------------------------------------------
  * Building a tree
@@ -134,7 +230,7 @@ typedef struct mlrt_mesh {
     size_t triangle_count;
     size_t triangle_stride; /* bytes from one index triple to the next, a multiple of index_size; 0 = 3 * index_size */
     uint32_t index_size;    /* 2 or 4; 0 = 4 */
-    uint32_t reserved;      /* 0 */
+    uint32_t mask;          /* seen by rays whose mask has a bit in common; 0 = all bits */
 } mlrt_mesh;
 
 /*
@@ -186,6 +282,8 @@ typedef struct mlrt_build_options {
     struct mlrt_pool *pool;  /* NULL = the calling thread alone, which builds kd-trees anyhow; the tree is the same */
     uint32_t structures;     /* MLRT_STRUCTURE_*; 0 = MLRT_STRUCTURE_BVH, of preset PAPER the kd-tree */
     uint32_t reserved;       /* 0 */
+    const mlrt_host *host;   /* NULL = malloc and silence */
+    uint64_t memory_limit;   /* bytes held at one time at most, or MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
 } mlrt_build_options;
 
 /*
@@ -214,6 +312,22 @@ typedef struct mlrt_build_options {
  */
 MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
                                    mlrt_tree **tree);
+
+/* How much memory mlrt_build_kdtree takes, foreseen: mlrt_estimate_memory. */
+typedef struct mlrt_memory_estimate {
+    uint32_t struct_size;
+    uint32_t reserved;
+    uint64_t memory_size;      /* bytes held by the tree */
+    uint64_t peak_memory_size; /* bytes held at most at one time while building */
+} mlrt_memory_estimate;
+
+/*
+ * Foresees the memory of mlrt_build_kdtree with the same arguments, from numbers of triangles alone: of the meshes only
+ * triangle_count is looked at. A hierarchy of boxes takes at most what is said, however the triangles lie; most take
+ * 60 to 90 % of it. Of a kd-tree no such bound is known but max_references, so here it is a guess.
+ */
+MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
+                                      mlrt_memory_estimate *estimate);
 
 /* Frees a tree. No call may be using it. NULL is allowed. */
 MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
@@ -247,6 +361,52 @@ typedef struct mlrt_tree_info {
 MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info);
 
 /* ------------------------------------------------------------------------------------------------------------------
+ * Saving and loading
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/*
+ * Writes a tree, triangles and all, to `buffer`, for mlrt_load_tree. *size receives how many bytes that takes; with
+ * `buffer` = NULL that is all. A capacity less than that is MLRT_ERROR_ARGUMENT, and nothing is written.
+ */
+MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size);
+
+enum {
+    MLRT_LOAD_IN_PLACE = 1 /* use the data where it lies: it must stay, unchanged, as long as the tree */
+};
+
+typedef struct mlrt_load_options {
+    uint32_t struct_size;
+    uint32_t flags;         /* MLRT_LOAD_* */
+    uint64_t geometry_hash; /* what mlrt_hash_geometry says the triangles are; others are MLRT_ERROR_DATA. 0 = any */
+    char *message;          /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
+    size_t message_size;    /* its size in bytes */
+    const mlrt_host *host;  /* NULL = malloc and silence */
+    uint64_t memory_limit;  /* as in mlrt_build_options */
+} mlrt_load_options;
+
+/*
+ * Makes a tree of what mlrt_save_tree wrote: the same tree, with the same answers.
+ *
+ *   data     `size` bytes, at any address. A file mapped into memory will do. With MLRT_LOAD_IN_PLACE they are used
+ *            where they lie, if the address is a multiple of 64 (else they are copied), and the tree takes next to no
+ *            memory of its own.
+ *   options  NULL = defaults.
+ *   tree     receives the tree, or NULL after an error.
+ *
+ * All of it is checked: any bytes give a tree that is safe to use, or MLRT_ERROR_DATA. A hash over everything tells
+ * damage by chance. It does not tell forgery: a file made to look whole can give wrong answers, but do no other harm.
+ * A file is of one version of the format and of one byte order, and others are MLRT_ERROR_DATA: keep the meshes, and
+ * build again. The host's `progress` is not called.
+ */
+MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree);
+
+/*
+ * A hash of meshes as mlrt_build_kdtree takes them: ids, masks, and the corners of all triangles in order. It is the
+ * same however they are indexed and laid out in memory, and on every machine. Is a saved tree still that of my meshes?
+ */
+MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, uint64_t *hash);
+
+/* ------------------------------------------------------------------------------------------------------------------
  * Threads
  * ------------------------------------------------------------------------------------------------------------------ */
 
@@ -258,6 +418,37 @@ typedef struct mlrt_pool mlrt_pool;
  * started, and sleep between calls. 0 = one per processor that is online. Free it with mlrt_destroy_pool.
  */
 MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool);
+
+/* What the host's job system runs: once, with the argument given along. */
+typedef void (*mlrt_task_function)(void *argument);
+
+/*
+ * Hands a task to the host's job system: function(argument) is to be run, on any thread, now or later. Returns what
+ * `finish` is to wait for. It may also run the task at once, before it returns, and then return NULL.
+ */
+typedef void *(*mlrt_enqueue_callback)(void *user, mlrt_task_function function, void *argument);
+
+/* Waits until a task (not NULL) that `enqueue` returned has been run; it may run it, or others, meanwhile. */
+typedef void (*mlrt_finish_callback)(void *user, void *task);
+
+typedef struct mlrt_pool_options {
+    uint32_t struct_size;
+    uint32_t thread_count;  /* as in mlrt_create_pool; with `enqueue`, at most so many tasks at once, the caller's too */
+    const mlrt_host *host;  /* NULL = malloc */
+    void *user;             /* handed to the two that follow */
+    mlrt_enqueue_callback enqueue; /* both, or neither: then the pool starts threads of its own */
+    mlrt_finish_callback finish;
+} mlrt_pool_options;
+
+/*
+ * Creates a pool with options: above all one that starts no threads but shares work through the host's job system.
+ *
+ * A call with such a pool enqueues thread_count - 1 tasks at most at a time, works on the same items itself, and before
+ * it returns finishes every task whose `enqueue` did not return NULL. Nothing is lost if a task starts late, or only
+ * in `finish`: the others do its work. A call waits for nothing else, so it may be made from within a job, and several
+ * may use such a pool at once, without waiting for each other. (E. Catto's Box2D 3 has hooks like these.)
+ */
+MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool);
 
 /* Ends the threads and frees the pool. No call may be using it. NULL is allowed. */
 MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
@@ -385,9 +576,10 @@ typedef struct mlrt_trace_options {
     uint32_t split_factor;      /* 4 or 16; 0 = 16 */
     uint32_t outputs;           /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
     uint32_t shortcuts_off;     /* MLRT_SHORTCUT_* or-ed together: parts of multilevel to do without */
-    uint32_t reserved;          /* 0 */
+    uint32_t mask;              /* rays see the meshes whose mask has a bit in common with this one; 0 = all bits */
     mlrt_pool *pool;            /* NULL = the calling thread alone */
     mlrt_counters *counters;    /* NULL = not counted, at no cost, but for the kd-tree, whose kernels always count */
+    const mlrt_host *host;      /* NULL = malloc and silence. Not used by mlrt_trace_ray, which takes no memory */
 } mlrt_trace_options;
 
 /* An array of results. `data` = NULL: not wanted, and not computed. */
@@ -436,6 +628,9 @@ typedef struct mlrt_rays {
     mlrt_const_array t_min;      /* float; NULL = 0 for all */
     mlrt_const_array t_max;      /* float; NULL = no limit for all. 0 here means 0 */
     mlrt_const_array skip; /* uint32_t[2]: the mesh and triangle, as reported, that this ray passes; NULL = none */
+    mlrt_const_array mask; /* uint32_t: as in mlrt_trace_options, for each ray, and in place of that one (0 = all bits).
+                              NULL = that of the options for all. Where the tree's meshes have masks, rays with masks of
+                              their own go alone, and slower */
 } mlrt_rays;
 
 /*
