@@ -95,7 +95,8 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := api camera offset bvh_build bvh_check bvh_collapse kdtree_build kdtree_check split clip
+COLD := library tree trace meshes host structs memory progress scheduler render camera beam offset grid exact bvh_build bvh_check bvh_collapse \
+        kdtree_build kdtree_check split clip
 $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c

@@ -106,7 +106,7 @@ enum {
                                    that the tree does not have */
     MLRT_ERROR_THREAD = 8,      /* the system would not start a thread */
     MLRT_ERROR_CANCELLED = 9,   /* a tile callback or a host's progress function asked to stop */
-    MLRT_ERROR_DATA = 10        /* not a saved tree, or one that is damaged, of another version, or of other triangles */
+    MLRT_ERROR_DATA = 10 /* not a saved tree, or one that is damaged, of another version, or of other triangles */
 };
 
 /* The id reported for a miss; also what a `skip` entry holds to skip nothing. */
@@ -158,9 +158,9 @@ enum {
 };
 
 /*
- * Writes sizeof each struct, as this library was compiled, to sizes[0 .. count - 1]: element MLRT_STRUCT_MESH is that of
- * mlrt_mesh. Elements that this library has no struct for become 0. For bindings that write layouts by hand: one that
- * differs from theirs is of another version, or wrong. May be called before anything else.
+ * Writes sizeof each struct, as this library was compiled, to sizes[0 .. count - 1]: element MLRT_STRUCT_MESH is that
+ * of mlrt_mesh. Elements that this library has no struct for become 0. For bindings that write layouts by hand: one
+ * that differs from theirs is of another version, or wrong. May be called before anything else.
  */
 MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count);
 
@@ -433,9 +433,9 @@ typedef void (*mlrt_finish_callback)(void *user, void *task);
 
 typedef struct mlrt_pool_options {
     uint32_t struct_size;
-    uint32_t thread_count;  /* as in mlrt_create_pool; with `enqueue`, at most so many tasks at once, the caller's too */
-    const mlrt_host *host;  /* NULL = malloc */
-    void *user;             /* handed to the two that follow */
+    uint32_t thread_count; /* as in mlrt_create_pool; with `enqueue`, at most so many tasks at once, the caller's too */
+    const mlrt_host *host; /* NULL = malloc */
+    void *user;            /* handed to the two that follow */
     mlrt_enqueue_callback enqueue; /* both, or neither: then the pool starts threads of its own */
     mlrt_finish_callback finish;
 } mlrt_pool_options;

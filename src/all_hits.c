@@ -5,10 +5,11 @@
 #include "all_hits.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "counters.h"
+#include "memory.h"
 #include "output.h"
+#include "progress.h"
 #include "scheduler.h"
 #include "trace_ray.h"
 
@@ -30,6 +31,7 @@ struct run {
     uint32_t outputs; /* what mlrt_report_hit has to work out */
     int counting;
     struct worker *workers;
+    struct mlrt_progress progress; /* by items */
 };
 
 static int32_t resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
@@ -134,28 +136,33 @@ static MLRT_NOINLINE int trace_rays(const struct run *run, struct worker *worker
 
 static int32_t run_item(void *work, uint32_t item, uint32_t number)
 {
-    const struct run *run = work;
+    struct run *run = work;
     const uint32_t begin = item * ITEM_RAYS, left = run->source->count - begin;
     const uint64_t environment = mlrt_enter_fp_environment();
     const int done = trace_rays(run, &run->workers[number], begin, begin + (left < ITEM_RAYS ? left : ITEM_RAYS));
     mlrt_leave_fp_environment(environment);
-    return done ? 0 : MLRT_ERROR_OUT_OF_MEMORY;
+    if (!done) return MLRT_ERROR_OUT_OF_MEMORY;
+    return mlrt_advance(&run->progress, 1) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
 int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source *source, const mlrt_hit_lists *lists,
-                          mlrt_pool *pool, mlrt_counters *counters)
+                          const struct mlrt_run_options *options)
 {
-    struct run run = {.tree = tree, .source = source, .counting = counters != NULL};
+    struct run run = {.tree = tree, .source = source, .counting = options->counters != NULL};
     int32_t status = resolve_arrays(lists, &run);
     if (status != MLRT_OK || source->count == 0) return status;
-    const uint32_t worker_count = mlrt_worker_count(pool);
-    run.workers = calloc(worker_count, sizeof *run.workers);
+    const uint32_t worker_count = mlrt_worker_count(options->pool);
+    const uint32_t item_count = (source->count - 1) / ITEM_RAYS + 1;
+    struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
+    run.workers = mlrt_allocate_zeroed(&memory, worker_count, sizeof *run.workers);
     if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
-    status = mlrt_run_items(pool, (source->count - 1) / ITEM_RAYS + 1, run_item, &run);
+    for (uint32_t w = 0; w < worker_count; ++w) run.workers[w].list.memory = memory;
+    mlrt_begin_progress(&options->host, item_count, &run.progress);
+    status = mlrt_run_items(options->pool, item_count, run_item, &run);
     for (uint32_t w = 0; w < worker_count; ++w) {
-        if (counters) mlrt_add_counters(counters, &run.workers[w].counters);
+        if (options->counters) mlrt_add_counters(options->counters, &run.workers[w].counters);
         mlrt_free_hit_list(&run.workers[w].list);
     }
-    free(run.workers);
-    return status;
+    mlrt_free(&memory, run.workers, worker_count, sizeof *run.workers);
+    return mlrt_end_progress(&run.progress, status);
 }

@@ -101,7 +101,11 @@ static void finish_beam(const struct bounds *bounds, struct mlrt_beam *beam)
 int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                   struct mlrt_beam *beam)
 {
-    if (source->kind == MLRT_SOURCE_CAMERA) return mlrt_make_view_beam(&source->view, x, y, width, height, beam);
+    if (source->kind == MLRT_SOURCE_CAMERA) {
+        const int made = mlrt_make_view_beam(&source->view, x, y, width, height, beam);
+        beam->may_cover = beam->may_cover && !source->has_masks;
+        return made;
+    }
 
     struct bounds bounds = {.ray_count = 0};
     for (int a = 0; a < 3; ++a) {
@@ -110,7 +114,7 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
         bounds.direction_lo[a] = INFINITY;
         bounds.direction_hi[a] = -INFINITY;
     }
-    beam->may_cover = source->skip.data == NULL;
+    beam->may_cover = source->skip.data == NULL && !source->has_masks;
     beam->is_unlimited = 0;
     for (uint32_t j = y; j < y + height; ++j) {
         for (uint32_t i = x; i < x + width; ++i) {

@@ -25,7 +25,7 @@ struct mlrt_beam {
     int negative[3];
     int main_axis;    /* where |d| is largest, about */
     int has_apex;     /* one common origin */
-    int may_cover;    /* every ray counts every triangle from its origin on: no skip, t_min = 0 */
+    int may_cover;    /* every ray counts every triangle from its origin on: no skip, no mask, t_min = 0 */
     int is_unlimited; /* all rays are valid and have no t_max */
 };
 

@@ -83,6 +83,10 @@ static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, 0.0f, 0.02f};
 /* Binary levels in the first attempt. It bounds the stack. */
 #define BINARY_DEPTH 64
 
+/* Of MLRT_BVH_WORK, what looking at a triangle first takes, and writing nodes at the end. */
+#define FIRST_WORK 1.0
+#define LAST_WORK  1.0
+
 /* Subtrees of at most so many references, or of this part of all, are built by one worker. */
 #define TASK_SIZE  4096
 #define TASK_SHARE 64
@@ -148,6 +152,8 @@ struct build {
     int may_cut; /* 0 = coordinates are too large for bvh_spatial.c */
     double scene_area;
     const struct portion *together; /* the set that the pool is looking at */
+    struct mlrt_progress *progress;
+    double cut_work; /* per reference of a set that is cut */
 };
 
 static float relative_area(const struct build *build, const struct mlrt_quad_box *box)
@@ -199,19 +205,21 @@ static MLRT_NOINLINE void refer_to_chunk(struct build *build, uint32_t number)
 
 static int32_t run_chunk(void *work, uint32_t item, uint32_t worker)
 {
+    struct build *build = work;
     (void)worker;
     const uint64_t environment = mlrt_enter_fp_environment();
-    refer_to_chunk(work, item);
+    refer_to_chunk(build, item);
     mlrt_leave_fp_environment(environment);
-    return 0;
+    return mlrt_advance(build->progress, CHUNK_SIZE * FIRST_WORK);
 }
 
 /* References to all triangles, without gaps. Those left out are counted. */
-static void refer_to_all(struct build *build)
+static int32_t refer_to_all(struct build *build)
 {
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
-    mlrt_run_items(build->pool, build->chunk_count, run_chunk, build);
+    build->reference_count = 0;
+    if (mlrt_run_items(build->pool, build->chunk_count, run_chunk, build)) return MLRT_ERROR_CANCELLED;
     for (uint32_t i = 0; i < build->chunk_count; i++) {
         const struct chunk *chunk = &build->chunks[i];
         if (build->reference_count != i * CHUNK_SIZE)
@@ -221,6 +229,7 @@ static void refer_to_all(struct build *build)
         info->non_finite_count += chunk->non_finite_count;
         info->zero_area_count += chunk->zero_area_count;
     }
+    return MLRT_OK;
 }
 
 /* ---- budgets ------------------------------------------------------------------------------------------------- */
@@ -292,7 +301,7 @@ static int32_t fill_bins_item(void *work, uint32_t item, uint32_t worker)
     mlrt_fill_bins(build->references, portion->set.first + item * CHUNK_SIZE, chunk_end(portion, item),
                    &portion->set.centres, &build->shares[worker].bins);
     mlrt_leave_fp_environment(environment);
-    return 0;
+    return mlrt_is_cancelled(build->progress);
 }
 
 static int32_t fill_slabs_item(void *work, uint32_t item, uint32_t worker)
@@ -303,7 +312,7 @@ static int32_t fill_slabs_item(void *work, uint32_t item, uint32_t worker)
     mlrt_fill_spatial_bins(build->tree->triangles, build->references, portion->set.first + item * CHUNK_SIZE,
                            chunk_end(portion, item), &portion->set.box, &build->shares[worker].slabs);
     mlrt_leave_fp_environment(environment);
-    return 0;
+    return mlrt_is_cancelled(build->progress);
 }
 
 static uint32_t chunks_of(uint32_t count)
@@ -412,22 +421,25 @@ static void halve(struct build *build, struct mlrt_bvh_set sets[2])
 {
     static const struct mlrt_bvh_split NO_SPLIT = {.cost = HUGE_VAL};
     struct mlrt_bvh_set whole = sets[0].count > 0 ? sets[0] : sets[1];
-    mlrt_apply_bvh_split(build->references, &whole, &NO_SPLIT, sets);
+    mlrt_apply_bvh_split(build->references, &whole, &NO_SPLIT, build->progress, sets);
 }
 
-/* Deals the references of a portion out to its sides. */
-static void apply(struct build *build, const struct portion *portion, const struct choice *choice,
-                  struct portion sides[2])
+/* Deals the references of a portion out to its sides. Returns 0 if the call is to end. */
+static int apply(struct build *build, const struct portion *portion, const struct choice *choice,
+                 struct portion sides[2])
 {
     struct mlrt_bvh_set sets[2];
     if (choice->spatial)
-        mlrt_apply_spatial_split(build->tree->triangles, build->references, &portion->set, &choice->plane, sets);
+        mlrt_apply_spatial_split(build->tree->triangles, build->references, &portion->set, &choice->plane,
+                                 build->progress, sets);
     else
-        mlrt_apply_bvh_split(build->references, &portion->set, &choice->split, sets);
+        mlrt_apply_bvh_split(build->references, &portion->set, &choice->split, build->progress, sets);
+    if (mlrt_is_cancelled(build->progress)) return 0;
     if (sets[0].count == 0 || sets[1].count == 0) halve(build, sets);
     share_out(build, portion, sets, sides);
     move_set(build->references, &sides[0].set, portion->set.first);
     move_set(build->references, &sides[1].set, portion->set.first + sides[0].set.count + sides[0].spare);
+    return 1;
 }
 
 static struct mlrt_binary_node *start_node(const struct build *build, const struct portion *portion)
@@ -441,16 +453,17 @@ static struct mlrt_binary_node *start_node(const struct build *build, const stru
     return node;
 }
 
-/* Cuts a set in two, unless it is to be a leaf. Returns whether it did. */
+/* Cuts a set in two, unless it is to be a leaf, or the call is to end. Returns whether it did. */
 static int cut(struct build *build, const struct portion *portion, struct mlrt_binary_node *node,
                struct portion sides[2])
 {
     struct choice choice;
     int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
     if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
+    if (mlrt_advance(build->progress, build->cut_work * portion->set.count)) return 0;
     choose(build, portion, &choice);
     if (is_small && (choice.split.cost == HUGE_VAL || !split_pays(build, &portion->set, &choice.split))) return 0;
-    apply(build, portion, &choice, sides);
+    if (!apply(build, portion, &choice, sides)) return 0;
     node->upper = sides[1].node;
     return 1;
 }
@@ -480,7 +493,7 @@ static int32_t build_task(void *work, uint32_t item, uint32_t worker)
     const uint64_t environment = mlrt_enter_fp_environment();
     build_subtree(build, &build->tasks[item].portion, &build->tasks[item].costs);
     mlrt_leave_fp_environment(environment);
-    return 0;
+    return mlrt_is_cancelled(build->progress);
 }
 
 /* Cuts sets until they are small enough for tasks, and notes these in the order of the hierarchy. */
@@ -492,7 +505,7 @@ static void find_tasks(struct build *build, const struct portion *portion)
         return;
     }
     build->together = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
-    cut(build, portion, start_node(build, portion), sides);
+    if (!cut(build, portion, start_node(build, portion), sides)) return;
     for (int side = 0; side < 2; side++) find_tasks(build, &sides[side]);
 }
 
@@ -549,7 +562,7 @@ static int32_t measure_task(void *work, uint32_t item, uint32_t worker)
     (void)worker;
     task->size = NOTHING;
     mlrt_measure_forest(&build->binary, task->portion.node, task->slots, task->depth, &task->size);
-    return 0;
+    return mlrt_is_cancelled(build->progress);
 }
 
 static struct mlrt_bvh_size measure_all(struct build *build)
@@ -599,11 +612,11 @@ static int32_t write_task(void *work, uint32_t item, uint32_t worker)
     struct task *task = &build->tasks[item];
     (void)worker;
     mlrt_write_forest(&build->binary, task->portion.node, task->slots, build->tree, &task->cursor);
-    return 0;
+    return mlrt_advance(build->progress, LAST_WORK * task->portion.set.count);
 }
 
 /* The root is a node even if one leaf would do. Otherwise it is the only child of a node that nobody needs. */
-static void write_all(struct build *build)
+static int32_t write_all(struct build *build)
 {
     struct mlrt_bvh_node above;
     uint32_t next_task = 0;
@@ -611,7 +624,7 @@ static void write_all(struct build *build)
     struct mlrt_bvh_cursor cursor = {is_leaf ? 1 : 0, 0, 0, is_leaf ? build->tree->bvh.nodes : &above};
     mlrt_clear_node(cursor.parent);
     write_upper(build, 0, 1, &next_task, &cursor);
-    mlrt_run_items(build->pool, build->task_count, write_task, build);
+    return mlrt_run_items(build->pool, build->task_count, write_task, build) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
@@ -700,9 +713,10 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
         if (box->lo[k] < -MLRT_SAFE_MAX || box->hi[k] > MLRT_SAFE_MAX) build->may_cut = 0;
 }
 
-static struct mlrt_bvh_size build_binary(struct build *build, uint32_t depth_limit)
+/* Sets *size, unless the call is to end. */
+static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
 {
-    struct portion root = {mlrt_measure_set(build->references, 0, build->reference_count),
+    struct portion root = {mlrt_measure_set(build->references, 0, build->reference_count, build->progress),
                            build->capacity - build->reference_count, 0, 0, build->leaf_limit};
     struct mlrt_forest_costs costs;
     uint32_t next_task = 0;
@@ -711,54 +725,86 @@ static struct mlrt_bvh_size build_binary(struct build *build, uint32_t depth_lim
     build->depth_limit = depth_limit;
     find_tasks(build, &root);
     build->together = NULL;
-    mlrt_run_items(build->pool, build->task_count, build_task, build);
+    if (!mlrt_is_cancelled(build->progress)) mlrt_run_items(build->pool, build->task_count, build_task, build);
+    if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
-    return measure_all(build);
+    *size = measure_all(build);
+    return mlrt_is_cancelled(build->progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
 static int32_t build_hierarchy(struct build *build)
 {
     struct mlrt_tree *tree = build->tree;
+    struct mlrt_bvh_size size;
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
-    refer_to_all(build);
     memset(&tree->bounds, 0, sizeof tree->bounds);
-    if (build->reference_count == 0) return MLRT_OK;
-    struct mlrt_bvh_size size = build_binary(build, BINARY_DEPTH);
-    if (size.depth > MLRT_BVH_DEPTH_LIMIT) {
-        build->reference_count = 0;
-        refer_to_all(build); // some were cut
-        size = build_binary(build, MLRT_BVH_DEPTH_LIMIT);
+    int32_t status = refer_to_all(build);
+    if (status != MLRT_OK || build->reference_count == 0) return status;
+    status = build_binary(build, BINARY_DEPTH, &size);
+    if (status == MLRT_OK && size.depth > MLRT_BVH_DEPTH_LIMIT) {
+        status = refer_to_all(build); // some were cut
+        if (status == MLRT_OK) status = build_binary(build, MLRT_BVH_DEPTH_LIMIT, &size);
     }
     release_references(build);
-    int32_t status = allocate_result(tree, &size);
-    if (status == MLRT_OK) write_all(build);
-    return status;
+    if (status == MLRT_OK) status = allocate_result(tree, &size);
+    return status == MLRT_OK ? write_all(build) : status;
 }
 
-int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_build_options *options)
+/* What follows from the options and the number of triangles. */
+static void set_limits(const mlrt_build_options *options, uint32_t triangle_count, struct build *build)
+{
+    build->preset = &PRESETS[options != NULL ? options->preset : MLRT_TREE_DEFAULT];
+    build->costs = COSTS;
+    if (options != NULL && options->traversal_cost > 0) build->costs.node = options->traversal_cost;
+    if (options != NULL && options->intersection_cost > 0) build->costs.triangle = options->intersection_cost;
+    build->capacity = triangle_count + (uint32_t)((float)triangle_count * build->preset->spare_share);
+    build->leaf_limit = build->capacity / LEAF_SHARE + 1;
+    build->task_size = build->capacity / TASK_SHARE > TASK_SIZE ? build->capacity / TASK_SHARE : TASK_SIZE;
+    build->task_capacity = BINARY_DEPTH * (build->capacity / build->task_size) + 1; // as many on each level
+    build->chunk_count = chunks_of(triangle_count);
+    const double levels = log2((double)triangle_count / MLRT_BVH_LEAF_LIMIT + 2);
+    build->cut_work = (MLRT_BVH_WORK - FIRST_WORK - LAST_WORK) / levels;
+}
+
+static const struct build NOTHING_BUILT;
+
+int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_build_options *options, struct mlrt_progress *progress)
 {
     static const struct mlrt_bvh NONE;
-    static const struct build NOTHING_BUILT;
     struct build build = NOTHING_BUILT;
     tree->bvh = NONE;
     if (tree->triangle_count >= MLRT_REFERENCE_MARK) return MLRT_ERROR_TOO_LARGE;
     build.tree = tree;
     build.pool = options != NULL ? options->pool : NULL;
-    build.preset = &PRESETS[options != NULL ? options->preset : MLRT_TREE_DEFAULT];
-    build.costs = COSTS;
-    if (options != NULL && options->traversal_cost > 0) build.costs.node = options->traversal_cost;
-    if (options != NULL && options->intersection_cost > 0) build.costs.triangle = options->intersection_cost;
-    build.capacity = tree->triangle_count + (uint32_t)((float)tree->triangle_count * build.preset->spare_share);
-    build.leaf_limit = build.capacity / LEAF_SHARE + 1;
-    build.task_size = build.capacity / TASK_SHARE > TASK_SIZE ? build.capacity / TASK_SHARE : TASK_SIZE;
-    build.task_capacity = BINARY_DEPTH * (build.capacity / build.task_size) + 1; // as many on each level
-    build.chunk_count = chunks_of(tree->triangle_count);
+    build.progress = progress;
+    set_limits(options, tree->triangle_count, &build);
     int32_t status = build_hierarchy(&build);
     release_work(&build);
-    if (status != MLRT_OK) {
-        mlrt_free_bvh(tree);
-        return status;
+    if (status == MLRT_OK) {
+        mlrt_measure_bvh(tree, &build.costs, progress);
+        if (mlrt_is_cancelled(progress)) status = MLRT_ERROR_CANCELLED;
     }
-    mlrt_measure_bvh(tree, &build.costs);
-    return MLRT_OK;
+    if (status != MLRT_OK) mlrt_free_bvh(tree);
+    return status;
+}
+
+/* ---- memory, before ------------------------------------------------------------------------------------------ */
+
+/* Bytes of nodes and quads per triangle that scenes take, with some room: DEFAULT 47 to 56, FAST 47 to 49, BEST 49
+ * to 65. */
+static const double RESULT_SIZES[] = {58, 58, 50, 66};
+
+struct mlrt_demand mlrt_foresee_bvh(const mlrt_build_options *options, uint32_t triangle_count)
+{
+    struct build build = NOTHING_BUILT;
+    set_limits(options, triangle_count, &build);
+    const uint64_t references = (uint64_t)build.capacity * sizeof *build.references;
+    const uint64_t binary = (uint64_t)build.capacity * sizeof *build.binary.triangles +
+                            node_capacity(&build) * (uint64_t)sizeof *build.binary.nodes +
+                            build.task_capacity * (uint64_t)sizeof *build.tasks +
+                            build.chunk_count * (uint64_t)sizeof *build.chunks +
+                            (options->pool ? mlrt_worker_count(options->pool) * (uint64_t)sizeof *build.shares : 0);
+    const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +
+                            2 * 52 * sizeof(float);
+    return (struct mlrt_demand){result, binary + (references > result ? references : result)};
 }

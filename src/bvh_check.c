@@ -18,6 +18,9 @@
 #define HASH_START  0xCBF29CE484222325u
 #define HASH_FACTOR 0x100000001B3u
 
+/* Between two looks at whether the call goes on. */
+#define NODE_ROUNDS 1024
+
 static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -29,16 +32,22 @@ static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
     return hash;
 }
 
+#define WORD_ROUNDS 65536
+
 /* Corners follow from numbers. */
-static uint64_t hash_bvh(const struct mlrt_bvh *bvh)
+static uint64_t hash_bvh(const struct mlrt_bvh *bvh, struct mlrt_progress *progress)
 {
+    const size_t word_count = 4 * (size_t)bvh->quad_count;
     uint64_t hash = HASH_START;
     for (uint32_t i = 0; i < bvh->node_count; i++) {
+        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(progress)) return 0;
         hash = hash_words(hash, bvh->nodes[i].lo, sizeof bvh->nodes[i].lo / 4);
         hash = hash_words(hash, bvh->nodes[i].hi, sizeof bvh->nodes[i].hi / 4);
         hash = hash_words(hash, bvh->nodes[i].child, MLRT_BVH_WIDTH);
     }
-    return hash_words(hash, bvh->numbers, 4 * (size_t)bvh->quad_count);
+    for (size_t i = 0; i < word_count && !mlrt_is_cancelled(progress); i += WORD_ROUNDS)
+        hash = hash_words(hash, bvh->numbers + i, word_count - i < WORD_ROUNDS ? word_count - i : WORD_ROUNDS);
+    return hash;
 }
 
 static int is_leaf(uint32_t child)
@@ -71,7 +80,9 @@ struct totals {
     double cost; /* times area, without the root's */
     uint64_t leaf_count;
     uint64_t reference_count;
+    uint64_t node_count;
     uint32_t depth;
+    struct mlrt_progress *progress;
 };
 
 static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, const struct mlrt_bvh_costs *costs,
@@ -79,6 +90,7 @@ static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, 
 {
     const struct mlrt_bvh_node *node = &bvh->nodes[number];
     if (depth > totals->depth) totals->depth = depth;
+    if (++totals->node_count % NODE_ROUNDS == 0 && mlrt_is_cancelled(totals->progress)) return;
     for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
         if (is_leaf(node->child[i])) {
             uint32_t count = leaf_count(bvh, node->child[i]);
@@ -92,10 +104,10 @@ static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, 
     }
 }
 
-static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs)
+static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
-    struct totals totals = {0, 0, 0, 0};
+    struct totals totals = {0, 0, 0, 0, 0, progress};
     double area = half_area(tree->bounds.lo, tree->bounds.hi);
     if (tree->bvh.node_count > 0) add_up(&tree->bvh, 0, 1, costs, &totals);
     info->depth = totals.depth;
@@ -105,13 +117,13 @@ static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs)
     info->reference_count = totals.reference_count;
     info->retracted_count = 0;
     info->sah_cost = (area > 0 ? totals.cost / area : 0) / costs->node + 1;
-    info->tree_hash = hash_bvh(&tree->bvh);
+    info->tree_hash = hash_bvh(&tree->bvh, progress);
     info->peak_memory_size = tree->memory.peak_size;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
 }
 
-void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs)
+void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     int all_safe = 1;
     tree->bvh.float_safe = 1;
@@ -122,7 +134,7 @@ void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs
     }
     if (tree->nodes != NULL) return;
     tree->float_safe = all_safe;
-    report(tree, costs);
+    report(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */

@@ -10,9 +10,9 @@
 /*
  * Sets tree->bvh.float_safe, and if the tree has no kd-tree also tree->float_safe and what follows from the hierarchy
  * in tree->info: depth, the counts of nodes and references, tree_hash, sah_cost for these costs in units of a node's,
- * the bounds, and the peak of memory.
+ * the bounds, and the peak of memory. If the call is cancelled meanwhile, all this may be wrong.
  */
-void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs);
+void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress);
 
 /*
  * NULL if the hierarchy keeps invariants B1 to B5, or else what is wrong, as a static string. B3 is checked for points

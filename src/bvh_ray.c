@@ -81,7 +81,7 @@ static int test_leaf(struct search *search, uint32_t leaf, uint32_t skip, int an
     const uint32_t *numbers = search->tree->bvh.numbers + 4 * mlrt_bvh_offset(leaf);
     const uint32_t limit = 4 * mlrt_bvh_quad_count(leaf);
     for (uint32_t i = 0; i < limit && numbers[i] != MLRT_NONE; ++i) {
-        if (numbers[i] == skip) continue;
+        if (numbers[i] == skip || mlrt_is_hidden(search->tree, numbers[i], search->ray->mask)) continue;
         if (counters) ++counters->triangle_test_count;
         if (list) {
             mlrt_gather_hit(search->tree, search->ray, numbers[i], list, counters);

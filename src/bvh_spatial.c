@@ -279,13 +279,14 @@ static int cut_reference(const struct mlrt_triangle *triangles, const struct mlr
  */
 void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt_quad_box *references,
                               const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
-                              struct mlrt_bvh_set sides[2])
+                              struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
     struct slabs slabs = cut_slabs(&set->box);
     struct dealing dealing = {
         {no_references(), no_references()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
     uint32_t axis = split->axis, lower = set->first, next = lower, upper = lower + set->count, end = upper;
     while (next < upper) {
+        if (mlrt_is_cancelled_in_round(progress, upper - next)) break;
         if (slab_of(&slabs, axis, references[next].hi[axis]) <= split->bin) {
             deal(&dealing, 0, &references[next]);
             if (next != lower) swap_references(&references[next], &references[lower]);
@@ -300,6 +301,7 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt
     }
     float position = slab_start(&slabs, axis, split->bin + 1);
     for (next = lower; next < upper; next++) {
+        if (mlrt_is_cancelled_in_round(progress, upper - next)) break;
         struct mlrt_quad_box reference = references[next], parts[2];
         int side = choose_side(&dealing, &reference);
         int touched = side == 2 ? cut_reference(triangles, &reference, axis, position, parts) : 0;

@@ -46,10 +46,10 @@ void mlrt_choose_spatial_split(const struct mlrt_bvh_costs *costs, const struct 
 /*
  * Deals the references of a set out to both sides, in place; there is room for split->count[0] + split->count[1] of
  * them from set->first on. References that would better be in one side as a whole are. Sides lie one behind the other,
- * maybe with a gap; one can be empty.
+ * maybe with a gap; one can be empty. If the call is cancelled meanwhile, they hold anything.
  */
 void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt_quad_box *references,
                               const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
-                              struct mlrt_bvh_set sides[2]);
+                              struct mlrt_progress *progress, struct mlrt_bvh_set sides[2]);
 
 #endif

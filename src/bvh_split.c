@@ -17,10 +17,11 @@ double mlrt_quad_box_area(const struct mlrt_quad_box *box)
     return area_of(box);
 }
 
-struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count)
+struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
+                                     struct mlrt_progress *progress)
 {
     struct growing_set set = no_references();
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
         add_reference(&set, f4_load(references[first + i].lo), f4_load(references[first + i].hi));
     return finish_set(&set, first, count);
 }
@@ -203,7 +204,7 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
 
 /* Where the lower side ends is known: references change places across it, from both ends. */
 static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                       const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2])
+                       const struct mlrt_bvh_split *split, struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
     struct binning binning = cut_bins(&set->centres);
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
@@ -211,6 +212,7 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
     struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *back = end;
     float limit = (float)(split->bin + 1);
     while (next < back) {
+        if (mlrt_is_cancelled_in_round(progress, (size_t)(back - next))) break;
         MLRT_ALIGNED(16) float bin[4];
         f4 lo = f4_load(next->lo), hi = f4_load(next->hi);
         f4_store(bin, bin_of(lo, hi, start, scale));
@@ -231,10 +233,11 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
 /* ---- both ---------------------------------------------------------------------------------------------------- */
 
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                          const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2])
+                          const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
+                          struct mlrt_bvh_set sides[2])
 {
     if (split->cost < HUGE_VAL && !split->sorted) {
-        apply_bins(references, set, split, sides);
+        apply_bins(references, set, split, progress, sides);
         return;
     }
     uint32_t lower_count = set->count / 2;
@@ -242,6 +245,6 @@ void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bv
         apply_order(references, set, split);
         lower_count = split->lower_count;
     }
-    sides[0] = mlrt_measure_set(references, set->first, lower_count);
-    sides[1] = mlrt_measure_set(references, set->first + lower_count, set->count - lower_count);
+    sides[0] = mlrt_measure_set(references, set->first, lower_count, progress);
+    sides[1] = mlrt_measure_set(references, set->first + lower_count, set->count - lower_count, progress);
 }

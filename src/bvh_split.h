@@ -13,6 +13,7 @@
 
 #include "bvh.h"
 #include "kdtree.h"
+#include "progress.h"
 
 /* A box as two f4; what is in the fourth places does not matter, and is no NaN that arithmetic must wait for. */
 struct mlrt_quad_box {
@@ -77,7 +78,8 @@ struct mlrt_bvh_split {
 double mlrt_quad_box_area(const struct mlrt_quad_box *box);
 
 /* The set of the references from `first` on, at least one. */
-struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count);
+struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
+                                     struct mlrt_progress *progress);
 
 /* What a leaf of so many triangles costs, not yet times its area. */
 float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count);
@@ -99,8 +101,12 @@ void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
                        struct mlrt_bvh_split *split);
 
-/* Deals the references of a set out to its two sides, lower ones first. Without a split the sides are halves. */
+/*
+ * Deals the references of a set out to its two sides, lower ones first. Without a split the sides are halves. If the
+ * call is cancelled meanwhile, the references are those of before, in any order.
+ */
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
-                          const struct mlrt_bvh_split *split, struct mlrt_bvh_set sides[2]);
+                          const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
+                          struct mlrt_bvh_set sides[2]);
 
 #endif

@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "predicate.h"
+#include "visibility.h"
 
 /* Rule R1: makes a segment of the numbers given. 0 if the ray can hit nothing. */
 static inline int mlrt_make_segment(const float origin[3], const float direction[3], float t_min, float t_max,
@@ -22,6 +23,7 @@ static inline int mlrt_make_segment(const float origin[3], const float direction
     if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0) return 0;
     ray->t_min = t_min < 0 ? 0 : t_min;
     ray->t_max = t_max;
+    ray->mask = MLRT_MASK_ALL;
     return ray->t_min < ray->t_max;
 }
 

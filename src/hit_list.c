@@ -11,8 +11,9 @@
 
 void mlrt_free_hit_list(struct mlrt_hit_list *list)
 {
-    free(list->hits);
-    *list = (struct mlrt_hit_list){NULL, 0, 0, 0};
+    mlrt_free(&list->memory, list->hits, list->capacity, sizeof *list->hits);
+    list->hits = NULL;
+    list->count = list->capacity = 0;
 }
 
 static int compare_numbers(const void *a, const void *b)
@@ -39,7 +40,7 @@ static int make_room(struct mlrt_hit_list *list)
     mlrt_remove_repetitions(list);
     if (list->count < list->capacity / 2) return 1;
     const uint32_t capacity = list->capacity ? 2 * list->capacity : FIRST_CAPACITY;
-    struct mlrt_nearest *hits = realloc(list->hits, (size_t)capacity * sizeof *hits);
+    struct mlrt_nearest *hits = mlrt_resize(&list->memory, list->hits, list->capacity, capacity, sizeof *hits);
     if (!hits) return 0;
     list->hits = hits;
     list->capacity = capacity;

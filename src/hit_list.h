@@ -7,8 +7,9 @@
 
 #include "hit.h"
 
-/* One worker's list, used for one ray after the other. Zeroed = empty. */
+/* One worker's list, used for one ray after the other. Zeroed = empty, with memory from malloc. */
 struct mlrt_hit_list {
+    struct mlrt_memory memory;
     struct mlrt_nearest *hits;
     uint32_t count;
     uint32_t capacity;

@@ -65,6 +65,9 @@ static const struct preset PRESETS[] = {
 /* A leaf's entry count and a node's number have 30 bits. */
 #define COUNT_LIMIT 0x3FFFFFFFu
 
+/* Cells of so many references look whether the build is to go on before they are split, leaves always. */
+#define CHECKED_SIZE 256
+
 struct settings {
     struct preset preset;
     uint32_t rules_off;
@@ -162,6 +165,7 @@ struct build {
     uint32_t node_count;
     uint32_t entry_count;
     uint64_t retracted_count;
+    struct mlrt_progress *progress;
 };
 
 /* A cell to be built: its references are `count` pending ones from `first`, and the last that are pending. */
@@ -173,6 +177,7 @@ struct cell {
     size_t first;
     size_t count;
     uint64_t reference_limit; /* entries that the leaves of this cell may have; at least `count` */
+    double work;              /* its part of all there is */
 };
 
 static struct mlrt_reference *pending_at(const struct build *build, size_t index)
@@ -232,7 +237,7 @@ static int emit_leaf(struct build *build, const struct cell *cell, double *cost)
     build->entry_count += count;
     set_leaf(build, cell->node, offset, count);
     *cost = leaf_cost(build, count);
-    return 1;
+    return !mlrt_advance(build->progress, cell->work);
 }
 
 /* Makes the cell one leaf of everything that the leaves below it refer to, from entry `offset` on. */
@@ -426,6 +431,9 @@ static int build_children(struct build *build, const struct cell *cell, const st
     uint64_t spare = cell->reference_limit - below.count - above.count;
     below.reference_limit = below.count + share_of(spare, below.count, above.count);
     above.reference_limit = cell->reference_limit - below.reference_limit;
+    const size_t both = below.count + above.count;
+    below.work = both > 0 ? cell->work * ((double)below.count / (double)both) : 0;
+    above.work = cell->work - below.work;
     double area = mlrt_half_area(&cell->box), below_area = mlrt_half_area(&below.box),
            above_area = mlrt_half_area(&above.box), below_cost, above_cost;
     if (!build_cell(build, &below, &below_cost) || !build_cell(build, &above, &above_cost)) return 0;
@@ -437,6 +445,7 @@ static int build_children(struct build *build, const struct cell *cell, const st
 static int build_cell(struct build *build, struct cell *cell, double *cost)
 {
     struct mlrt_split split;
+    if (cell->count >= CHECKED_SIZE && mlrt_is_cancelled(build->progress)) return 0;
     enum choice choice = choose_split(build, cell, &split);
     if (choice == CHOICE_FAILED) return 0;
     if (choice == CHOICE_LEAF) return emit_leaf(build, cell, cost);
@@ -519,7 +528,7 @@ static void make_safe(struct build *build, const struct mlrt_box *bounds, size_t
 static int build_tree(struct build *build, struct mlrt_tree *tree)
 {
     static const struct mlrt_box NOWHERE;
-    struct cell root = {NOWHERE, 0, 0, 0, 0, 0, build->settings.reference_limit};
+    struct cell root = {NOWHERE, 0, 0, 0, 0, 0, build->settings.reference_limit, MLRT_KDTREE_WORK};
     double cost;
     if (!reserve(build->memory, &build->pending, (size_t)tree->triangle_count, sizeof(struct mlrt_reference)) ||
         !reserve(build->memory, &build->nodes, 64, sizeof(struct mlrt_node)) ||
@@ -527,6 +536,7 @@ static int build_tree(struct build *build, struct mlrt_tree *tree)
         return 0;
     build->node_count = 1;
     root.count = refer_to_all(build, tree);
+    root.work *= tree->triangle_count;
     if (root.count > 0) root.box = mlrt_measure_content(pending_at(build, 0), root.count).bounds;
     if (root.reference_limit < root.count) root.reference_limit = root.count;
     tree->bounds = root.box;
@@ -535,12 +545,13 @@ static int build_tree(struct build *build, struct mlrt_tree *tree)
     return build_cell(build, &root, &cost);
 }
 
-int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *options)
+int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *options, struct mlrt_progress *progress)
 {
     static const struct build NOTHING_BUILT;
     struct build build = NOTHING_BUILT;
     build.memory = &tree->memory;
     build.triangles = tree->triangles;
+    build.progress = progress;
     build.settings = resolve_options(options, tree->triangle_count);
     tree->nodes = NULL;
     tree->references = NULL;
@@ -552,7 +563,7 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *optio
     if (!built || !trim(build.memory, &build.nodes, build.node_count, sizeof(struct mlrt_node)) ||
         !trim(build.memory, &build.entries, build.entry_count, sizeof(uint32_t))) {
         release_results(&build);
-        return MLRT_ERROR_OUT_OF_MEMORY;
+        return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_ERROR_OUT_OF_MEMORY;
     }
     tree->nodes = build.nodes.elements;
     tree->node_count = build.node_count;
@@ -562,4 +573,14 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *optio
     tree->info.peak_memory_size = tree->memory.peak_size;
     mlrt_measure_tree(tree, build.settings.preset.model.traversal, build.settings.preset.model.intersection);
     return MLRT_OK;
+}
+
+/* Nodes and entries that scenes take are 24 to 54 bytes per triangle; while they are made there is as much again. */
+struct mlrt_demand mlrt_foresee_nodes(const mlrt_build_options *options, uint32_t triangle_count)
+{
+    const struct settings settings = resolve_options(options, triangle_count);
+    const uint64_t guess = 56 * (uint64_t)triangle_count + 64 * 12;
+    const uint64_t most = 4 * settings.reference_limit + 16 * (settings.reference_limit + 1); // a leaf each
+    const uint64_t held = guess < most ? guess : most;
+    return (struct mlrt_demand){held, 2 * held + 36 * (uint64_t)triangle_count};
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Memory: blocks aligned to 64 bytes, with the sizes checked and counted.
+ * Memory: blocks aligned to 64 bytes, with the sizes checked and counted, from the host or from malloc.
  *
  * C99 has no aligned allocation, so a block is cut out of a larger one from malloc, whose address lies just below it.
  * Counted are the bytes asked for, without that margin.
@@ -76,27 +76,70 @@ static void count_held(struct mlrt_memory *memory, size_t added_size)
     if (memory->held_size > memory->peak_size) memory->peak_size = memory->held_size;
 }
 
+struct mlrt_memory mlrt_host_memory(const mlrt_host *host, uint64_t limit_size)
+{
+    return (struct mlrt_memory){0, 0, limit_size, host->user, host->allocate, host->free};
+}
+
+/* Of the host; hosts are not asked for nothing. One that does not align gets its block back. */
+static void *allocate_from_host(const struct mlrt_memory *memory, size_t block_size)
+{
+    const size_t size = block_size ? block_size : 1;
+    void *block = memory->allocate(memory->user, size, ALIGNMENT);
+    if (block == NULL || (uintptr_t)block % ALIGNMENT == 0) return block;
+    memory->free(memory->user, block, size, ALIGNMENT);
+    return NULL;
+}
+
+static void *allocate_from_system(size_t block_size)
+{
+    char *start = malloc(block_size + MARGIN_SIZE);
+    if (start == NULL) return NULL;
+    advise_large_pages(start, block_size);
+    return place_block(start);
+}
+
 void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size)
 {
     if (!product_fits(count, size) || !within_limit(memory, count * size)) return NULL;
-    char *start = malloc(count * size + MARGIN_SIZE);
-    if (start == NULL) return NULL;
-    advise_large_pages(start, count * size);
-    count_held(memory, count * size);
-    return place_block(start);
+    void *block = memory->allocate ? allocate_from_host(memory, count * size) : allocate_from_system(count * size);
+    if (block != NULL) count_held(memory, count * size);
+    return block;
+}
+
+void *mlrt_allocate_zeroed(struct mlrt_memory *memory, size_t count, size_t size)
+{
+    void *block = mlrt_allocate(memory, count, size);
+    if (block != NULL) memset(block, 0, count * size);
+    return block;
 }
 
 void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t size)
 {
+    const size_t block_size = count * size;
     if (block == NULL) return;
-    free(start_of(block));
-    memory->held_size -= count * size;
+    memory->held_size -= block_size;
+    if (memory->free)
+        memory->free(memory->user, block, block_size ? block_size : 1, ALIGNMENT);
+    else
+        free(start_of(block));
+}
+
+/* Where there is no realloc. The old block is held until the new one is filled. */
+static void *move_block(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size)
+{
+    void *moved = mlrt_allocate(memory, new_count, size);
+    if (moved == NULL) return NULL;
+    memcpy(moved, block, (old_count < new_count ? old_count : new_count) * size);
+    mlrt_free(memory, block, old_count, size);
+    return moved;
 }
 
 /* realloc moves the bytes behind its own start, which can be off the next aligned address by a different amount. */
 void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size)
 {
     if (block == NULL) return mlrt_allocate(memory, new_count, size);
+    if (memory->allocate) return move_block(memory, block, old_count, new_count, size);
     size_t kept_size = (old_count < new_count ? old_count : new_count) * size;
     if (!product_fits(new_count, size) || !within_limit(memory, new_count * size - kept_size)) return NULL;
     size_t old_offset = (size_t)((char *)block - start_of(block));

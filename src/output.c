@@ -75,6 +75,7 @@ void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct ml
     }
     ray->t_min = packet->t_min[lane];
     ray->t_max = packet->t_max[lane];
+    ray->mask = packet->has_masks ? packet->mask[lane] : MLRT_MASK_ALL;
 }
 
 static unsigned char *element(const struct mlrt_sink *sink, enum mlrt_channel c, uint32_t x, uint32_t y)

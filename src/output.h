@@ -7,6 +7,7 @@
 
 #include "packet.h"
 #include "predicate.h"
+#include "visibility.h"
 
 enum mlrt_channel {
     MLRT_CHANNEL_T,
@@ -67,7 +68,7 @@ void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_
 void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
                           uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS]);
 
-/* The ray of a lane. */
+/* The ray of a lane. Its mask is only known if the packet has masks. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);
 
 /* The position of the mesh that a triangle number belongs to. */

@@ -21,8 +21,9 @@
 struct mlrt_ray_segment {
     float origin[3];
     float direction[3];
-    float t_min; /* >= 0 */
-    float t_max; /* may be inf */
+    float t_min;   /* >= 0 */
+    float t_max;   /* may be inf */
+    uint32_t mask; /* visibility.h */
 };
 
 /* 1 if (b - a) x (c - a) is not exactly zero. The vertices must be finite. */

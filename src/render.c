@@ -6,16 +6,18 @@
 #include "render.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "counters.h"
+#include "memory.h"
+#include "progress.h"
 #include "scheduler.h"
 
 struct run {
     const struct mlrt_job *job;
     struct mlrt_worker *workers;
     uint32_t column_count;
+    struct mlrt_progress progress; /* by items */
 };
 
 static uint32_t tile_count(uint32_t length, uint32_t size)
@@ -56,7 +58,7 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
 
 static int32_t run_item(void *work, uint32_t item, uint32_t number)
 {
-    const struct run *run = work;
+    struct run *run = work;
     const struct mlrt_job *job = run->job;
     struct mlrt_worker *worker = &run->workers[number];
     const uint32_t size = job->initial_tile_size;
@@ -67,10 +69,12 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     const uint64_t environment = mlrt_enter_fp_environment();
     trace_item(run, worker, x, y, width, height);
     mlrt_leave_fp_environment(environment);
-    if (!job->callback) return 0;
-    mlrt_tile tile;
-    describe_tile(job, worker, number, width, height, &tile);
-    return job->callback(job->user, &tile);
+    if (job->callback) {
+        mlrt_tile tile;
+        describe_tile(job, worker, number, width, height, &tile);
+        if (job->callback(job->user, &tile) != 0) return 1;
+    }
+    return mlrt_advance(&run->progress, 1);
 }
 
 static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
@@ -82,19 +86,22 @@ static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
     return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->outputs & output[channel]) != 0;
 }
 
-/* Buffers for the tiles of all workers, in one block; NULL if there is no memory. */
-static unsigned char *make_tile_buffers(const struct mlrt_job *job, uint32_t worker_count, struct mlrt_worker *workers)
+/* Bytes of tile buffers per worker. */
+static size_t tile_buffer_size(const struct mlrt_job *job)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
-    size_t worker_size = 0;
+    size_t size = 0;
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        if (wants_channel(job, (enum mlrt_channel)c))
-            worker_size += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
+        if (wants_channel(job, (enum mlrt_channel)c)) size += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
     }
-    if (worker_size > (SIZE_MAX - 1) / worker_count) return NULL;
-    unsigned char *buffers = malloc(worker_size * worker_count + 1);
-    if (!buffers) return NULL;
-    unsigned char *next = buffers;
+    return size;
+}
+
+/* Gives workers their parts of a block of buffers. */
+static void share_buffers(const struct mlrt_job *job, uint32_t worker_count, unsigned char *next,
+                          struct mlrt_worker *workers)
+{
+    const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
     for (uint32_t w = 0; w < worker_count; ++w) {
         for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
             if (!wants_channel(job, (enum mlrt_channel)c)) continue;
@@ -103,7 +110,6 @@ static unsigned char *make_tile_buffers(const struct mlrt_job *job, uint32_t wor
             next += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
         }
     }
-    return buffers;
 }
 
 /* A call of few rays should not pay for clearing tables: an apex that no ray has says that they are empty. */
@@ -115,31 +121,40 @@ static void begin_worker(const struct mlrt_job *job, struct mlrt_worker *worker)
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) worker->apex[k] = worker->leaf_apex[k] = NAN;
+    worker->mask = job->source.common_mask;
     worker->open_tiles = worker->open_squares = worker->mesh = 0;
 }
 
-int32_t mlrt_run_job(const struct mlrt_job *job, mlrt_pool *pool, mlrt_counters *counters)
+static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
+                         struct run *run)
+{
+    mlrt_begin_progress(&options->host, item_count, &run->progress);
+    const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
+    for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
+        mlrt_add_counters(options->counters, &run->workers[w].counters);
+    }
+    return mlrt_end_progress(&run->progress, answer ? MLRT_ERROR_CANCELLED : MLRT_OK);
+}
+
+int32_t mlrt_run_job(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
     const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
     const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
     if (item_count == 0) return MLRT_OK;
 
-    const uint32_t worker_count = mlrt_worker_count(pool);
-    struct mlrt_memory memory = {0, 0, 0};
-    struct mlrt_worker *workers = mlrt_allocate(&memory, worker_count, sizeof *workers);
-    if (!workers) return MLRT_ERROR_OUT_OF_MEMORY;
-    for (uint32_t w = 0; w < worker_count; ++w) begin_worker(job, &workers[w]);
-    unsigned char *buffers = make_tile_buffers(job, worker_count, workers);
-    if (!buffers) {
-        mlrt_free(&memory, workers, worker_count, sizeof *workers);
-        return MLRT_ERROR_OUT_OF_MEMORY;
+    const uint32_t worker_count = mlrt_worker_count(options->pool);
+    const size_t buffer_size = tile_buffer_size(job);
+    struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
+    struct run run = {.job = job, .column_count = columns};
+    run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers);
+    unsigned char *buffers = buffer_size ? mlrt_allocate(&memory, worker_count, buffer_size) : NULL;
+    int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
+    if (run.workers && (buffers || !buffer_size)) {
+        for (uint32_t w = 0; w < worker_count; ++w) begin_worker(job, &run.workers[w]);
+        if (buffers) share_buffers(job, worker_count, buffers, run.workers);
+        status = run_items(options, (uint32_t)item_count, worker_count, &run);
     }
-    struct run run = {job, workers, columns};
-    const int32_t answer = mlrt_run_items(pool, (uint32_t)item_count, run_item, &run);
-    if (counters) {
-        for (uint32_t w = 0; w < worker_count; ++w) mlrt_add_counters(counters, &workers[w].counters);
-    }
-    free(buffers);
-    mlrt_free(&memory, workers, worker_count, sizeof *workers);
-    return answer ? MLRT_ERROR_CANCELLED : MLRT_OK;
+    mlrt_free(&memory, buffers, worker_count, buffer_size);
+    mlrt_free(&memory, run.workers, worker_count, sizeof *run.workers);
+    return status;
 }

@@ -6,12 +6,13 @@
 #define MLRT_RENDER_H
 
 #include "kernels.h"
+#include "run_options.h"
 
 /*
- * Runs a job on a pool (NULL: on this thread). Its source, sinks, method and tile sizes are set. `counters` may be
- * NULL, and then job->kernels do not count. Each item sets and restores the floating-point environment for itself, so
- * that callbacks run in their thread's own. Returns a status.
+ * Runs a job. Its source, sinks, method and tile sizes are set; without counters job->kernels do not count. Each item
+ * sets and restores the floating-point environment for itself, so that callbacks run in their thread's own. Returns a
+ * status.
  */
-int32_t mlrt_run_job(const struct mlrt_job *job, mlrt_pool *pool, mlrt_counters *counters);
+int32_t mlrt_run_job(const struct mlrt_job *job, const struct mlrt_run_options *options);
 
 #endif

@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A pool of pthreads that sleep until there are items, claim them one by one under a mutex, and sleep again. An item is
- * tens of microseconds of work, claiming one takes tens of nanoseconds.
+ * A pool of pthreads that sleep until there are items, claim them one by one under a mutex, and sleep again; or of
+ * tasks that the host runs, which claim them likewise. An item is tens of microseconds of work, claiming one takes tens
+ * of nanoseconds.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "scheduler.h"
 
 #include <pthread.h>
-#include <stdlib.h>
 #include <unistd.h>
+
+#include "host.h"
+#include "memory.h"
+#include "structs.h"
 
 #define THREAD_LIMIT 1024
 
@@ -19,6 +23,8 @@ struct batch {
     uint32_t item_count;
     uint32_t next_item;
     int32_t result; /* 0, or what the first function to say stop said */
+    mlrt_pool *pool;
+    uint32_t next_worker; /* tasks of the host are numbered as they start */
 };
 
 struct mlrt_pool {
@@ -30,8 +36,14 @@ struct mlrt_pool {
     uint64_t batch_number; /* so that a worker takes part in each batch once */
     uint32_t busy_count;   /* started threads inside the batch */
     int ending;
-    uint32_t thread_count; /* started ones */
+    uint32_t thread_count; /* started ones; with tasks, what there may be of them */
     struct thread *threads;
+    struct mlrt_memory memory;
+    size_t thread_capacity;
+    /* Tasks: then there are no threads, and any number of batches. */
+    void *user;
+    mlrt_enqueue_callback enqueue;
+    mlrt_finish_callback finish;
 };
 
 struct thread {
@@ -86,16 +98,45 @@ static int32_t run_alone(uint32_t item_count, mlrt_work_function *function, void
     return 0;
 }
 
+static void run_task(void *argument)
+{
+    struct batch *batch = argument;
+    mlrt_pool *pool = batch->pool;
+    pthread_mutex_lock(&pool->mutex);
+    const uint32_t worker = batch->next_worker++;
+    work_on_batch(pool, batch, worker);
+    pthread_mutex_unlock(&pool->mutex);
+}
+
+/* A task that starts when nothing is left does nothing; but until all have ended there must be a batch. */
+static void run_tasks(mlrt_pool *pool, struct batch *batch)
+{
+    void *tasks[THREAD_LIMIT];
+    const uint32_t most = batch->item_count - 1;
+    const uint32_t task_count = pool->thread_count < most ? pool->thread_count : most;
+    for (uint32_t i = 0; i < task_count; ++i) tasks[i] = pool->enqueue(pool->user, run_task, batch);
+    pthread_mutex_lock(&pool->mutex);
+    work_on_batch(pool, batch, 0);
+    pthread_mutex_unlock(&pool->mutex);
+    for (uint32_t i = 0; i < task_count; ++i) {
+        if (tasks[i]) pool->finish(pool->user, tasks[i]);
+    }
+}
+
 int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function *function, void *work)
 {
-    if (!pool || pool->thread_count == 0) return run_alone(item_count, function, work);
+    if (!pool || pool->thread_count == 0 || item_count < 2) return run_alone(item_count, function, work);
 
-    struct batch batch = {function, work, item_count, 0, 0};
+    struct batch batch = {function, work, item_count, 0, 0, pool, 1};
+    if (pool->enqueue) {
+        run_tasks(pool, &batch);
+        return batch.result;
+    }
     pthread_mutex_lock(&pool->call_mutex);
     pthread_mutex_lock(&pool->mutex);
     pool->batch = &batch;
     ++pool->batch_number;
-    if (item_count > 1) pthread_cond_broadcast(&pool->batch_begins);
+    pthread_cond_broadcast(&pool->batch_begins);
     work_on_batch(pool, &batch, 0);
     pool->batch = NULL;
     while (pool->busy_count > 0) pthread_cond_wait(&pool->batch_ends, &pool->mutex);
@@ -110,19 +151,23 @@ static void free_pool(mlrt_pool *pool)
     pthread_cond_destroy(&pool->batch_begins);
     pthread_mutex_destroy(&pool->mutex);
     pthread_mutex_destroy(&pool->call_mutex);
-    free(pool->threads);
-    free(pool);
+    struct mlrt_memory memory = pool->memory;
+    mlrt_free(&memory, pool->threads, pool->thread_capacity, sizeof *pool->threads);
+    mlrt_free(&memory, pool, 1, sizeof *pool);
 }
 
-static mlrt_pool *allocate_pool(uint32_t thread_count)
+static mlrt_pool *allocate_pool(const mlrt_host *host, uint32_t thread_capacity)
 {
-    mlrt_pool *pool = calloc(1, sizeof *pool);
+    struct mlrt_memory memory = mlrt_host_memory(host, 0);
+    mlrt_pool *pool = mlrt_allocate_zeroed(&memory, 1, sizeof *pool);
     if (!pool) return NULL;
-    pool->threads = calloc(thread_count, sizeof *pool->threads);
+    pool->threads = mlrt_allocate_zeroed(&memory, thread_capacity, sizeof *pool->threads);
     if (!pool->threads) {
-        free(pool);
+        mlrt_free(&memory, pool, 1, sizeof *pool);
         return NULL;
     }
+    pool->memory = memory;
+    pool->thread_capacity = thread_capacity;
     pthread_mutex_init(&pool->call_mutex, NULL);
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->batch_begins, NULL);
@@ -136,27 +181,57 @@ static uint32_t online_processor_count(void)
     return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
 }
 
-MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool)
+static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
 {
-    if (!pool) return MLRT_ERROR_ARGUMENT;
-    *pool = NULL;
-    if (thread_count > THREAD_LIMIT) return MLRT_ERROR_ARGUMENT;
-    if (thread_count == 0) thread_count = online_processor_count();
-
-    mlrt_pool *made = allocate_pool(thread_count);
-    if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
     for (uint32_t worker = 1; worker < thread_count; ++worker) {
-        struct thread *thread = &made->threads[worker - 1];
-        thread->pool = made;
+        struct thread *thread = &pool->threads[worker - 1];
+        thread->pool = pool;
         thread->worker = worker;
-        if (pthread_create(&thread->handle, NULL, run_thread, thread) != 0) {
-            mlrt_destroy_pool(made);
-            return MLRT_ERROR_THREAD;
-        }
-        ++made->thread_count;
+        if (pthread_create(&thread->handle, NULL, run_thread, thread) != 0) return MLRT_ERROR_THREAD;
+        ++pool->thread_count;
+    }
+    return MLRT_OK;
+}
+
+static int32_t make_pool(const mlrt_pool_options *options, mlrt_pool **pool)
+{
+    mlrt_host host;
+    int32_t status = mlrt_take_host(options->host, &host);
+    if (status != MLRT_OK) return status;
+    if (options->thread_count > THREAD_LIMIT || !options->enqueue != !options->finish) return MLRT_ERROR_ARGUMENT;
+    const uint32_t thread_count = options->thread_count ? options->thread_count : online_processor_count();
+    mlrt_pool *made = allocate_pool(&host, options->enqueue ? 0 : thread_count - 1);
+    if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
+    made->user = options->user;
+    made->enqueue = options->enqueue;
+    made->finish = options->finish;
+    if (made->enqueue) {
+        made->thread_count = thread_count - 1;
+    } else {
+        status = start_threads(made, thread_count);
+    }
+    if (status != MLRT_OK) {
+        mlrt_destroy_pool(made);
+        return status;
     }
     *pool = made;
     return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool)
+{
+    if (!pool) return MLRT_ERROR_ARGUMENT;
+    *pool = NULL;
+    if (!options) return MLRT_ERROR_ARGUMENT;
+    mlrt_pool_options own;
+    const int32_t status = mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_pool_options, finish), &own, sizeof own);
+    return status == MLRT_OK ? make_pool(&own, pool) : status;
+}
+
+MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool)
+{
+    const mlrt_pool_options options = {.struct_size = sizeof options, .thread_count = thread_count};
+    return mlrt_create_pool_with_options(&options, pool);
 }
 
 MLRT_API void mlrt_destroy_pool(mlrt_pool *pool)
@@ -166,6 +241,6 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool)
     pool->ending = 1;
     pthread_cond_broadcast(&pool->batch_begins);
     pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t i = 0; i < pool->thread_count; ++i) pthread_join(pool->threads[i].handle, NULL);
+    for (uint32_t i = 0; i < pool->thread_count && !pool->enqueue; ++i) pthread_join(pool->threads[i].handle, NULL);
     free_pool(pool);
 }

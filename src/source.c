@@ -38,6 +38,7 @@ static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_CAMERA;
+    source->mask.data = NULL;
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
     source->width = source->view.width;
@@ -54,7 +55,7 @@ int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays
     if (!resolve_array(&rays->origins, 12, required, &source->points) ||
         !resolve_array(&rays->directions, 12, required, &source->directions) ||
         !resolve_array(&rays->t_min, 4, 0, &source->t_min) || !resolve_array(&rays->t_max, 4, 0, &source->t_max) ||
-        !resolve_array(&rays->skip, 8, 0, &source->skip)) {
+        !resolve_array(&rays->skip, 8, 0, &source->skip) || !resolve_array(&rays->mask, 4, 0, &source->mask)) {
         return MLRT_ERROR_ARGUMENT;
     }
     return set_extent(source, rays->count, rays->row_length);
@@ -64,7 +65,7 @@ int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *
                                struct mlrt_source *source)
 {
     if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
-    source->directions.data = NULL;
+    source->directions.data = source->mask.data = NULL;
     source->kind = light->kind == MLRT_LIGHT_POINT ? MLRT_SOURCE_POINT_LIGHT : MLRT_SOURCE_DIRECTIONAL_LIGHT;
     source->tree = tree;
     for (int k = 0; k < 3; ++k) {
@@ -76,6 +77,13 @@ int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *
         return MLRT_ERROR_ARGUMENT;
     }
     return set_extent(source, points->count, points->row_length);
+}
+
+void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source)
+{
+    if (!tree->masks) source->mask.data = NULL;
+    source->common_mask = tree->masks && !source->mask.data && common ? common : MLRT_MASK_ALL;
+    source->has_masks = source->mask.data || (source->common_mask != MLRT_MASK_ALL && !leaves_are_filtered);
 }
 
 /* ---- reading rays ---- */
@@ -127,6 +135,14 @@ static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
     return mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
 
+static uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
+{
+    if (!source->mask.data) return source->common_mask;
+    const uint32_t mask =
+        *(const uint32_t *)(const void *)((const unsigned char *)source->mask.data + (size_t)i * source->mask.stride);
+    return mask ? mask : MLRT_MASK_ALL;
+}
+
 static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray)
 {
     float p[3];
@@ -135,16 +151,10 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
                           : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
 }
 
-int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
+/* Ray i of arrays. */
+static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray)
 {
-    if (skip) *skip = MLRT_NONE;
-    if (source->kind == MLRT_SOURCE_CAMERA) return get_camera_ray(&source->view, x, y, ray);
-
-    const uint64_t position = (uint64_t)y * source->width + x;
-    if (position >= source->count) return 0;
-    const uint32_t i = (uint32_t)position;
     const float *point = float_at(&source->points, i);
-    if (skip) *skip = skip_at(source, i);
     if (source->kind == MLRT_SOURCE_RAYS) {
         return mlrt_make_segment(point, float_at(&source->directions, i),
                                  source->t_min.data ? *float_at(&source->t_min, i) : 0,
@@ -153,6 +163,23 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
     if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return mlrt_make_segment(point, source->light, 0, INFINITY, ray);
     const float direction[3] = {point[0] - source->light[0], point[1] - source->light[1], point[2] - source->light[2]};
     return mlrt_make_segment(source->light, direction, 0, 1, ray);
+}
+
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
+{
+    if (skip) *skip = MLRT_NONE;
+    if (source->kind == MLRT_SOURCE_CAMERA) {
+        if (!get_camera_ray(&source->view, x, y, ray)) return 0;
+        ray->mask = source->common_mask;
+        return 1;
+    }
+    const uint64_t position = (uint64_t)y * source->width + x;
+    if (position >= source->count) return 0;
+    const uint32_t i = (uint32_t)position;
+    if (skip) *skip = skip_at(source, i);
+    if (!get_array_ray(source, i, ray)) return 0;
+    ray->mask = mask_at(source, i);
+    return 1;
 }
 
 /* ---- packets ---- */
@@ -319,15 +346,32 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
     memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 
+/* Those of lanes that do not exist are anything. */
+static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
+{
+    mlrt_set_common_mask(source, packet);
+    for (uint32_t lane = 0; source->mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
+        packet->mask[lane] = mask_at(source, element_of_lane(block, lane));
+    }
+}
+
+void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet)
+{
+    packet->has_masks = 1;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->mask[lane] = source->common_mask;
+}
+
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
+    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_apex = packet->has_skip = 0;
+    packet->has_masks = 0;
+    if (MLRT_UNLIKELY(source->has_masks)) fetch_masks(source, &block, packet);
     if (source->kind == MLRT_SOURCE_CAMERA) {
         fetch_camera_rays(&source->view, x, y, packet);
         return;
     }
-    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     if (source->kind == MLRT_SOURCE_RAYS) {
         fetch_vectors(&source->points, &block, packet->origin);
         fetch_vectors(&source->directions, &block, packet->direction);

@@ -32,8 +32,18 @@ struct mlrt_source {
     mlrt_const_array t_min;
     mlrt_const_array t_max;
     mlrt_const_array skip;
+    mlrt_const_array mask;
     const struct mlrt_tree *tree; /* whose ids `skip` names */
+    /* Set by mlrt_set_masks. */
+    uint32_t common_mask; /* of all rays, if `mask` has no data */
+    int has_masks;        /* packets get masks */
 };
+
+/*
+ * Resolves masks: `common` is that of the options. Where the tree has none, no ray has; and where there is one for all
+ * rays, packets have none if `leaves_are_filtered`: if the kernel hides triangles itself.
+ */
+void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source);
 
 /* Checks arrays (their struct_size is right) and resolves strides. */
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source);
@@ -65,6 +75,9 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
  */
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
+
+/* Gives all rays of a packet the mask that the source has for all. */
+void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
 
 /* Has the rays of up to 16 columns from (x, y), if there are such, brought into the cache if they lie in arrays. */
 void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height);

@@ -82,7 +82,7 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
         const uint32_t *entries = tree->references + here->u.offset;
         uint32_t count = mlrt_leaf_count(here);
         for (uint32_t i = 0; i < count; ++i) {
-            if (entries[i] == skip) continue;
+            if (entries[i] == skip || mlrt_is_hidden(tree, entries[i], ray->mask)) continue;
             if (counters) ++counters->triangle_test_count;
             if (list) {
                 mlrt_gather_hit(tree, ray, entries[i], list, counters);

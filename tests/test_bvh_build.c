@@ -52,7 +52,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     memset(&tree, 0, sizeof tree);
     tree.triangles = triangles;
     tree.triangle_count = count;
-    assert_int_equal(mlrt_build_bvh(&tree, options), MLRT_OK);
+    assert_int_equal(mlrt_build_bvh(&tree, options, NULL), MLRT_OK);
     const char *wrong = mlrt_check_bvh(&tree);
     if (wrong != NULL) fail_msg("%s", wrong);
     return tree;
@@ -324,7 +324,7 @@ static void test_running_out_of_memory_leaves_nothing(void **state)
             tree.memory.limit_size = limit;
             tree.triangles = triangles_of(&soup);
             tree.triangle_count = (uint32_t)soup.count;
-            status = mlrt_build_bvh(&tree, &options);
+            status = mlrt_build_bvh(&tree, &options, NULL);
             if (status == MLRT_OK) {
                 free_hierarchy(&tree);
                 continue;
@@ -347,7 +347,7 @@ static void test_too_many_triangles(void **state)
     struct mlrt_tree tree;
     memset(&tree, 0, sizeof tree);
     tree.triangle_count = 1u << 30;
-    assert_int_equal(mlrt_build_bvh(&tree, NULL), MLRT_ERROR_TOO_LARGE);
+    assert_int_equal(mlrt_build_bvh(&tree, NULL, NULL), MLRT_ERROR_TOO_LARGE);
     assert_int_equal(tree.memory.held_size, 0);
 }
 

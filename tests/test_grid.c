@@ -364,7 +364,7 @@ static void edge_signs(void **state)
 static void signs_that_are_known_are_kept(void **state)
 {
     (void)state;
-    const struct mlrt_ray_segment ray = {{0, 0, 0}, {0, 0, 1}, 0, INFINITY};
+    const struct mlrt_ray_segment ray = {{0, 0, 0}, {0, 0, 1}, 0, INFINITY, ~0u};
     const struct mlrt_triangle triangle = {{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}};
     for (int known = -1; known <= 1; known += 2) {
         int sign[3] = {known, known, known};
@@ -404,7 +404,7 @@ static void points_that_rays_pass_along_one_axis(void **state)
     (void)state;
     for (int along = 0; along < 3; along++) {
         for (int beside = 1; beside < 3; beside++) {
-            struct mlrt_ray_segment ray = {{1, 1, 1}, {0, 0, 0}, 0, INFINITY};
+            struct mlrt_ray_segment ray = {{1, 1, 1}, {0, 0, 0}, 0, INFINITY, ~0u};
             float point[3] = {1, 1, 1};
             int meets = -1;
             ray.direction[along] = -1;
@@ -617,7 +617,7 @@ static void the_widest_grid(void **state)
         const uint32_t unit = base ? base : 1; // denormals share the unit of the first binade
         const float small = float_of_bits(base << 23 | 1), large = float_of_bits((unit + WIDEST) << 23 | 0x7FFFFF);
         const float larger = float_of_bits((unit + WIDEST + 1) << 23);
-        struct mlrt_ray_segment ray = {{-small, 0, 0}, {0, 0, 1}, 0, INFINITY};
+        struct mlrt_ray_segment ray = {{-small, 0, 0}, {0, 0, 1}, 0, INFINITY, ~0u};
         struct mlrt_triangle triangle = {{{large, -large, -0.0f}, {-large, large, 0}, {large, large, large}}};
         int sign = -2, signs[3] = {0, 0, 0}, meets = -1;
         double quotient[3];
@@ -660,7 +660,7 @@ int main(void)
 static void there_is_no_grid(void **state)
 {
     (void)state;
-    const struct mlrt_ray_segment ray = {{0, 0, 0}, {0, 0, 1}, 0, INFINITY};
+    const struct mlrt_ray_segment ray = {{0, 0, 0}, {0, 0, 1}, 0, INFINITY, ~0u};
     const struct mlrt_triangle triangle = {{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}};
     int sign[3] = {0, 0, 0};
     double quotient[3];

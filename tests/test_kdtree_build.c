@@ -52,7 +52,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     memset(&tree, 0, sizeof tree);
     tree.triangles = triangles;
     tree.triangle_count = count;
-    assert_int_equal(mlrt_build_nodes(&tree, options), MLRT_OK);
+    assert_int_equal(mlrt_build_nodes(&tree, options, NULL), MLRT_OK);
     const char *wrong = mlrt_check_tree(&tree);
     if (wrong != NULL) fail_msg("%s", wrong);
     return tree;
@@ -471,7 +471,7 @@ static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
         tree.memory.limit_size = limit;
         tree.triangles = triangles;
         tree.triangle_count = count + 300;
-        status = mlrt_build_nodes(&tree, NULL);
+        status = mlrt_build_nodes(&tree, NULL, NULL);
         if (status == MLRT_OK) {
             free_tree(&tree);
             continue;

@@ -15,7 +15,7 @@
 static void test_blocks_are_aligned_to_64(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_memory memory = {.limit_size = 0};
     for (size_t count = 0; count < 200; count++) {
         void *block = mlrt_allocate(&memory, count, 3);
         assert_non_null(block);
@@ -28,7 +28,7 @@ static void test_blocks_are_aligned_to_64(void **state)
 static void test_no_elements_are_a_block_too(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_memory memory = {.limit_size = 0};
     void *block = mlrt_allocate(&memory, 0, 8);
     assert_non_null(block);
     assert_int_equal(memory.held_size, 0);
@@ -38,7 +38,7 @@ static void test_no_elements_are_a_block_too(void **state)
 static void test_held_and_peak_are_counted(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_memory memory = {.limit_size = 0};
     void *first = mlrt_allocate(&memory, 10, 4), *second = mlrt_allocate(&memory, 5, 12);
     assert_int_equal(memory.held_size, 100);
     mlrt_free(&memory, first, 10, 4);
@@ -51,7 +51,7 @@ static void test_held_and_peak_are_counted(void **state)
 static void test_freeing_null_does_nothing(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {7, 7, 0};
+    struct mlrt_memory memory = {.held_size = 7, .peak_size = 7};
     mlrt_free(&memory, NULL, 100, 100);
     assert_int_equal(memory.held_size, 7);
 }
@@ -59,7 +59,7 @@ static void test_freeing_null_does_nothing(void **state)
 static void test_a_product_that_overflows_is_refused(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_memory memory = {.limit_size = 0};
     assert_null(mlrt_allocate(&memory, SIZE_MAX, 2));
     assert_null(mlrt_allocate(&memory, SIZE_MAX / 4 + 1, 4));
     assert_null(mlrt_allocate(&memory, SIZE_MAX, 1));
@@ -69,7 +69,7 @@ static void test_a_product_that_overflows_is_refused(void **state)
 static void test_resizing_keeps_the_common_part(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_memory memory = {.limit_size = 0};
     unsigned char *block = mlrt_allocate(&memory, 100, 1);
     for (int i = 0; i < 100; i++) block[i] = (unsigned char)i;
     block = mlrt_resize(&memory, block, 100, 1000, 1);
@@ -83,7 +83,7 @@ static void test_resizing_keeps_the_common_part(void **state)
 static void test_resized_blocks_are_aligned_and_whole(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_memory memory = {.limit_size = 0};
     size_t count = 1;
     unsigned char *block = mlrt_allocate(&memory, count, 1);
     block[0] = 0;
@@ -104,7 +104,7 @@ static void test_resized_blocks_are_aligned_and_whole(void **state)
 static void test_resizing_null_allocates(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 0};
+    struct mlrt_memory memory = {.limit_size = 0};
     void *block = mlrt_resize(&memory, NULL, 0, 10, 4);
     assert_non_null(block);
     assert_int_equal(memory.held_size, 40);
@@ -114,7 +114,7 @@ static void test_resizing_null_allocates(void **state)
 static void test_the_limit_holds_and_a_failed_resize_keeps_the_block(void **state)
 {
     (void)state;
-    struct mlrt_memory memory = {0, 0, 100};
+    struct mlrt_memory memory = {.limit_size = 100};
     unsigned char *block = mlrt_allocate(&memory, 60, 1);
     block[59] = 5;
     assert_null(mlrt_allocate(&memory, 41, 1));

@@ -772,7 +772,7 @@ static void triangles_that_meet_where_the_ray_hits(void **state)
 /* A right triangle in z = depth with legs along x and y, seen along z from (x, y, z) with direction (0, 0, speed). */
 static struct test_case make_facing_case(float corner, float end, float x, float y, float z, float depth, float speed)
 {
-    struct test_case test = {{{x, y, z}, {0, 0, speed}, 0, INFINITY},
+    struct test_case test = {{{x, y, z}, {0, 0, speed}, 0, INFINITY, ~0u},
                              {{{corner, corner, depth}, {end, corner, depth}, {corner, end, depth}}}};
     return test;
 }
@@ -895,7 +895,7 @@ static void t_close_to_overflow(void **state)
 {
     (void)state;
     struct test_case test = {
-        {{0, 0, 0x1p53f}, {0x1p-101f, 0, 0x1p-50f}, 0, INFINITY},
+        {{0, 0, 0x1p53f}, {0x1p-101f, 0, 0x1p-50f}, 0, INFINITY, ~0u},
         {{{-0x1p60f, -0x1p60f, 0x1p78f + 0x1p60f}, {0x1p60f, -0x1p60f, 0x1p78f - 0x1p60f}, {0, 0x1p60f, 0x1p78f}}}};
     assert_true(check_case(&test));
     struct mlrt_hit_report report;
@@ -994,7 +994,7 @@ static void triangles_without_area(void **state)
                                          {{{FLT_MAX, 0, 0}, {-FLT_MAX, 0, 0}, {0x1p-149f, 0, 0}}}};
     for (size_t i = 0; i < sizeof flat / sizeof flat[0]; ++i) {
         assert_int_equal(mlrt_triangle_has_area(&flat[i]), 0);
-        struct test_case test = {{{-1, -2, -3}, {4, 5, 7}, 0, INFINITY}, flat[i]};
+        struct test_case test = {{{-1, -2, -3}, {4, 5, 7}, 0, INFINITY, ~0u}, flat[i]};
         assert_int_equal(check_case(&test), 0);
     }
     const struct mlrt_triangle thin = {{{0, 0, 0}, {FLT_MAX, 0, 0}, {FLT_MAX, 0x1p-149f, 0}}};

@@ -119,9 +119,9 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
     }
 }
 
-/* Begins the set-up of a leaf: which places there are, and where they are seen. */
+/* Begins the set-up of a leaf: which places there are for rays with this mask, and where they are seen. */
 static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
-                                     struct mlrt_leaf_setup *leaf)
+                                     uint32_t mask, struct mlrt_leaf_setup *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
     leaf->child = child;
@@ -137,6 +137,7 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
     }
     leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
 }
 
 /* Triangles of a leaf that cells may hit, by their outlines. */
@@ -164,7 +165,7 @@ static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const s
 {
     struct mlrt_leaf_setup *leaf = &worker->leaves[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - MLRT_LEAF_SETUP_BITS)];
     const int axis = cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
-    if (leaf->child != child || leaf->axis != axis) begin_leaf(tree, cells, child, leaf);
+    if (leaf->child != child || leaf->axis != axis) begin_leaf(tree, cells, child, worker->mask, leaf);
     *seen = seen_by_cells(cells, leaf);
     const uint32_t wanted = *seen & ~leaf->ready;
     if (wanted) {

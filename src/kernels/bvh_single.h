@@ -261,6 +261,7 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
     const uint32_t lane = ray->lane, place_count = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
+    const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
     int changed = 0;
     for (uint32_t v = 0; v < place_count; v += VW) {
         const vi number = i_load_any(numbers + v);
@@ -269,6 +270,9 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
         /* A triangle met again in another leaf is no news. */
         active = m_andnot(active, i_eq(number, i_set1(packet->triangle[lane])));
         if (packet->has_skip) active = m_andnot(active, i_eq(number, i_set1(packet->skip[lane])));
+        if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) {
+            active = m_from_bits(mlrt_visible_places(job->tree, numbers + v, m_bits(active), mask));
+        }
         COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(m_bits(active)));
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
         const struct verdict verdict = filter_triangles(ray, packet, corners + v, place_count, active);
@@ -355,7 +359,8 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     packet.t_max[0] = packet.lo[0] = packet.hi[0] = segment->t_max;
     packet.triangle[0] = MLRT_NONE;
     packet.skip[0] = skip;
-    packet.has_apex = 0;
+    packet.has_apex = packet.has_masks = 0;
+    worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
     memset(worker.pairs, 0, sizeof worker.pairs);
     set_single_ray(&packet, &reciprocals, 0, &ray);

@@ -45,6 +45,7 @@ MLRT_INLINE void fetch_block(const struct mlrt_source *source, const struct rect
 {
     if (is_pinhole(source)) {
         get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);
+        if (MLRT_UNLIKELY(source->has_masks)) mlrt_set_common_mask(source, packet);
     } else {
         mlrt_fetch_packet(source, block->x, block->y, lanes, packet);
     }

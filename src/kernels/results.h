@@ -10,6 +10,7 @@ static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct
         if (!(lanes >> lane & 1)) continue;
         struct mlrt_ray_segment ray;
         mlrt_get_segment(packet, lane, &ray);
+        if (!packet->has_masks) ray.mask = job->source.common_mask;
         COUNT(counters, packet_count, 1);
         packet->triangle[lane] = mlrt_trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE,
                                                     job->any, MLRT_COUNTING ? counters : NULL);

@@ -1,0 +1,426 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The exported functions that trace: each checks its arguments, resolves its options, enters the floating-point
+ * environment of the library, and calls one internal function that does the work.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "all_hits.h"
+#include "counters.h"
+#include "dispatch.h"
+#include "host.h"
+#include "offset.h"
+#include "render.h"
+#include "structs.h"
+#include "trace_ray.h"
+
+#define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
+
+#define DEFAULT_INITIAL_TILE        128
+#define DEFAULT_TILE_ROWS           64  /* of the tile method, for arrays with rows */
+#define DEFAULT_TILE_LIST           256 /* and for lists, which are four wide */
+#define DEFAULT_INITIAL_TILE_ARRAYS 32  /* beams of arrays are made by looking at every ray: on one level only */
+#define DEFAULT_MINIMUM_TILE        16
+#define DEFAULT_SPLIT_FACTOR        16
+
+static int is_power_of_two(uint32_t n)
+{
+    return n != 0 && (n & (n - 1)) == 0;
+}
+
+/* The default, or what was given if it is a power of two in lo..hi; 0 if it is not. */
+static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uint32_t hi)
+{
+    if (given == 0) return standard;
+    return is_power_of_two(given) && given >= lo && given <= hi ? given : 0;
+}
+
+/* A method, with the default resolved; MLRT_METHOD_DEFAULT if the tree lacks what the method searches in. */
+static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
+{
+    const int has_boxes = (tree->structures & MLRT_STRUCTURE_BVH) != 0;
+    const int has_kdtree = (tree->structures & MLRT_STRUCTURE_KDTREE) != 0;
+    if (method == MLRT_METHOD_DEFAULT) return has_boxes ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
+    if (method == MLRT_METHOD_TILE) return has_boxes ? method : MLRT_METHOD_DEFAULT;
+    return has_kdtree || method == MLRT_METHOD_RAY ? method : MLRT_METHOD_DEFAULT;
+}
+
+/* The side of the tiles that are shared out among threads. */
+static uint32_t standard_initial_tile(const struct mlrt_job *job)
+{
+    if (job->source.kind == MLRT_SOURCE_CAMERA) return DEFAULT_INITIAL_TILE;
+    if (job->method != MLRT_METHOD_TILE) return DEFAULT_INITIAL_TILE_ARRAYS;
+    return job->source.width <= 4 ? DEFAULT_TILE_LIST : DEFAULT_TILE_ROWS;
+}
+
+/* What a call was given besides the tree, checked, in whatever version it came. */
+struct call {
+    mlrt_trace_options options;
+    struct mlrt_run_options run;
+};
+
+static int32_t take_options(const mlrt_trace_options *given, struct call *call)
+{
+    memset(call, 0, sizeof *call);
+    if (given) {
+        const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &call->options,
+                                                sizeof call->options);
+        if (status != MLRT_OK) return status;
+    }
+    const mlrt_counters *counters = call->options.counters;
+    call->run.pool = call->options.pool;
+    call->run.counters = call->options.counters;
+    if (counters && mlrt_check_result_size(counters, FIRST_COUNTERS_SIZE, sizeof *counters) != MLRT_OK) {
+        return MLRT_ERROR_STRUCT_SIZE;
+    }
+    return mlrt_take_host(call->options.host, &call->run.host);
+}
+
+/* Checks options and puts what they say into a job whose source is set. */
+static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
+{
+    if (options->query != MLRT_QUERY_CLOSEST && options->query != MLRT_QUERY_ANY) return MLRT_ERROR_ARGUMENT;
+    if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
+    if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_AVX512) return MLRT_ERROR_ARGUMENT;
+    if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
+    if (options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~31u)
+        return MLRT_ERROR_ARGUMENT;
+    if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
+        return MLRT_ERROR_ARGUMENT;
+    }
+
+    job->any = options->query == MLRT_QUERY_ANY;
+    job->method = resolve_method(options->method, tree);
+    if (job->method == MLRT_METHOD_DEFAULT) return MLRT_ERROR_UNSUPPORTED;
+    job->culling = options->culling;
+    job->culling_check = options->culling_check != 0;
+    const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;
+    job->whole_tiles = (shortcuts & MLRT_SHORTCUT_WHOLE_TILES) != 0;
+    job->entry_lists = (shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) != 0;
+    job->shared_setups = (shortcuts & MLRT_SHORTCUT_SHARED_SETUPS) != 0;
+    job->initial_tile_size = resolve_size(options->initial_tile_size, standard_initial_tile(job), 4, 1024);
+    uint32_t standard_minimum =
+        job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_MINIMUM_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
+    if (standard_minimum > job->initial_tile_size) standard_minimum = job->initial_tile_size;
+    job->minimum_tile_size = resolve_size(options->minimum_tile_size, standard_minimum, 4, job->initial_tile_size);
+    if (!job->initial_tile_size || !job->minimum_tile_size) return MLRT_ERROR_ARGUMENT;
+    const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
+    job->split_divisor = split_factor == 4 ? 2 : 4;
+    job->outputs = options->outputs;
+    mlrt_set_masks(tree, options->mask, job->method == MLRT_METHOD_TILE, &job->source);
+    job->kernels = mlrt_select_kernels(options->isa, job->method, options->counters != NULL);
+    return job->kernels ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
+}
+
+/* Whether the job can run: its source and options. */
+static int32_t ready_job(const mlrt_tree *tree, const struct call *call, struct mlrt_job *job)
+{
+    job->tree = tree;
+    return resolve_options(tree, &call->options, job);
+}
+
+static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
+                                             const mlrt_hits *hits, struct mlrt_job *job)
+{
+    int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
+    if (status == MLRT_OK) status = ready_job(tree, call, job);
+    if (status == MLRT_OK) status = mlrt_make_sink(hits, job->any, job->source.width, 1, &job->frame);
+    job->has_frame = 1;
+    return status;
+}
+
+static int32_t take_rays(const mlrt_rays *given, mlrt_rays *rays)
+{
+    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_rays, skip), rays, sizeof *rays);
+}
+
+static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
+{
+    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
+}
+
+MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
+                                   const mlrt_hits *hits)
+{
+    if (!tree || !rays || !hits) return MLRT_ERROR_ARGUMENT;
+    mlrt_rays own_rays;
+    mlrt_hits own_hits;
+    struct call call;
+    int32_t status = take_rays(rays, &own_rays);
+    if (status == MLRT_OK) status = take_hits(hits, &own_hits);
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status != MLRT_OK) return status;
+    struct mlrt_job job = {.callback = NULL};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_packet_job(tree, &own_rays, &call, &own_hits, &job);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+}
+
+/* What a ray hit; `number` is MLRT_NONE for a miss. */
+static void set_hit(const mlrt_tree *tree, const struct mlrt_ray_segment *segment, uint32_t number, int any,
+                    mlrt_hit *hit)
+{
+    hit->occluded = number != MLRT_NONE;
+    if (any) return;
+    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
+    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
+    if (number != MLRT_NONE) {
+        mlrt_report_hit(segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING,
+                        &report);
+    }
+    hit->t = report.t;
+    hit->u = report.u;
+    hit->v = report.v;
+    hit->facing = report.facing;
+}
+
+/* By the kernel for rays that go alone, if that is the method and it can, or else by method `ray`. */
+static uint32_t trace_segment(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip,
+                              mlrt_counters *counters)
+{
+    if (job->method == MLRT_METHOD_TILE && job->kernels->trace_ray && job->tree->bvh.float_safe &&
+        mlrt_is_safe_ray(segment)) {
+        return job->kernels->trace_ray(job, segment, skip);
+    }
+    return mlrt_trace_segment(job->tree, segment, skip, job->any, counters);
+}
+
+/* One ray: nothing to set up. */
+static MLRT_NOINLINE void trace_directly(const struct mlrt_job *job, const mlrt_ray *ray, mlrt_counters *counters,
+                                         mlrt_hit *hit)
+{
+    const struct mlrt_tree *tree = job->tree;
+    struct mlrt_ray_segment segment;
+    uint32_t number = MLRT_NONE;
+    const uint32_t skip =
+        ray->flags & MLRT_RAY_SKIP ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
+    if (counters) ++counters->ray_count;
+    if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, ray->t_max == 0 ? INFINITY : ray->t_max, &segment)) {
+        segment.mask = job->source.common_mask;
+        if (counters) ++counters->packet_count;
+        number = trace_segment(job, &segment, skip, counters);
+    }
+    set_hit(tree, &segment, number, job->any, hit);
+}
+
+/* Any other method: a list of one ray. The arrays are a struct. */
+static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
+                             mlrt_hit *hit)
+{
+    const float t_max = ray->t_max == 0 ? INFINITY : ray->t_max;
+    const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .count = 1,
+                            .origins = {ray->origin, 0},
+                            .directions = {ray->direction, 0},
+                            .t_min = {&ray->t_min, 0},
+                            .t_max = {&t_max, 0},
+                            .skip = {ray->flags & MLRT_RAY_SKIP ? skip : NULL, 0}};
+    uint8_t occluded = 0;
+    mlrt_hits hits = {.struct_size = sizeof hits};
+    if (any) {
+        hits.occluded.data = &occluded;
+    } else {
+        hits.t.data = &hit->t;
+        hits.u.data = &hit->u;
+        hits.v.data = &hit->v;
+        hits.mesh.data = &hit->mesh;
+        hits.triangle.data = &hit->triangle;
+        hits.facing.data = &hit->facing;
+    }
+    const int32_t status = mlrt_trace_packet(tree, &rays, options, &hits);
+    if (status == MLRT_OK) hit->occluded = any ? occluded : hit->triangle != MLRT_NONE;
+    return status;
+}
+
+/* By whatever method; the hit is ours, and of it what the query does not write stays. */
+static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const struct call *call, mlrt_hit *hit)
+{
+    const int32_t method = call->options.method;
+    mlrt_counters own = {.struct_size = sizeof own}, *counters = call->options.counters;
+    struct mlrt_job job = {.callback = NULL};
+    const int32_t status = ready_job(tree, call, &job);
+    if (status != MLRT_OK) return status;
+    if (method != MLRT_METHOD_DEFAULT && method != MLRT_METHOD_RAY) {
+        return trace_as_list(tree, ray, &call->options, job.any, hit);
+    }
+    const uint64_t environment = mlrt_enter_fp_environment();
+    trace_directly(&job, ray, counters ? &own : NULL, hit);
+    mlrt_leave_fp_environment(environment);
+    if (counters) mlrt_add_counters(counters, &own);
+    return MLRT_OK;
+}
+
+#define FIRST_HIT_SIZE MLRT_SIZE_UP_TO(mlrt_hit, occluded)
+
+MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                                mlrt_hit *hit)
+{
+    if (!tree || !ray || !hit) return MLRT_ERROR_ARGUMENT;
+    mlrt_ray own_ray;
+    mlrt_hit own_hit;
+    struct call call;
+    int32_t status = mlrt_take_struct(ray, MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle), &own_ray, sizeof own_ray);
+    if (status == MLRT_OK) status = mlrt_check_result_size(hit, FIRST_HIT_SIZE, sizeof own_hit);
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status != MLRT_OK) return status;
+    if (own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+    memcpy(&own_hit, hit, FIRST_HIT_SIZE);
+    status = trace_one_ray(tree, &own_ray, &call, &own_hit);
+    if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
+    return status;
+}
+
+static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
+                                           struct mlrt_job *job)
+{
+    const int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
+    return status == MLRT_OK ? ready_job(tree, call, job) : status;
+}
+
+MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
+                                     const mlrt_hit_lists *lists)
+{
+    if (!tree || !rays || !lists) return MLRT_ERROR_ARGUMENT;
+    mlrt_rays own_rays;
+    mlrt_hit_lists own_lists;
+    struct call call;
+    int32_t status = take_rays(rays, &own_rays);
+    if (status == MLRT_OK) {
+        status = mlrt_take_struct(lists, MLRT_SIZE_UP_TO(mlrt_hit_lists, crossing_total), &own_lists, sizeof own_lists);
+    }
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status != MLRT_OK) return status;
+    struct mlrt_job job = {.callback = NULL};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_list_job(tree, &own_rays, &call, &job);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run) : status;
+}
+
+static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
+{
+    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_camera, t_max), camera, sizeof *camera);
+}
+
+static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_camera *camera, const struct call *call,
+                                             const mlrt_hits *frame, struct mlrt_job *job)
+{
+    int32_t status = mlrt_make_view_source(camera, &job->source);
+    if (status == MLRT_OK) status = ready_job(tree, call, job);
+    if (status == MLRT_OK && frame) {
+        status = mlrt_make_sink(frame, job->any, job->source.width, 0, &job->frame);
+        job->has_frame = !mlrt_sink_is_empty(&job->frame);
+    }
+    return status;
+}
+
+MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
+                                   const mlrt_hits *frame, mlrt_tile_callback callback, void *user)
+{
+    if (!tree || !camera || (!frame && !callback)) return MLRT_ERROR_ARGUMENT;
+    mlrt_camera own_camera;
+    mlrt_hits own_frame;
+    struct call call;
+    int32_t status = take_camera(camera, &own_camera);
+    if (status == MLRT_OK && frame) status = take_hits(frame, &own_frame);
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status != MLRT_OK) return status;
+    struct mlrt_job job = {.callback = callback, .user = user};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_render_job(tree, &own_camera, &call, frame ? &own_frame : NULL, &job);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+}
+
+static int can_write_floats(const mlrt_array *array)
+{
+    return !array || !array->data ||
+           ((uintptr_t)array->data % 4 == 0 && array->stride % 4 == 0 && array->row_stride % 4 == 0);
+}
+
+static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)
+{
+    const size_t stride = array->stride ? array->stride : 12;
+    const size_t row_stride = array->row_stride ? array->row_stride : width * stride;
+    return (float *)(void *)((unsigned char *)array->data + j * row_stride + i * stride);
+}
+
+static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const mlrt_array *origins,
+                                               const mlrt_array *directions)
+{
+    struct mlrt_view view;
+    const int32_t status = mlrt_make_view(camera, &view);
+    if (status != MLRT_OK) return status;
+    for (uint32_t j = 0; j < view.height; ++j) {
+        for (uint32_t i = 0; i < view.width; ++i) {
+            float p[3];
+            mlrt_view_point(&view, i, j, p);
+            if (origins && origins->data) {
+                memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
+            }
+            if (directions && directions->data) {
+                memcpy(vector_at(directions, view.width, i, j), view.parallel ? camera->direction : p, sizeof p);
+            }
+        }
+    }
+    return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions)
+{
+    if (!camera || !can_write_floats(origins) || !can_write_floats(directions)) return MLRT_ERROR_ARGUMENT;
+    mlrt_camera own;
+    int32_t status = take_camera(camera, &own);
+    if (status != MLRT_OK) return status;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = write_camera_rays(&own, origins, directions);
+    mlrt_leave_fp_environment(environment);
+    return status;
+}
+
+static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                                            const struct call *call, const mlrt_array *occluded, struct mlrt_job *job)
+{
+    const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
+    int32_t status = mlrt_make_light_source(tree, points, light, &job->source);
+    if (status == MLRT_OK) status = ready_job(tree, call, job);
+    if (status == MLRT_OK) status = mlrt_make_sink(&hits, 1, job->source.width, 1, &job->frame);
+    job->has_frame = 1;
+    return status;
+}
+
+MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                                      const mlrt_trace_options *options, const mlrt_array *occluded)
+{
+    if (!tree || !points || !light || !occluded || !occluded->data) return MLRT_ERROR_ARGUMENT;
+    mlrt_points own_points;
+    mlrt_light own_light;
+    struct call call;
+    int32_t status = mlrt_take_struct(points, MLRT_SIZE_UP_TO(mlrt_points, skip), &own_points, sizeof own_points);
+    if (status == MLRT_OK) {
+        status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
+    }
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status != MLRT_OK) return status;
+    call.options.query = MLRT_QUERY_ANY;
+    struct mlrt_job job = {.callback = NULL};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+}
+
+MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
+                                   int32_t side, float point[3])
+{
+    if (!tree || !point || (side != 1 && side != -1) || !isfinite(u) || !isfinite(v)) return MLRT_ERROR_ARGUMENT;
+    const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);
+    if (number == MLRT_NONE) return MLRT_ERROR_ARGUMENT;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int found = mlrt_find_offset_point(&tree->triangles[number], u, v, side, point);
+    mlrt_leave_fp_environment(environment);
+    return found ? MLRT_OK : MLRT_ERROR_ARGUMENT;
+}
