@@ -1,0 +1,630 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the program around the library provides: memory that can run out anywhere, a log, progress that can be stopped
+ * anywhere, and tasks that run at once, on other threads, or only when they are waited for.
+ */
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support.h"
+
+/* ---- a host that keeps books ---------------------------------------------------------------------------------------
+ */
+
+struct books {
+    pthread_mutex_t mutex;
+    size_t held_size;
+    size_t peak_size;
+    uint32_t block_count;
+    uint32_t allocation_count;
+    uint32_t fail_from; /* the number of the first allocation that fails; 0 = none does */
+    int misaligned;     /* blocks 16 bytes off */
+    uint32_t line_count[3];
+    char last_line[300];
+    uint32_t tell_count;
+    uint32_t stop_at; /* tell_count at which to cancel; 0 = never */
+    double last_fraction;
+    uint32_t end_count;
+    int went_back;
+    int inside; /* progress calls at one time */
+    int overlapped;
+};
+
+#define MARGIN 192
+
+/* A block with its size and alignment in front, as asked for. */
+static void *take_block(void *user, size_t size, size_t alignment)
+{
+    struct books *books = user;
+    assert_true(size > 0);
+    assert_int_equal(alignment, 64);
+    pthread_mutex_lock(&books->mutex);
+    const int fails = books->fail_from && ++books->allocation_count >= books->fail_from;
+    if (!books->fail_from) ++books->allocation_count;
+    char *start = fails ? NULL : malloc(size + MARGIN);
+    if (start) {
+        ++books->block_count;
+        books->held_size += size;
+        if (books->held_size > books->peak_size) books->peak_size = books->held_size;
+    }
+    pthread_mutex_unlock(&books->mutex);
+    if (!start) return NULL;
+    char *block = start + 64 + (64 - (uintptr_t)start % 64) % 64;
+    memcpy(block - 8, &start, sizeof start);
+    memcpy(block - 16, &size, sizeof size);
+    return books->misaligned ? block - 32 : block;
+}
+
+static void give_block(void *user, void *given, size_t size, size_t alignment)
+{
+    struct books *books = user;
+    char *block = books->misaligned ? (char *)given + 32 : given, *start;
+    size_t had;
+    assert_non_null(given);
+    assert_int_equal(alignment, 64);
+    memcpy(&start, block - 8, sizeof start);
+    memcpy(&had, block - 16, sizeof had);
+    assert_int_equal(size, had);
+    pthread_mutex_lock(&books->mutex);
+    --books->block_count;
+    books->held_size -= size;
+    pthread_mutex_unlock(&books->mutex);
+    free(start);
+}
+
+static void take_line(void *user, int32_t level, const char *message)
+{
+    struct books *books = user;
+    assert_in_range(level, MLRT_LOG_ERROR, MLRT_LOG_INFO);
+    assert_null(strchr(message, '\n'));
+    ++books->line_count[level];
+    strncpy(books->last_line, message, sizeof books->last_line - 1);
+}
+
+static int32_t take_progress(void *user, double fraction)
+{
+    struct books *books = user;
+    if (__atomic_exchange_n(&books->inside, 1, __ATOMIC_SEQ_CST)) books->overlapped = 1;
+    if (!(fraction >= books->last_fraction && fraction <= 1)) books->went_back = 1;
+    books->last_fraction = fraction < 1 ? fraction : 0; /* the next is of another call */
+    if (fraction == 1) ++books->end_count;
+    const int stop = ++books->tell_count == books->stop_at;
+    __atomic_store_n(&books->inside, 0, __ATOMIC_SEQ_CST);
+    return stop ? 7 : 0;
+}
+
+static void open_books(struct books *books)
+{
+    memset(books, 0, sizeof *books);
+    pthread_mutex_init(&books->mutex, NULL);
+}
+
+static mlrt_host host_with(struct books *books)
+{
+    return (mlrt_host){.struct_size = sizeof(mlrt_host),
+                       .user = books,
+                       .allocate = take_block,
+                       .free = give_block,
+                       .log = take_line,
+                       .progress = take_progress};
+}
+
+static void assert_balanced(const struct books *books)
+{
+    assert_int_equal(books->block_count, 0);
+    assert_int_equal(books->held_size, 0);
+    assert_false(books->went_back);
+    assert_false(books->overlapped);
+}
+
+/* ---- something to do -----------------------------------------------------------------------------------------------
+ */
+
+static struct soup some_soup(size_t count)
+{
+    struct random random = {77};
+    struct soup soup = {NULL, 0, 0};
+    soup_add_random(&soup, &random, count, 10, 1);
+    return soup;
+}
+
+enum { BUILD_BOXES, BUILD_KDTREE, TRACE, TRACE_ALL, RENDER, OCCLUDE, CALL_COUNT };
+
+#define SIDE 256
+#define RAYS (SIDE * SIDE)
+
+/* A call of each kind, with results into arrays that are large enough. */
+struct scene {
+    struct soup soup;
+    mlrt_mesh mesh;
+    mlrt_tree *tree;
+    mlrt_camera camera;
+    float *origins;
+    float *directions;
+    uint32_t *ids;
+    uint8_t *occluded;
+};
+
+static int32_t ignore_tile(void *user, const mlrt_tile *tile)
+{
+    (void)user;
+    return tile->width == 0;
+}
+
+static int32_t make_call(const struct scene *scene, int kind, const mlrt_host *host, mlrt_pool *pool)
+{
+    const mlrt_build_options build = {.struct_size = sizeof build,
+                                      .pool = pool,
+                                      .host = host,
+                                      .structures = kind == BUILD_KDTREE ? MLRT_STRUCTURE_KDTREE : 0};
+    const mlrt_trace_options trace = {
+        .struct_size = sizeof trace, .pool = pool, .host = host, .outputs = MLRT_OUTPUT_T | MLRT_OUTPUT_IDS};
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .count = RAYS,
+                            .origins = {scene->origins, 0},
+                            .directions = {scene->directions, 0}};
+    const mlrt_points points = {.struct_size = sizeof points, .count = RAYS, .positions = {scene->directions, 0}};
+    const mlrt_light light = {.struct_size = sizeof light, .position = {1, 2, 3}};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {scene->ids, 0, 0}};
+    const mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = 1, .triangle = {scene->ids, 0, 0}};
+    const mlrt_array occluded = {scene->occluded, 0, 0};
+    mlrt_tree *tree = (mlrt_tree *)(uintptr_t)16;
+    int32_t status = MLRT_OK;
+    switch (kind) {
+    case BUILD_BOXES:
+    case BUILD_KDTREE:
+        status = mlrt_build_kdtree(&scene->mesh, 1, &build, &tree);
+        assert_int_equal(status == MLRT_OK, tree != NULL);
+        mlrt_destroy_tree(tree);
+        return status;
+    case TRACE:
+        return mlrt_trace_packet(scene->tree, &rays, &trace, &hits);
+    case TRACE_ALL:
+        return mlrt_trace_all_hits(scene->tree, &rays, &trace, &lists);
+    case RENDER:
+        return mlrt_render_tiles(scene->tree, &scene->camera, &trace, &hits, ignore_tile, NULL);
+    default:
+        return mlrt_occluded_points(scene->tree, &points, &light, &trace, &occluded);
+    }
+}
+
+static int set_up(void **state)
+{
+    struct scene *scene = allocate_or_fail(1, sizeof *scene);
+    const float eye[3] = {5, 5, -20}, target[3] = {5, 5, 5};
+    scene->soup = some_soup(scaled(20000));
+    scene->mesh = soup_mesh(&scene->soup);
+    scene->camera = look_at(eye, target, 1, SIDE, SIDE);
+    scene->origins = allocate_or_fail(3 * RAYS, sizeof(float));
+    scene->directions = allocate_or_fail(3 * RAYS, sizeof(float));
+    scene->ids = allocate_or_fail(RAYS, sizeof(uint32_t));
+    scene->occluded = allocate_or_fail(RAYS, 1);
+    const mlrt_array origins = {scene->origins, 0, 0}, directions = {scene->directions, 0, 0};
+    if (mlrt_camera_rays(&scene->camera, &origins, &directions) != MLRT_OK) return 1;
+    *state = scene;
+    return mlrt_build_kdtree(&scene->mesh, 1, NULL, &scene->tree) != MLRT_OK;
+}
+
+static int tear_down(void **state)
+{
+    struct scene *scene = *state;
+    mlrt_destroy_tree(scene->tree);
+    free(scene->occluded);
+    free(scene->ids);
+    free(scene->directions);
+    free(scene->origins);
+    free_soup(&scene->soup);
+    free(scene);
+    return 0;
+}
+
+/* ---- memory --------------------------------------------------------------------------------------------------------
+ */
+
+static void all_memory_comes_from_the_host(void **state)
+{
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        struct books books;
+        open_books(&books);
+        const mlrt_host host = host_with(&books);
+        assert_int_equal(make_call(*state, kind, &host, shared_pool(2)), MLRT_OK);
+        assert_true(books.allocation_count > 0);
+        assert_balanced(&books);
+    }
+}
+
+/* Whichever allocation is the first to fail: the right answer, and nothing is lost. */
+static void memory_runs_out_anywhere(void **state)
+{
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
+        uint32_t fail_from = 1;
+        for (; status != MLRT_OK; fail_from++) {
+            struct books books;
+            open_books(&books);
+            books.fail_from = fail_from;
+            const mlrt_host host = host_with(&books);
+            status = make_call(*state, kind, &host, shared_pool(2));
+            if (status != MLRT_OK) assert_int_equal(status, MLRT_ERROR_OUT_OF_MEMORY);
+            assert_balanced(&books);
+            assert_true(fail_from < 1000);
+        }
+        assert_true(fail_from > 2);
+    }
+}
+
+static void a_host_that_does_not_align_is_out_of_memory(void **state)
+{
+    struct books books;
+    open_books(&books);
+    books.misaligned = 1;
+    const mlrt_host host = host_with(&books);
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        assert_int_equal(make_call(*state, kind, &host, NULL), MLRT_ERROR_OUT_OF_MEMORY);
+        assert_balanced(&books);
+    }
+}
+
+static void both_functions_or_neither(void **state)
+{
+    struct books books;
+    open_books(&books);
+    mlrt_host host = host_with(&books);
+    host.free = NULL;
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        assert_int_equal(make_call(*state, kind, &host, NULL), MLRT_ERROR_ARGUMENT);
+    }
+    host = host_with(&books);
+    host.struct_size = 8;
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        assert_int_equal(make_call(*state, kind, &host, NULL), MLRT_ERROR_STRUCT_SIZE);
+    }
+}
+
+/* The report agrees with the books, and so does what was foreseen. */
+static void sizes_are_those_of_the_books(void **state)
+{
+    const struct scene *scene = *state;
+    static const struct {
+        int32_t preset;
+        uint32_t structures;
+    } kinds[] = {{MLRT_TREE_DEFAULT, 0}, {MLRT_TREE_FAST, 0}, {MLRT_TREE_BEST, 0}, {MLRT_TREE_PAPER, 0}, {0, 3}};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        struct books books;
+        open_books(&books);
+        const mlrt_host host = host_with(&books);
+        const mlrt_build_options options = {
+            .struct_size = sizeof options, .preset = kinds[i].preset, .structures = kinds[i].structures, .host = &host};
+        mlrt_tree *tree;
+        mlrt_tree_info info = {.struct_size = sizeof info};
+        mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+        assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+        assert_int_equal(info.memory_size, books.held_size);
+        assert_int_equal(info.peak_memory_size, books.peak_size);
+        assert_int_equal(mlrt_estimate_memory(&scene->mesh, 1, &options, &estimate), MLRT_OK);
+        /* Of a kd-tree it is a guess, and this is a soup. */
+        const uint64_t least = info.memory_size / 4, least_peak = info.peak_memory_size / 4;
+        const int boxes = kinds[i].preset != MLRT_TREE_PAPER && kinds[i].structures != 3;
+        assert_in_range(estimate.memory_size, (boxes ? 3 : 2) * least, 5 * least);
+        assert_in_range(estimate.peak_memory_size, (boxes ? 3 : 2) * least_peak, 5 * least_peak);
+        mlrt_destroy_tree(tree);
+        assert_balanced(&books);
+    }
+}
+
+/* Nothing but the counts of triangles is looked at. */
+static void estimates_need_no_meshes(void **state)
+{
+    (void)state;
+    mlrt_mesh mesh = {.struct_size = sizeof mesh, .triangle_count = 1000000};
+    mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &estimate), MLRT_OK);
+    assert_in_range(estimate.memory_size, 80000000, 110000000);
+    assert_in_range(estimate.peak_memory_size, 110000000, 150000000);
+    assert_int_equal(mlrt_estimate_memory(NULL, 0, NULL, &estimate), MLRT_OK);
+    assert_int_equal(mlrt_estimate_memory(NULL, 1, NULL, &estimate), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    estimate.struct_size = 4;
+    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &estimate), MLRT_ERROR_STRUCT_SIZE);
+    mesh.triangle_count = (size_t)1 << 30;
+    estimate.struct_size = sizeof estimate;
+    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &estimate), MLRT_ERROR_TOO_LARGE);
+}
+
+/* A limit at the peak is enough, one byte less is not; and the message says so. */
+static void a_limit_is_kept(void **state)
+{
+    const struct scene *scene = *state;
+    for (uint32_t structures = 1; structures <= 3; structures++) {
+        char message[200];
+        struct books books;
+        open_books(&books);
+        const mlrt_host host = host_with(&books);
+        mlrt_build_options options = {.struct_size = sizeof options,
+                                      .structures = structures,
+                                      .message = message,
+                                      .message_size = sizeof message,
+                                      .host = &host};
+        mlrt_tree *tree;
+        mlrt_tree_info info = {.struct_size = sizeof info};
+        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+        assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+        mlrt_destroy_tree(tree);
+        options.memory_limit = info.peak_memory_size;
+        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+        mlrt_destroy_tree(tree);
+        options.memory_limit = info.peak_memory_size - 1;
+        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_OUT_OF_MEMORY);
+        books.last_fraction = 0;
+        assert_null(tree);
+        assert_true(books.peak_size <= info.peak_memory_size);
+        assert_non_null(strstr(message, "limit"));
+        options.memory_limit = 1;
+        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_OUT_OF_MEMORY);
+        assert_balanced(&books);
+    }
+}
+
+/* ---- log -----------------------------------------------------------------------------------------------------------
+ */
+
+static void the_log_tells_results_warnings_and_errors(void **state)
+{
+    (void)state;
+    float corners[27] = {0, 0, 0, 1, 0, 0, 0, 1, 0, /* no area: */ 1, 1, 1, 1, 1, 1, 2, 2, 2};
+    uint32_t indices[3] = {0, 1, 9};
+    corners[20] = float_of_bits(0x7FC00000u);
+    struct books books;
+    open_books(&books);
+    const mlrt_host host = host_with(&books);
+    mlrt_build_options options = {.struct_size = sizeof options, .host = &host};
+    mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 9, .triangle_count = 3};
+    mlrt_tree *tree;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
+    assert_int_equal(books.line_count[MLRT_LOG_INFO], 1);
+    assert_int_equal(books.line_count[MLRT_LOG_WARNING], 1);
+    assert_int_equal(books.line_count[MLRT_LOG_ERROR], 0);
+    mlrt_destroy_tree(tree);
+    mesh.indices = indices;
+    mesh.triangle_count = 1;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_INDEX_RANGE);
+    assert_int_equal(books.line_count[MLRT_LOG_ERROR], 1);
+    assert_non_null(strstr(books.last_line, "vertex index 9"));
+    mesh.index_size = 3;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(books.line_count[MLRT_LOG_ERROR], 2);
+}
+
+/* ---- progress ------------------------------------------------------------------------------------------------------
+ */
+
+static void progress_ends_at_one(void **state)
+{
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        for (uint32_t threads = 0; threads <= 3; threads += 3) {
+            struct books books;
+            open_books(&books);
+            const mlrt_host host = host_with(&books);
+            assert_int_equal(make_call(*state, kind, &host, shared_pool(threads)), MLRT_OK);
+            assert_true(books.tell_count > 0);
+            assert_int_equal(books.end_count, 1);
+            assert_balanced(&books);
+        }
+    }
+}
+
+/* Told the n-th time, the host says stop: nothing is lost, nobody is told again, and all else still works. */
+static void calls_end_when_told_to(void **state)
+{
+    const struct scene *scene = *state;
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        for (uint32_t threads = 0; threads <= 3; threads += 3) {
+            int32_t status = MLRT_ERROR_CANCELLED;
+            for (uint32_t stop_at = 1; status != MLRT_OK && stop_at < 40; stop_at += 1 + stop_at / 4) {
+                struct books books;
+                open_books(&books);
+                books.stop_at = stop_at;
+                const mlrt_host host = host_with(&books);
+                status = make_call(scene, kind, &host, shared_pool(threads));
+                /* Told of the end, it is too late. */
+                const int was_in_time = books.tell_count == stop_at && !books.end_count;
+                assert_int_equal(status, was_in_time ? MLRT_ERROR_CANCELLED : MLRT_OK);
+                assert_true(books.tell_count <= stop_at);
+                assert_balanced(&books);
+            }
+        }
+    }
+    assert_int_equal(make_call(scene, RENDER, NULL, NULL), MLRT_OK);
+}
+
+/* ---- tasks ---------------------------------------------------------------------------------------------------------
+ */
+
+enum { AT_ONCE, ON_A_THREAD, WHEN_WAITED_FOR, NEVER_BEFORE_ALL };
+
+struct job {
+    mlrt_task_function function;
+    void *argument;
+    pthread_t thread;
+};
+
+struct jobs {
+    int how;
+    pthread_mutex_t mutex;
+    uint32_t enqueued_count;
+    uint32_t finished_count;
+};
+
+static void *run_job(void *argument)
+{
+    struct job *job = argument;
+    job->function(job->argument);
+    return NULL;
+}
+
+static void *enqueue(void *user, mlrt_task_function function, void *argument)
+{
+    struct jobs *jobs = user;
+    pthread_mutex_lock(&jobs->mutex);
+    ++jobs->enqueued_count;
+    pthread_mutex_unlock(&jobs->mutex);
+    if (jobs->how == AT_ONCE) {
+        function(argument);
+        return NULL;
+    }
+    struct job *job = allocate_or_fail(1, sizeof *job);
+    *job = (struct job){.function = function, .argument = argument};
+    if (jobs->how == ON_A_THREAD) assert_int_equal(pthread_create(&job->thread, NULL, run_job, job), 0);
+    return job;
+}
+
+static void finish(void *user, void *task)
+{
+    struct jobs *jobs = user;
+    struct job *job = task;
+    if (jobs->how == ON_A_THREAD) {
+        pthread_join(job->thread, NULL);
+    } else {
+        job->function(job->argument);
+    }
+    free(job);
+    pthread_mutex_lock(&jobs->mutex);
+    ++jobs->finished_count;
+    pthread_mutex_unlock(&jobs->mutex);
+}
+
+static mlrt_pool *task_pool(struct jobs *jobs, int how, uint32_t count, const mlrt_host *host)
+{
+    const mlrt_pool_options options = {.struct_size = sizeof options,
+                                       .thread_count = count,
+                                       .host = host,
+                                       .user = jobs,
+                                       .enqueue = enqueue,
+                                       .finish = finish};
+    mlrt_pool *pool;
+    *jobs = (struct jobs){.how = how};
+    pthread_mutex_init(&jobs->mutex, NULL);
+    assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_OK);
+    return pool;
+}
+
+static uint64_t tree_hash(const struct scene *scene, mlrt_pool *pool)
+{
+    const mlrt_build_options options = {.struct_size = sizeof options, .pool = pool};
+    mlrt_tree_info info = {.struct_size = sizeof info};
+    mlrt_tree *tree;
+    assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+    assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+    mlrt_destroy_tree(tree);
+    return info.tree_hash;
+}
+
+static void tasks_do_the_work_however_they_run(void **state)
+{
+    struct scene *scene = *state;
+    uint32_t *expected = allocate_or_fail(RAYS, sizeof *expected);
+    assert_int_equal(make_call(scene, RENDER, NULL, NULL), MLRT_OK);
+    memcpy(expected, scene->ids, RAYS * sizeof *expected);
+    const uint64_t hash = tree_hash(scene, NULL);
+    for (int how = AT_ONCE; how <= WHEN_WAITED_FOR; how++) {
+        struct books books;
+        struct jobs jobs;
+        open_books(&books);
+        const mlrt_host host = host_with(&books);
+        mlrt_pool *pool = task_pool(&jobs, how, 4, &host);
+        assert_int_equal(books.block_count, 2);
+        for (int kind = 0; kind < CALL_COUNT; kind++) {
+            memset(scene->ids, 0xA5, RAYS * sizeof *scene->ids);
+            assert_int_equal(make_call(scene, kind, &host, pool), MLRT_OK);
+            if (kind == RENDER) assert_memory_equal(scene->ids, expected, RAYS * sizeof *expected);
+        }
+        assert_true(tree_hash(scene, pool) == hash);
+        assert_true(jobs.enqueued_count > 3);
+        assert_int_equal(jobs.finished_count, how == AT_ONCE ? 0 : jobs.enqueued_count);
+        mlrt_destroy_pool(pool);
+        assert_balanced(&books);
+    }
+    free(expected);
+}
+
+/* From within a job, with the same pool: nobody waits for anybody. */
+static int32_t trace_inside(void *user, const mlrt_tile *tile)
+{
+    void **both = user;
+    const mlrt_trace_options options = {.struct_size = sizeof options, .pool = both[1]};
+    const struct scene *scene = both[0];
+    uint32_t ids[16 * 16];
+    mlrt_camera camera = scene->camera;
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {ids, 0, 0}};
+    (void)tile;
+    camera.crop_width = camera.crop_height = 16;
+    return mlrt_render_tiles(scene->tree, &camera, &options, &hits, NULL, NULL);
+}
+
+static void calls_within_jobs(void **state)
+{
+    struct scene *scene = *state;
+    for (int how = AT_ONCE; how <= WHEN_WAITED_FOR; how++) {
+        struct jobs jobs;
+        mlrt_pool *pool = task_pool(&jobs, how, 3, NULL);
+        void *both[2] = {scene, pool};
+        const mlrt_trace_options options = {.struct_size = sizeof options, .pool = pool, .initial_tile_size = 32};
+        assert_int_equal(mlrt_render_tiles(scene->tree, &scene->camera, &options, NULL, trace_inside, both), MLRT_OK);
+        mlrt_destroy_pool(pool);
+    }
+}
+
+static void pool_options_are_checked(void **state)
+{
+    (void)state;
+    struct jobs jobs;
+    const mlrt_pool_options good = {.struct_size = sizeof good, .thread_count = 2};
+    mlrt_pool_options options = good;
+    mlrt_pool *pool = (mlrt_pool *)(uintptr_t)16;
+    assert_int_equal(mlrt_create_pool_with_options(NULL, &pool), MLRT_ERROR_ARGUMENT);
+    assert_null(pool);
+    assert_int_equal(mlrt_create_pool_with_options(&good, NULL), MLRT_ERROR_ARGUMENT);
+    options.enqueue = enqueue;
+    assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_ERROR_ARGUMENT);
+    options = good;
+    options.thread_count = 1025;
+    assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_ERROR_ARGUMENT);
+    options = good;
+    options.struct_size = 0;
+    assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_ERROR_STRUCT_SIZE);
+    assert_null(pool);
+    pool = task_pool(&jobs, AT_ONCE, 1, NULL);
+    mlrt_destroy_pool(pool);
+    for (uint32_t fail_from = 1; fail_from <= 2; fail_from++) {
+        struct books books;
+        open_books(&books);
+        books.fail_from = fail_from;
+        const mlrt_host host = host_with(&books);
+        options = good;
+        options.host = &host;
+        assert_int_equal(mlrt_create_pool_with_options(&options, &pool), MLRT_ERROR_OUT_OF_MEMORY);
+        assert_balanced(&books);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_memory_comes_from_the_host),
+        cmocka_unit_test(memory_runs_out_anywhere),
+        cmocka_unit_test(a_host_that_does_not_align_is_out_of_memory),
+        cmocka_unit_test(both_functions_or_neither),
+        cmocka_unit_test(sizes_are_those_of_the_books),
+        cmocka_unit_test(estimates_need_no_meshes),
+        cmocka_unit_test(a_limit_is_kept),
+        cmocka_unit_test(the_log_tells_results_warnings_and_errors),
+        cmocka_unit_test(progress_ends_at_one),
+        cmocka_unit_test(calls_end_when_told_to),
+        cmocka_unit_test(tasks_do_the_work_however_they_run),
+        cmocka_unit_test(calls_within_jobs),
+        cmocka_unit_test(pool_options_are_checked),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
