@@ -146,7 +146,7 @@ MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_
     struct outcome outcome = {0, 0, 0};
     COUNT(&worker->counters, triangle_test_count, 1);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm active = concerned_rays(job->tree, packet, packet->active, number, v);
+        const vm active = concerned_rays(packet, packet->active, number, v);
         if (!m_bits(active)) continue;
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
         const struct verdict verdict = filter_leaf_vector(leaf, place, reach, limits_below, packet, v, active);

@@ -12,12 +12,10 @@ struct outcome {
 
 /*
  * Of a vector of lanes, the rays that a triangle is offered to: it is no news to those that it is the nearest of, and
- * may be met again in another leaf. Nor is it to those that do not see it.
+ * may be met again in another leaf.
  */
-MLRT_INLINE vm concerned_rays(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lanes,
-                              uint32_t number, int v)
+MLRT_INLINE vm concerned_rays(const struct mlrt_packet *packet, uint32_t lanes, uint32_t number, int v)
 {
-    if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
     const vm rays = m_andnot(m_from_bits(lanes >> v), i_eq(i_load(packet->triangle + v), i_set1(number)));
     return packet->has_skip ? m_andnot(rays, i_eq(i_load(packet->skip + v), i_set1(number))) : rays;
 }

@@ -98,10 +98,11 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
 {
     struct triangle_terms terms;
     struct outcome outcome = {0, 0, 0};
+    if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
     if (setup) set_apex_terms(setup, &terms);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
-        const vm active = concerned_rays(tree, packet, lanes, number, v);
+        const vm active = concerned_rays(packet, lanes, number, v);
         if (!m_bits(active)) continue;
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
         if (!setup) {

@@ -55,7 +55,7 @@ static void check_block(const struct mlrt_source *source, uint32_t lanes, struct
 {
     if (is_pinhole(source)) return;
     check_packet(lanes, packet);
-    if (!packet->has_apex) find_apex(packet);
+    if (!packet->has_apex && !packet->has_masks) find_apex(packet); /* rays with masks go alone (bvh_tile.h) */
 }
 
 /* The rays of a block. `lanes` are those that exist. */

@@ -46,10 +46,9 @@ MLRT_INLINE float shortest_depth(const struct mlrt_packet *packet, int main_axis
     return v_hmin(shortest) * (1 - SLOPE_SLACK);
 }
 
-/* Can a cell of this packet be closed? Its rays must begin at 0, see the same, and pass the same triangle, if any. */
+/* Can a cell of this packet be closed? Its rays must begin at 0, and pass the same triangle, if any. */
 MLRT_INLINE int can_be_closed(const struct mlrt_packet *packet, uint32_t *skip)
 {
-    if (packet->has_masks) return 0;
     *skip = packet->has_skip ? packet->skip[mlrt_lowest_bit(packet->active)] : MLRT_NONE;
     uint32_t others = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
