@@ -88,8 +88,10 @@ static struct ray_list make_rays(const struct scene *scene)
     struct ray_list list = {NULL, 0, 0, 0};
     add_aimed_rays(&list, &random, &scene->masked, RAY_COUNT, -8, 8);
     const float eye[3] = {0.5f, 0.25f, -5};
-    for (int i = 0; i < RAY_COUNT; i++) {
-        const float direction[3] = {(float)(i % 30 - 15) / 20, (float)(i / 30 - 10) / 20, 1};
+    for (int i = 0; i < 2 * RAY_COUNT; i++) {
+        const int column = i % 30 - 15, row = i % RAY_COUNT / 30 - 10;
+        const float step = i < RAY_COUNT ? 0.05f : 0.004f;
+        const float direction[3] = {(float)column * step, (float)row * step, 1};
         add_ray(&list, eye, direction);
     }
     /* Some are beyond what float arithmetic carries: these go alone in double. */
