@@ -89,13 +89,14 @@ extern "C" {
  * Versions and codes
  * ------------------------------------------------------------------------------------------------------------------ */
 
-#define MLRT_VERSION_MAJOR  0
-#define MLRT_VERSION_MINOR  1
-#define MLRT_VERSION_PATCH  0
-#define MLRT_VERSION_STRING "0.1.0"
+#define MLRT_VERSION_MAJOR  0       /* of this header; mlrt_version tells the library's */
+#define MLRT_VERSION_MINOR  1       /* likewise */
+#define MLRT_VERSION_PATCH  0       /* likewise */
+#define MLRT_VERSION_STRING "0.1.0" /* the three of them */
 
+/* What functions that can fail return. New codes may be added. */
 enum {
-    MLRT_OK = 0,
+    MLRT_OK = 0,                  /* it worked */
     MLRT_ERROR_ARGUMENT = 1,      /* a pointer is NULL that must not be, or a value is out of its range */
     MLRT_ERROR_STRUCT_SIZE = 2,   /* a struct_size is not set, or not of any version */
     MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; see build_options.message */
@@ -134,27 +135,27 @@ MLRT_API uint64_t mlrt_capabilities(void);
  * The structs of this header, in the order of mlrt_struct_sizes. New ones are added at the end.
  */
 enum {
-    MLRT_STRUCT_HOST = 0,
-    MLRT_STRUCT_MESH = 1,
-    MLRT_STRUCT_BUILD_OPTIONS = 2,
-    MLRT_STRUCT_TREE_INFO = 3,
-    MLRT_STRUCT_MEMORY_ESTIMATE = 4,
-    MLRT_STRUCT_LOAD_OPTIONS = 5,
-    MLRT_STRUCT_POOL_OPTIONS = 6,
-    MLRT_STRUCT_COUNTERS = 7,
-    MLRT_STRUCT_TRACE_OPTIONS = 8,
-    MLRT_STRUCT_ARRAY = 9,
-    MLRT_STRUCT_HITS = 10,
-    MLRT_STRUCT_CONST_ARRAY = 11,
-    MLRT_STRUCT_RAYS = 12,
-    MLRT_STRUCT_RAY = 13,
-    MLRT_STRUCT_HIT = 14,
-    MLRT_STRUCT_HIT_LISTS = 15,
-    MLRT_STRUCT_CAMERA = 16,
-    MLRT_STRUCT_TILE = 17,
-    MLRT_STRUCT_LIGHT = 18,
-    MLRT_STRUCT_POINTS = 19,
-    MLRT_STRUCT_COUNT = 20
+    MLRT_STRUCT_HOST = 0,            /* mlrt_host */
+    MLRT_STRUCT_MESH = 1,            /* mlrt_mesh */
+    MLRT_STRUCT_BUILD_OPTIONS = 2,   /* mlrt_build_options */
+    MLRT_STRUCT_TREE_INFO = 3,       /* mlrt_tree_info */
+    MLRT_STRUCT_MEMORY_ESTIMATE = 4, /* mlrt_memory_estimate */
+    MLRT_STRUCT_LOAD_OPTIONS = 5,    /* mlrt_load_options */
+    MLRT_STRUCT_POOL_OPTIONS = 6,    /* mlrt_pool_options */
+    MLRT_STRUCT_COUNTERS = 7,        /* mlrt_counters */
+    MLRT_STRUCT_TRACE_OPTIONS = 8,   /* mlrt_trace_options */
+    MLRT_STRUCT_ARRAY = 9,           /* mlrt_array */
+    MLRT_STRUCT_HITS = 10,           /* mlrt_hits */
+    MLRT_STRUCT_CONST_ARRAY = 11,    /* mlrt_const_array */
+    MLRT_STRUCT_RAYS = 12,           /* mlrt_rays */
+    MLRT_STRUCT_RAY = 13,            /* mlrt_ray */
+    MLRT_STRUCT_HIT = 14,            /* mlrt_hit */
+    MLRT_STRUCT_HIT_LISTS = 15,      /* mlrt_hit_lists */
+    MLRT_STRUCT_CAMERA = 16,         /* mlrt_camera */
+    MLRT_STRUCT_TILE = 17,           /* mlrt_tile */
+    MLRT_STRUCT_LIGHT = 18,          /* mlrt_light */
+    MLRT_STRUCT_POINTS = 19,         /* mlrt_points */
+    MLRT_STRUCT_COUNT = 20           /* how many this header has */
 };
 
 /*
@@ -174,6 +175,7 @@ typedef void *(*mlrt_allocate_callback)(void *user, size_t size, size_t alignmen
 /* Takes back a block (not NULL), with the size and alignment that it was asked for with. */
 typedef void (*mlrt_free_callback)(void *user, void *block, size_t size, size_t alignment);
 
+/* What a message is: the `level` of mlrt_log_callback */
 enum {
     MLRT_LOG_ERROR = 0,   /* why a call fails, in words */
     MLRT_LOG_WARNING = 1, /* something was left out */
@@ -198,13 +200,13 @@ typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
  * pool too, but never twice at a time. No function may call the library with the same pool, or jump out of it.
  */
 typedef struct mlrt_host {
-    uint32_t struct_size;
-    uint32_t reserved; /* 0 */
-    void *user;        /* handed to all of them */
-    mlrt_allocate_callback allocate;
-    mlrt_free_callback free;
-    mlrt_log_callback log;
-    mlrt_progress_callback progress;
+    uint32_t struct_size;            /* sizeof(mlrt_host) */
+    uint32_t reserved;               /* must be 0 */
+    void *user;                      /* handed to all of them */
+    mlrt_allocate_callback allocate; /* NULL = malloc */
+    mlrt_free_callback free;         /* NULL = free */
+    mlrt_log_callback log;           /* NULL = silence */
+    mlrt_progress_callback progress; /* NULL = calls run to their end */
 } mlrt_host;
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -221,13 +223,13 @@ typedef struct mlrt_tree mlrt_tree;
  * `indices` = NULL, triangle i consists of the vertices 3i, 3i + 1, 3i + 2.
  */
 typedef struct mlrt_mesh {
-    uint32_t struct_size;
+    uint32_t struct_size; /* sizeof(mlrt_mesh) */
     uint32_t id; /* reported with hits. Ids must differ and not be MLRT_NONE; if all are 0, they are 0, 1, 2, ... */
-    const void *vertices; /* float[3] each, aligned to 4 bytes */
-    size_t vertex_count;
-    size_t vertex_stride; /* bytes from one vertex to the next, a multiple of 4; 0 = 12 */
-    const void *indices;  /* NULL = consecutive vertices */
-    size_t triangle_count;
+    const void *vertices;   /* float[3] each, aligned to 4 bytes */
+    size_t vertex_count;    /* indices are less than this */
+    size_t vertex_stride;   /* bytes from one vertex to the next, a multiple of 4; 0 = 12 */
+    const void *indices;    /* NULL = consecutive vertices */
+    size_t triangle_count;  /* 0 is allowed */
     size_t triangle_stride; /* bytes from one index triple to the next, a multiple of index_size; 0 = 3 * index_size */
     uint32_t index_size;    /* 2 or 4; 0 = 4 */
     uint32_t mask;          /* seen by rays whose mask has a bit in common; 0 = all bits */
@@ -269,8 +271,9 @@ enum {
     MLRT_STRUCTURE_BVH = 2     /* a hierarchy of boxes, 16 a node, up to 16 triangles a leaf: methods tile and ray */
 };
 
+/* How to build: mlrt_build_kdtree. NULL or all zero but struct_size = defaults. */
 typedef struct mlrt_build_options {
-    uint32_t struct_size;
+    uint32_t struct_size;    /* sizeof(mlrt_build_options) */
     int32_t preset;          /* MLRT_TREE_* */
     uint32_t rules_off;      /* kd-tree: MLRT_RULE_* or-ed together; 0 = every rule is on */
     uint32_t max_depth;      /* kd-tree: inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
@@ -281,7 +284,7 @@ typedef struct mlrt_build_options {
     size_t message_size;     /* its size in bytes */
     struct mlrt_pool *pool;  /* NULL = the calling thread alone, which builds kd-trees anyhow; the tree is the same */
     uint32_t structures;     /* MLRT_STRUCTURE_*; 0 = MLRT_STRUCTURE_BVH, of preset PAPER the kd-tree */
-    uint32_t reserved;       /* 0 */
+    uint32_t reserved;       /* must be 0 */
     const mlrt_host *host;   /* NULL = malloc and silence */
     uint64_t memory_limit;   /* bytes held at one time at most, or MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
 } mlrt_build_options;
@@ -315,16 +318,22 @@ MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, c
 
 /* How much memory mlrt_build_kdtree takes, foreseen: mlrt_estimate_memory. */
 typedef struct mlrt_memory_estimate {
-    uint32_t struct_size;
-    uint32_t reserved;
+    uint32_t struct_size;      /* sizeof(mlrt_memory_estimate) */
+    uint32_t reserved;         /* set to 0 */
     uint64_t memory_size;      /* bytes held by the tree */
     uint64_t peak_memory_size; /* bytes held at most at one time while building */
 } mlrt_memory_estimate;
 
 /*
- * Foresees the memory of mlrt_build_kdtree with the same arguments, from numbers of triangles alone: of the meshes only
- * triangle_count is looked at. Of a hierarchy of boxes scenes of more than a few hundred triangles take 80 to 100 % of
- * what is said; of a kd-tree it is a guess, and can be off by two. What holds is a memory_limit.
+ * Foresees the memory of mlrt_build_kdtree with the same arguments, from numbers of triangles alone.
+ *
+ *   meshes      as for mlrt_build_kdtree; of each only triangle_count is looked at.
+ *   mesh_count  how many there are.
+ *   options     NULL = defaults.
+ *   estimate    receives the answer (struct_size must be set).
+ *
+ * Of a hierarchy of boxes scenes of more than a few hundred triangles take 80 to 100 % of what is said; of a kd-tree it
+ * is a guess, and can be off by two. What holds is a memory_limit.
  */
 MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
                                       mlrt_memory_estimate *estimate);
@@ -337,7 +346,7 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
  * Bytes and seconds are those of all there is.
  */
 typedef struct mlrt_tree_info {
-    uint32_t struct_size;
+    uint32_t struct_size;      /* sizeof(mlrt_tree_info) */
     uint32_t depth;            /* inner nodes above the deepest leaf */
     uint64_t triangle_count;   /* as given, left-out ones included */
     uint64_t non_finite_count; /* left out: a vertex is NaN or infinite */
@@ -352,9 +361,9 @@ typedef struct mlrt_tree_info {
     uint64_t tree_hash;        /* over nodes and leaf entries: equal trees have equal hashes */
     double sah_cost;           /* expected cost of a random ray through the scene box, in intersection_cost = 1; of
                                   boxes: in units of a node's */
-    double build_seconds;
-    float bounds_min[3]; /* of the triangles in the tree; all 0 if there is none */
-    float bounds_max[3];
+    double build_seconds;      /* of the whole call, by the clock on the wall */
+    float bounds_min[3];       /* the least coordinates of triangles in the tree; all 0 if there is none */
+    float bounds_max[3];       /* the greatest, likewise */
 } mlrt_tree_info;
 
 /* Fills *info (struct_size must be set). */
@@ -365,17 +374,23 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * Writes a tree, triangles and all, to `buffer`, for mlrt_load_tree. *size receives how many bytes that takes; with
- * `buffer` = NULL that is all. A capacity less than that is MLRT_ERROR_ARGUMENT, and nothing is written.
+ * Writes a tree, triangles and all, to memory, for mlrt_load_tree.
+ *
+ *   tree      the tree, which stays as it is.
+ *   buffer    where to write; NULL = nowhere, to learn the size.
+ *   capacity  bytes that `buffer` has room for. Less than it takes is MLRT_ERROR_ARGUMENT, and nothing is written.
+ *   size      receives how many bytes it takes.
  */
 MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size);
 
+/* How to load: mlrt_load_options.flags, or-ed together */
 enum {
     MLRT_LOAD_IN_PLACE = 1 /* use the data where it lies: it must stay, unchanged, as long as the tree */
 };
 
+/* How to load: mlrt_load_tree. NULL or all zero but struct_size = defaults. */
 typedef struct mlrt_load_options {
-    uint32_t struct_size;
+    uint32_t struct_size;   /* sizeof(mlrt_load_options) */
     uint32_t flags;         /* MLRT_LOAD_* */
     uint64_t geometry_hash; /* what mlrt_hash_geometry says the triangles are; others are MLRT_ERROR_DATA. 0 = any */
     char *message;          /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
@@ -387,9 +402,10 @@ typedef struct mlrt_load_options {
 /*
  * Makes a tree of what mlrt_save_tree wrote: the same tree, with the same answers.
  *
- *   data     `size` bytes, at any address. A file mapped into memory will do. With MLRT_LOAD_IN_PLACE they are used
+ *   data     what was saved, at any address. A file mapped into memory will do. With MLRT_LOAD_IN_PLACE they are used
  *            where they lie, if the address is a multiple of 64 (else they are copied), and the tree takes next to no
  *            memory of its own.
+ *   size     bytes of data.
  *   options  NULL = defaults.
  *   tree     receives the tree, or NULL after an error.
  *
@@ -401,8 +417,12 @@ typedef struct mlrt_load_options {
 MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree);
 
 /*
- * A hash of meshes as mlrt_build_kdtree takes them: ids, masks, and the corners of all triangles in order. It is the
- * same however they are indexed and laid out in memory, and on every machine. Is a saved tree still that of my meshes?
+ * A hash of meshes: of ids, masks, and the corners of all triangles in order. It is the same however they are indexed
+ * and laid out in memory, and on every machine. Is a saved tree still that of my meshes?
+ *
+ *   meshes      as for mlrt_build_kdtree.
+ *   mesh_count  how many there are.
+ *   hash        receives the hash.
  */
 MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, uint64_t *hash);
 
@@ -431,13 +451,14 @@ typedef void *(*mlrt_enqueue_callback)(void *user, mlrt_task_function function, 
 /* Waits until a task (not NULL) that `enqueue` returned has been run; it may run it, or others, meanwhile. */
 typedef void (*mlrt_finish_callback)(void *user, void *task);
 
+/* What pool to make: mlrt_create_pool_with_options. All zero but struct_size = as of mlrt_create_pool with 0. */
 typedef struct mlrt_pool_options {
-    uint32_t struct_size;
+    uint32_t struct_size;  /* sizeof(mlrt_pool_options) */
     uint32_t thread_count; /* as in mlrt_create_pool; with `enqueue`, at most so many tasks at once, the caller's too */
     const mlrt_host *host; /* NULL = malloc */
-    void *user;            /* handed to the two that follow */
-    mlrt_enqueue_callback enqueue; /* both, or neither: then the pool starts threads of its own */
-    mlrt_finish_callback finish;
+    void *user;            /* handed to `enqueue` and `finish` */
+    mlrt_enqueue_callback enqueue; /* NULL = the pool starts threads of its own */
+    mlrt_finish_callback finish;   /* given if `enqueue` is, and only then */
 } mlrt_pool_options;
 
 /*
@@ -489,8 +510,8 @@ enum {
 
 /* What to ask: mlrt_trace_options.query */
 enum {
-    MLRT_QUERY_CLOSEST = 0,
-    MLRT_QUERY_ANY = 1 /* is there a hit at all: only mlrt_hits.occluded is written */
+    MLRT_QUERY_CLOSEST = 0, /* the closest hit: of mlrt_hits all but `occluded` */
+    MLRT_QUERY_ANY = 1      /* is there a hit at all: only mlrt_hits.occluded is written */
 };
 
 /* Method multilevel: how a beam is tested against a cell (the paper, section 3.3), mlrt_trace_options.culling */
@@ -511,10 +532,10 @@ enum {
 
 /* Results a tile callback receives: mlrt_trace_options.outputs */
 enum {
-    MLRT_OUTPUT_T = 1,
-    MLRT_OUTPUT_UV = 2,
-    MLRT_OUTPUT_IDS = 4, /* mesh and triangle */
-    MLRT_OUTPUT_FACING = 8,
+    MLRT_OUTPUT_T = 1,        /* t */
+    MLRT_OUTPUT_UV = 2,       /* u and v */
+    MLRT_OUTPUT_IDS = 4,      /* mesh and triangle */
+    MLRT_OUTPUT_FACING = 8,   /* facing */
     MLRT_OUTPUT_TRIANGLE = 16 /* the triangle without its mesh: half as much to write, where there is one mesh only */
 };
 
@@ -528,8 +549,8 @@ enum {
  * counters stay as they are.
  */
 typedef struct mlrt_counters {
-    uint32_t struct_size;
-    uint32_t reserved;     /* 0 */
+    uint32_t struct_size;  /* sizeof(mlrt_counters) */
+    uint32_t reserved;     /* must be 0 */
     uint64_t ray_count;    /* rays traced */
     uint64_t packet_count; /* groups of rays traced together: packets, or less where directions differ; rays
                             * that went alone. Of method tile only the latter */
@@ -550,9 +571,9 @@ typedef struct mlrt_counters {
     uint64_t lane_test_count;         /* (ray, triangle) pairs that the float filter looked at */
     uint64_t undecided_test_count;    /* of triangle_test_count, those with a judged ray */
     uint64_t tie_lane_count;          /* (ray, triangle) pairs settled because the nearest hit lies in the same plane */
-    uint64_t exact_edge_count;        /* decisions that double left to exact arithmetic: beside which edge, */
-    uint64_t exact_range_count;       /*   within t_min and t_max, */
-    uint64_t exact_order_count;       /*   which of two hits is nearer */
+    uint64_t exact_edge_count;        /* decisions left to exact arithmetic: on which side of an edge a ray passes */
+    uint64_t exact_range_count;       /* decisions left to exact arithmetic: is a hit within t_min and t_max? */
+    uint64_t exact_order_count;       /* decisions left to exact arithmetic: which of two hits is nearer? */
 } mlrt_counters;
 
 /*
@@ -565,7 +586,7 @@ typedef struct mlrt_counters {
  * culling_check and shortcuts_off are checked, and do nothing there.
  */
 typedef struct mlrt_trace_options {
-    uint32_t struct_size;
+    uint32_t struct_size;       /* sizeof(mlrt_trace_options) */
     int32_t query;              /* MLRT_QUERY_* */
     int32_t method;             /* MLRT_METHOD_* */
     int32_t isa;                /* MLRT_ISA_* */
@@ -584,7 +605,7 @@ typedef struct mlrt_trace_options {
 
 /* An array of results. `data` = NULL: not wanted, and not computed. */
 typedef struct mlrt_array {
-    void *data;
+    void *data;        /* the first element; NULL = not wanted */
     size_t stride;     /* bytes from one element to the next; 0 = packed */
     size_t row_stride; /* bytes from one row of pixels to the next; 0 = width * stride. Only in mlrt_render_tiles */
 } mlrt_array;
@@ -594,25 +615,25 @@ typedef struct mlrt_array {
  * write must be NULL.
  */
 typedef struct mlrt_hits {
-    uint32_t struct_size;
-    uint32_t reserved;   /* 0 */
-    mlrt_array t;        /* float: the distance in units of |d|; inf = miss */
-    mlrt_array u;        /* float: the weight of the triangle's second vertex */
-    mlrt_array v;        /* float: the weight of its third */
-    mlrt_array mesh;     /* uint32_t: the id of the mesh; MLRT_NONE = miss */
-    mlrt_array triangle; /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
-    mlrt_array facing;   /* int32_t: sign of d . n; 0 = miss */
-    mlrt_array occluded; /* uint8_t: 1 = something is hit, 0 = nothing */
+    uint32_t struct_size; /* sizeof(mlrt_hits) */
+    uint32_t reserved;    /* must be 0 */
+    mlrt_array t;         /* float: the distance in units of |d|; inf = miss */
+    mlrt_array u;         /* float: the weight of the triangle's second vertex */
+    mlrt_array v;         /* float: the weight of its third */
+    mlrt_array mesh;      /* uint32_t: the id of the mesh; MLRT_NONE = miss */
+    mlrt_array triangle;  /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
+    mlrt_array facing;    /* int32_t: sign of d . n; 0 = miss */
+    mlrt_array occluded;  /* uint8_t: 1 = something is hit, 0 = nothing */
 } mlrt_hits;
 
 /* ------------------------------------------------------------------------------------------------------------------
  * Tracing rays
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* An input array. */
+/* An input array. Where it may be left out, `data` = NULL does that. */
 typedef struct mlrt_const_array {
-    const void *data;
-    size_t stride; /* bytes from one element to the next; 0 = packed */
+    const void *data; /* the first element */
+    size_t stride;    /* bytes from one element to the next; 0 = packed */
 } mlrt_const_array;
 
 /*
@@ -620,7 +641,7 @@ typedef struct mlrt_const_array {
  * `row_length` let groups be squares instead. Any rays give right answers; alike ones are faster.
  */
 typedef struct mlrt_rays {
-    uint32_t struct_size;
+    uint32_t struct_size;        /* sizeof(mlrt_rays) */
     uint32_t row_length;         /* rays per row of a picture; 0 = a plain list. A hint for speed only */
     size_t count;                /* at most 2^31 - 1 */
     mlrt_const_array origins;    /* float[3] */
@@ -634,43 +655,55 @@ typedef struct mlrt_rays {
 } mlrt_rays;
 
 /*
- * Traces any number of rays. The results of ray i go to element i of the arrays in *hits.
+ * Traces any number of rays.
  *
- * `options` may be NULL. With a pool, the rays are shared out among its threads. Fewer or other threads, methods or
- * groupings never change a bit of the results.
+ *   tree     what to trace them in.
+ *   rays     the rays: arrays of the caller's.
+ *   options  what to ask, and how; NULL = the closest hits, by the calling thread.
+ *   hits     where to write: the results of ray i go to element i of its arrays.
+ *
+ * With a pool, the rays are shared out among its threads. Fewer or other threads, methods or groupings never change a
+ * bit of the results. After an error the arrays hold the results of some rays only, or of none.
  */
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits);
 
+/* What a ray has: mlrt_ray.flags, or-ed together */
 enum {
-    MLRT_RAY_SKIP = 1 /* mlrt_ray.flags: skip_mesh and skip_triangle hold */
+    MLRT_RAY_SKIP = 1 /* skip_mesh and skip_triangle hold */
 };
 
+/* A ray, for mlrt_trace_ray. */
 typedef struct mlrt_ray {
-    uint32_t struct_size;
-    uint32_t flags; /* MLRT_RAY_* */
-    float origin[3];
-    float direction[3];
-    float t_min;        /* 0 = hits in front of the origin */
-    float t_max;        /* 0 = no limit */
-    uint32_t skip_mesh; /* with MLRT_RAY_SKIP: the triangle that this ray passes */
-    uint32_t skip_triangle;
+    uint32_t struct_size;   /* sizeof(mlrt_ray) */
+    uint32_t flags;         /* MLRT_RAY_* */
+    float origin[3];        /* o */
+    float direction[3];     /* d, of any length */
+    float t_min;            /* 0 = hits in front of the origin */
+    float t_max;            /* 0 = no limit */
+    uint32_t skip_mesh;     /* with MLRT_RAY_SKIP: the mesh, as reported, of the triangle that this ray passes */
+    uint32_t skip_triangle; /* with MLRT_RAY_SKIP: the triangle, as reported */
 } mlrt_ray;
 
+/* What mlrt_trace_ray found. */
 typedef struct mlrt_hit {
-    uint32_t struct_size;
-    float t; /* inf = miss */
-    float u;
-    float v;
-    uint32_t mesh;     /* MLRT_NONE = miss */
-    uint32_t triangle; /* MLRT_NONE = miss */
-    int32_t facing;    /* 0 = miss */
-    uint32_t occluded; /* 1 = something is hit. With MLRT_QUERY_ANY the only field written */
+    uint32_t struct_size; /* sizeof(mlrt_hit) */
+    float t;              /* the distance in units of |d|; inf = miss */
+    float u;              /* the weight of the triangle's second vertex */
+    float v;              /* the weight of its third */
+    uint32_t mesh;        /* the id of the mesh; MLRT_NONE = miss */
+    uint32_t triangle;    /* the number of the triangle in its mesh; MLRT_NONE = miss */
+    int32_t facing;       /* sign of d . n; 0 = miss */
+    uint32_t occluded;    /* 1 = something is hit. With MLRT_QUERY_ANY the only field written */
 } mlrt_hit;
 
 /*
- * Traces one ray. `options` may be NULL; a pool does nothing. For more than a few rays use mlrt_trace_packet: for rays
- * that are alike it is many times faster per ray.
+ * Traces one ray. For more than a few use mlrt_trace_packet: for rays that are alike it is many times faster per ray.
+ *
+ *   tree     what to trace it in.
+ *   ray      the ray.
+ *   options  what to ask, and how; NULL = the closest hit. A pool does nothing.
+ *   hit      receives the result (struct_size must be set).
  */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit);
@@ -684,16 +717,16 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
  * data = NULL is not wanted. Elements behind a ray's last hit are written as misses.
  */
 typedef struct mlrt_hit_lists {
-    uint32_t struct_size;
-    uint32_t capacity;   /* hits written per ray at most; 0 = only the totals, and no arrays of hits */
-    mlrt_array t;        /* float */
-    mlrt_array u;        /* float */
-    mlrt_array v;        /* float */
-    mlrt_array mesh;     /* uint32_t */
-    mlrt_array triangle; /* uint32_t */
-    mlrt_array facing;   /* int32_t */
-    mlrt_array crossing; /* uint8_t: 1 = this hit crosses the surface, 0 = it only touches it, or there is no hit */
-    mlrt_array total;    /* uint32_t, one per ray: how many hits it has, also beyond `capacity` */
+    uint32_t struct_size; /* sizeof(mlrt_hit_lists) */
+    uint32_t capacity;    /* hits written per ray at most; 0 = only the totals, and no arrays of hits */
+    mlrt_array t;         /* float */
+    mlrt_array u;         /* float */
+    mlrt_array v;         /* float */
+    mlrt_array mesh;      /* uint32_t */
+    mlrt_array triangle;  /* uint32_t */
+    mlrt_array facing;    /* int32_t */
+    mlrt_array crossing;  /* uint8_t: 1 = this hit crosses the surface, 0 = it only touches it, or there is no hit */
+    mlrt_array total;     /* uint32_t, one per ray: how many hits it has, also beyond `capacity` */
     mlrt_array crossing_total; /* uint32_t, one per ray: how many of these cross */
 } mlrt_hit_lists;
 
@@ -707,9 +740,13 @@ typedef struct mlrt_hit_lists {
  * Muecke, "Simulation of Simplicity", 1990). Along any ray from a point that does not lie on a closed mesh, with t_max
  * = inf, crossing_total is odd if the point is inside, and even if it is outside.
  *
- * `options` may be NULL; of its fields only pool and counters matter, though all are checked. MLRT_ERROR_OUT_OF_MEMORY
- * is possible: hits are gathered in memory that grows with the hits of one ray. The arrays then hold the results of
- * some rays only.
+ *   tree     what to trace them in.
+ *   rays     the rays: arrays of the caller's.
+ *   options  NULL = defaults. Of its fields only pool and counters matter, though all are checked.
+ *   lists    where to write.
+ *
+ * MLRT_ERROR_OUT_OF_MEMORY is possible: hits are gathered in memory that grows with the hits of one ray. The arrays
+ * then hold the results of some rays only.
  */
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists);
@@ -718,6 +755,7 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
  * Tracing pictures
  * ------------------------------------------------------------------------------------------------------------------ */
 
+/* How rays leave a camera: mlrt_camera.projection */
 enum {
     MLRT_PROJECTION_PINHOLE = 0, /* rays from one point */
     MLRT_PROJECTION_PARALLEL = 1 /* rays in one direction: an orthographic camera, the view of a directional light */
@@ -734,23 +772,23 @@ enum {
  * So mlrt_camera_rays, and anyone else, can write out the very rays that mlrt_render_tiles traces.
  */
 typedef struct mlrt_camera {
-    uint32_t struct_size;
-    int32_t projection; /* MLRT_PROJECTION_* */
-    uint32_t width;     /* pixels of the whole picture, 1..2^23 each */
-    uint32_t height;
-    uint32_t crop_x;      /* render only the crop_width x crop_height pixels from here; the results of its */
-    uint32_t crop_y;      /*   first pixel are the first of the frame */
-    uint32_t crop_width;  /* 0 = up to the right edge */
-    uint32_t crop_height; /* 0 = up to the last row */
+    uint32_t struct_size; /* sizeof(mlrt_camera) */
+    int32_t projection;   /* MLRT_PROJECTION_* */
+    uint32_t width;       /* columns of the whole picture, 1..2^23 */
+    uint32_t height;      /* rows of the whole picture, 1..2^23 */
+    uint32_t crop_x;      /* the first column to render: column 0 of the frame */
+    uint32_t crop_y;      /* the first row to render: row 0 of the frame */
+    uint32_t crop_width;  /* columns to render; 0 = up to the right edge */
+    uint32_t crop_height; /* rows to render; 0 = up to the last */
     float eye[3];         /* pinhole: where the rays start */
     float direction[3];   /* parallel: where the rays go */
-    float d00[3];         /* see above */
-    float dx[3];          /* from one pixel to the next in a row */
-    float dy[3];          /* from one row to the next */
-    float sample_x;       /* where in the pixel: 0.5 = the middle */
-    float sample_y;
-    float t_min; /* 0 = hits in front of the origin */
-    float t_max; /* 0 = no limit */
+    float d00[3];         /* p of x = 0, y = 0 */
+    float dx[3];          /* from p of one pixel to that of the next in a row */
+    float dy[3];          /* from p of one row to that of the next */
+    float sample_x;       /* where in the pixel, along the row: 0.5 = the middle */
+    float sample_y;       /* where in the pixel, across the rows: 0.5 = the middle */
+    float t_min;          /* 0 = hits in front of the origin */
+    float t_max;          /* 0 = no limit */
 } mlrt_camera;
 
 /*
@@ -759,19 +797,19 @@ typedef struct mlrt_camera {
  * They live in the worker's cache and are gone when the callback returns.
  */
 typedef struct mlrt_tile {
-    uint32_t struct_size;
-    uint32_t worker; /* 0..threads - 1: which worker calls; 0 is the caller's own thread */
-    uint32_t x;
-    uint32_t y;
-    uint32_t width;
-    uint32_t height;
-    const float *t;
-    const float *u;
-    const float *v;
-    const uint32_t *mesh;
-    const uint32_t *triangle;
-    const int32_t *facing;
-    const uint8_t *occluded;
+    uint32_t struct_size;     /* sizeof(mlrt_tile), the library's */
+    uint32_t worker;          /* 0..threads - 1: which worker calls; 0 is the caller's own thread */
+    uint32_t x;               /* the column of its first pixel */
+    uint32_t y;               /* the row of its first pixel */
+    uint32_t width;           /* in pixels */
+    uint32_t height;          /* in pixels */
+    const float *t;           /* with MLRT_OUTPUT_T; elements are as in mlrt_hits */
+    const float *u;           /* with MLRT_OUTPUT_UV */
+    const float *v;           /* with MLRT_OUTPUT_UV */
+    const uint32_t *mesh;     /* with MLRT_OUTPUT_IDS */
+    const uint32_t *triangle; /* with MLRT_OUTPUT_IDS or MLRT_OUTPUT_TRIANGLE */
+    const int32_t *facing;    /* with MLRT_OUTPUT_FACING */
+    const uint8_t *occluded;  /* with MLRT_QUERY_ANY */
 } mlrt_tile;
 
 /*
@@ -784,8 +822,12 @@ typedef int32_t (*mlrt_tile_callback)(void *user, const mlrt_tile *tile);
 /*
  * Renders a picture: traces the ray of every pixel of the camera's crop.
  *
+ *   tree      what to trace them in.
+ *   camera    the camera.
+ *   options   what to ask, and how; NULL = the closest hits, by the calling thread.
  *   frame     where to write: element (column, row) of the crop, with the strides given. NULL = nowhere.
- *   callback  called with each tile's results; NULL = none. `user` is handed to it.
+ *   callback  called with each tile's results; NULL = none.
+ *   user      handed to the callback.
  *
  * At least one of frame and callback must be given. Invalid pixels (a ray whose direction rounds to 0, say) are misses.
  */
@@ -793,8 +835,12 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
                                    const mlrt_hits *frame, mlrt_tile_callback callback, void *user);
 
 /*
- * Writes out the rays of a camera's crop, row by row: crop_width * crop_height origins and directions of float[3].
- * Tracing them gives what mlrt_render_tiles gives, bit for bit. Either array may have data = NULL.
+ * Writes out the rays of a camera's crop, row by row: crop_width * crop_height origins and directions. Tracing them
+ * gives what mlrt_render_tiles gives, bit for bit.
+ *
+ *   camera      the camera. Its t_min and t_max are not written.
+ *   origins     receives float[3] each; NULL, or data = NULL: not wanted.
+ *   directions  likewise.
  */
 MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions);
 
@@ -802,41 +848,55 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
  * Light
  * ------------------------------------------------------------------------------------------------------------------ */
 
+/* What `position` says: mlrt_light.kind */
 enum {
     MLRT_LIGHT_POINT = 0,      /* position = where it is */
     MLRT_LIGHT_DIRECTIONAL = 1 /* position = the direction towards it, of any length */
 };
 
+/* Where light comes from. */
 typedef struct mlrt_light {
-    uint32_t struct_size;
-    int32_t kind; /* MLRT_LIGHT_* */
-    float position[3];
+    uint32_t struct_size; /* sizeof(mlrt_light) */
+    int32_t kind;         /* MLRT_LIGHT_* */
+    float position[3];    /* finite */
 } mlrt_light;
 
 /* Points that may be in shadow. */
 typedef struct mlrt_points {
-    uint32_t struct_size;
-    uint32_t row_length; /* as in mlrt_rays */
-    size_t count;
+    uint32_t struct_size;       /* sizeof(mlrt_points) */
+    uint32_t row_length;        /* as in mlrt_rays */
+    size_t count;               /* at most 2^31 - 1 */
     mlrt_const_array positions; /* float[3] */
     mlrt_const_array
         skip; /* uint32_t[2]: mesh and triangle that the point lies on, which do not shade it; NULL = none */
 } mlrt_points;
 
 /*
- * Writes 1 to element i of *occluded (uint8_t) if something lies between point i and the light, 0 if nothing does.
+ * Finds out which points are in the shadow of a light.
+ *
+ *   tree      what may lie between.
+ *   points    the points: arrays of the caller's.
+ *   light     the light.
+ *   options   NULL = defaults. Its `query` is ignored.
+ *   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does.
  *
  * The ray is, for a point light at L, o = L, d = fl(P - L) per component, 0 < t <= 1; for a directional light o = P,
  * d = position, 0 < t. A point at the light itself or with a coordinate that is not finite is not occluded.
- * Give points moved off their surface by mlrt_offset_point, and the surface in `skip`. options->query is ignored.
+ * Give points moved off their surface by mlrt_offset_point, and the surface in `skip`.
  */
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded);
 
 /*
- * A point just off a triangle: next to (1 - u - v) a + u b + v c, strictly on the side that `side` names, of the
- * triangle `triangle` of mesh id `mesh`. side = +1: where the normal (b - a) x (c - a) points; -1: the other. For the
- * side a ray came from, give -facing of its hit.
+ * Finds a point just off a triangle a b c: next to (1 - u - v) a + u b + v c, strictly on one side.
+ *
+ *   tree      the tree that has the triangle.
+ *   mesh      the id of its mesh, and
+ *   triangle  its number there, as reported with hits.
+ *   u, v      where on the triangle, as reported with hits; any finite numbers.
+ *   side      +1: where the normal (b - a) x (c - a) points; -1: the other. For the side a ray came from, give -facing
+ *             of its hit.
+ *   point     receives the point.
  *
  * Promise: no ray that starts at the point and goes to the same side, or along the plane, hits that triangle.
  *
