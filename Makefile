@@ -11,6 +11,8 @@
 #   make charts          docs/*.png, on the same scenes: accuracy-* of charts-accuracy (speed against wrong decisions,
 #                        stability, stages) and speed-* of charts-speed (beside Embree; some 20 minutes)
 #   make deps-study      installs what they need besides: Embree 3 to compare with, matplotlib to draw
+#   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
+#                        doxygen for it
 #   make install         into $(DESTDIR)$(PREFIX)
 #   make format          clang-format over everything
 #   make clean
@@ -69,7 +71,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps deps-study demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean
+.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean
 .SECONDARY:
 
 all: library examples
@@ -167,8 +169,12 @@ deps:
 deps-study: deps
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib'
 
+deps-docs:
+	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='doxygen python3'
+
 # `make deps test` probes for packages after deps has run: the work is done by a second make.
-AFTER_DEPS := $(filter deps deps-study,$(MAKECMDGOALS))
+AFTER_DEPS := $(filter deps deps-study deps-docs,$(MAKECMDGOALS))
 
 # ---- demo ----------------------------------------------------------------------------------------------------------
 
@@ -252,6 +258,14 @@ test: | $(AFTER_DEPS)
 test-python: library
 	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
 	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
+
+# ---- reference -----------------------------------------------------------------------------------------------------
+
+docs: | $(AFTER_DEPS)
+	@command -v doxygen >/dev/null || { echo "docs: no doxygen: make deps-docs installs it"; exit 1; }
+	@rm -rf build/docs && mkdir -p build/docs
+	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
+	@echo "docs: build/docs/html/index.html"
 
 # ---- install -------------------------------------------------------------------------------------------------------
 
