@@ -37,8 +37,8 @@
  *   - The closest hit has the smallest N / D; of equal ones the first in the input wins (mesh by position, then
  *     triangle).
  *   - Any-hit says yes exactly if there is a closest hit.
- *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), each correctly rounded,
- * and facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0, mesh =
+ *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), correctly rounded, and
+ *     facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0, mesh =
  *     triangle = MLRT_NONE, facing = 0.
  *
  * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
@@ -49,23 +49,25 @@
  * fields, in multiples of 4 bytes, and never change the meaning or the place of those that are here. So header and
  * library may be of different versions: fields that the caller's struct is too short for count as 0 and are not
  * written; those that the library does not know must be 0, and if they are for results, they are set to 0. Otherwise,
- * and for a size below that of version 0.1, the answer is MLRT_ERROR_STRUCT_SIZE. The size of an array's element is
- * that of the first. Only mlrt_array, mlrt_const_array and mlrt_tile never grow, or grow at the end of what is
- * handed out.
+ * and for a size that no version has (less than in 0.1, say, or far more than the library's), the answer is
+ * MLRT_ERROR_STRUCT_SIZE. In an array of structs all have the struct_size of the first. mlrt_array and mlrt_const_array
+ * have no struct_size and never grow. That of mlrt_tile is set by the library.
  *
- * Arrays are a pointer and a byte stride; stride 0 means packed. An address aligned to 4 bytes is enough, and no byte
- * outside the elements is read or written.
+ * Arrays are a pointer and a byte stride; stride 0 means packed. Addresses and strides must be multiples of 4 (of 2
+ * for 2-byte indices, of 1 for uint8_t), or the answer is MLRT_ERROR_ARGUMENT. No byte outside the elements is read or
+ * written.
  *
  * Ownership. Arguments are borrowed for the length of the call; a tree or pool keeps the allocator of the host it was
- * made with. Only mlrt_create_*, mlrt_build_* and mlrt_load_* hand something out, and it goes to mlrt_destroy_tree or
- * mlrt_destroy_pool. Destroying NULL does nothing.
+ * made with, a pool also its hooks, and a tree loaded with MLRT_LOAD_IN_PLACE its data. Only mlrt_create_*,
+ * mlrt_build_* and mlrt_load_* hand something out, and it goes to mlrt_destroy_tree or mlrt_destroy_pool. Destroying
+ * NULL does nothing.
  *
  * Errors. Functions that can fail return an int32_t status, MLRT_OK = 0 or one of MLRT_ERROR_*; new codes may be added.
  * After an error nothing is leaked and outputs given by handle are NULL. The library never prints, exits or aborts.
  *
  * Threads. There are no threads unless the caller made a pool, and no global state. A tree never changes after it is
- * built: any number of threads may trace it at once. A pool serves one call at a time; calls that share one wait for
- * each other.
+ * built: any number of threads may trace it at once. A pool of threads serves one call at a time; calls that share one
+ * wait for each other (not so with mlrt_pool_options.enqueue).
  */
 #ifndef MLRT_H
 #define MLRT_H
@@ -99,10 +101,10 @@ enum {
     MLRT_OK = 0,                  /* it worked */
     MLRT_ERROR_ARGUMENT = 1,      /* a pointer is NULL that must not be, or a value is out of its range */
     MLRT_ERROR_STRUCT_SIZE = 2,   /* a struct_size is not set, or not of any version */
-    MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; see build_options.message */
-    MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed; nothing was kept */
+    MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; mlrt_build_options.message */
+    MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed, or a memory_limit was reached; nothing was kept */
     MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
-    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside of it, numbers that are not finite, no plane */
+    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside of it, numbers not finite, dx and dy parallel */
     MLRT_ERROR_UNSUPPORTED = 7, /* an instruction set that is not in this machine or build, or a method for a structure
                                    that the tree does not have */
     MLRT_ERROR_THREAD = 8,      /* the system would not start a thread */
@@ -186,8 +188,9 @@ enum {
 typedef void (*mlrt_log_callback)(void *user, int32_t level, const char *message);
 
 /*
- * Told how much of a call is done, 0..1 and never less than before: every few milliseconds, and at the end. Return 0
- * to go on; anything else ends the call within some milliseconds, and it returns MLRT_ERROR_CANCELLED.
+ * Told how much of a call is done, 0..1 and never less than before: every few milliseconds, and 1 at the end if it went
+ * well. Return 0 to go on; anything else (but for the answer to 1) ends the call within some milliseconds, and it
+ * returns MLRT_ERROR_CANCELLED.
  */
 typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
 
@@ -220,7 +223,7 @@ typedef struct mlrt_tree mlrt_tree;
  * An indexed triangle mesh in the caller's memory.
  *
  * Vertices are three floats each. Indices are three unsigned integers per triangle, of 2 or 4 bytes; with
- * `indices` = NULL, triangle i consists of the vertices 3i, 3i + 1, 3i + 2.
+ * `indices` = NULL, triangle i consists of the vertices 3i, 3i + 1, 3i + 2. Elements may not overlap.
  */
 typedef struct mlrt_mesh {
     uint32_t struct_size; /* sizeof(mlrt_mesh) */
@@ -271,7 +274,11 @@ enum {
     MLRT_STRUCTURE_BVH = 2     /* a hierarchy of boxes, 16 a node, up to 16 triangles a leaf: methods tile and ray */
 };
 
-/* How to build: mlrt_build_kdtree. NULL or all zero but struct_size = defaults. */
+/*
+ * How to build: mlrt_build_kdtree. NULL or all zero but struct_size = defaults.
+ *
+ * `message` receives an empty text if all went well, and nothing if the options themselves are wrong.
+ */
 typedef struct mlrt_build_options {
     uint32_t struct_size;    /* sizeof(mlrt_build_options) */
     int32_t preset;          /* MLRT_TREE_* */
@@ -300,12 +307,12 @@ typedef struct mlrt_build_options {
  *
  * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
  * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
- * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh, triangle and index. At most
- * 2^30 - 1 triangles in all, or MLRT_ERROR_TOO_LARGE.
+ * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh (by position), triangle and index.
+ * At most 2^30 - 1 triangles in all, or MLRT_ERROR_TOO_LARGE.
  *
  * Memory, the triangles' 36 bytes included: a hierarchy of boxes takes some 83 to 92 bytes per triangle, at most 129
  * while it is built (FAST: 83 to 85 and 117, BEST: 85 to 101 and 150), a kd-tree 60 to 90 and twice that. Meshes of a
- * few triangles take more. mlrt_tree_info says how much it was.
+ * few triangles take more, and masks 4 bytes per triangle. mlrt_tree_info says how much it was.
  *
  * Method, hierarchy of boxes: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A.
  * Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009), and the best way to put sixteen boxes into a node
@@ -327,7 +334,7 @@ typedef struct mlrt_memory_estimate {
 /*
  * Foresees the memory of mlrt_build_kdtree with the same arguments, from numbers of triangles alone.
  *
- *   meshes      as for mlrt_build_kdtree; of each only triangle_count is looked at.
+ *   meshes      as for mlrt_build_kdtree; of each, struct_size and triangle_count are enough.
  *   mesh_count  how many there are.
  *   options     NULL = defaults.
  *   estimate    receives the answer (struct_size must be set).
@@ -430,7 +437,7 @@ MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, 
  * Threads
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* A pool of pthreads that calls given it in their options share their work with. */
+/* A pool: threads, its own or those of the host's job system, among which calls share out their work. */
 typedef struct mlrt_pool mlrt_pool;
 
 /*
@@ -541,8 +548,8 @@ enum {
 
 /*
  * What traversal did, of the kd-tree in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to
- * what is there, so that one struct can collect several calls; they can differ between methods and machines. Counting
- * takes time: that of method tile is done in plain C.
+ * what is there, so that one struct can collect several calls, one at a time; they can differ between methods and
+ * machines. Counting takes time: that of method tile is done in plain C.
  *
  * Method tile looks at sixteen packets, or at sixteen tiles of them, at once. So cells and tests are shared by up to
  * 256 or 4096 rays, and are not to be compared with those of the kd-tree. It has no beams and entry points: these
@@ -600,14 +607,15 @@ typedef struct mlrt_trace_options {
     uint32_t mask;              /* rays see the meshes whose mask has a bit in common with this one; 0 = all bits */
     mlrt_pool *pool;            /* NULL = the calling thread alone */
     mlrt_counters *counters;    /* NULL = not counted, at no cost, but for the kd-tree, whose kernels always count */
-    const mlrt_host *host;      /* NULL = malloc and silence. Not used by mlrt_trace_ray, which takes no memory */
+    const mlrt_host *host;      /* NULL = malloc and silence. Not used by mlrt_trace_ray with method default or ray */
 } mlrt_trace_options;
 
 /* An array of results. `data` = NULL: not wanted, and not computed. */
 typedef struct mlrt_array {
     void *data;        /* the first element; NULL = not wanted */
     size_t stride;     /* bytes from one element to the next; 0 = packed */
-    size_t row_stride; /* bytes from one row of pixels to the next; 0 = width * stride. Only in mlrt_render_tiles */
+    size_t row_stride; /* bytes from one row of pixels to the next, in mlrt_render_tiles and mlrt_camera_rays; 0 =
+                          packed */
 } mlrt_array;
 
 /*
@@ -742,7 +750,7 @@ typedef struct mlrt_hit_lists {
  *
  *   tree     what to trace them in.
  *   rays     the rays: arrays of the caller's.
- *   options  NULL = defaults. Of its fields only pool and counters matter, though all are checked.
+ *   options  NULL = defaults. Of its fields only mask, pool, counters and host matter, though all are checked.
  *   lists    where to write.
  *
  * MLRT_ERROR_OUT_OF_MEMORY is possible: hits are gathered in memory that grows with the hits of one ray. The arrays
@@ -774,7 +782,7 @@ enum {
 typedef struct mlrt_camera {
     uint32_t struct_size; /* sizeof(mlrt_camera) */
     int32_t projection;   /* MLRT_PROJECTION_* */
-    uint32_t width;       /* columns of the whole picture, 1..2^23 */
+    uint32_t width;       /* columns of the whole picture, 1..2^23. The crop has 2^31 - 1 pixels at most */
     uint32_t height;      /* rows of the whole picture, 1..2^23 */
     uint32_t crop_x;      /* the first column to render: column 0 of the frame */
     uint32_t crop_y;      /* the first row to render: row 0 of the frame */
@@ -794,7 +802,8 @@ typedef struct mlrt_camera {
 /*
  * A finished tile, as arrays: the result of pixel (x + i, y + j), counted like the camera's pixels, is element
  * j * width + i. Arrays not asked for in the options' `outputs` (with MLRT_QUERY_ANY: all but `occluded`) are NULL.
- * They live in the worker's cache and are gone when the callback returns.
+ * They live in the worker's cache and are gone when the callback returns. No two calls at a time have the same
+ * `worker`. (Of a pool with hooks that is the number of a task, whatever thread runs it.)
  */
 typedef struct mlrt_tile {
     uint32_t struct_size;     /* sizeof(mlrt_tile), the library's */
