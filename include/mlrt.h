@@ -409,8 +409,8 @@ typedef struct mlrt_load_options {
 /*
  * Makes a tree of what mlrt_save_tree wrote: the same tree, with the same answers.
  *
- *   data     what was saved, at any address. A file mapped into memory will do. With MLRT_LOAD_IN_PLACE they are used
- *            where they lie, if the address is a multiple of 64 (else they are copied), and the tree takes next to no
+ *   data     what was saved, at any address. A file mapped into memory will do. With MLRT_LOAD_IN_PLACE it is used
+ *            where it lies, if the address is a multiple of 64 (else it is copied), and the tree takes next to no
  *            memory of its own.
  *   size     bytes of data.
  *   options  NULL = defaults.
