@@ -162,19 +162,19 @@ impl Tree {
             facing: array(&mut hits.facing),
             ..Default::default()
         };
-        self.call(origins, directions, ffi::MLRT_QUERY_CLOSEST, pool, out).map(|()| hits)
+        self.call(origins, directions, ffi::MLRT_QUERY_CLOSEST as i32, pool, out).map(|()| hits)
     }
 
     /// Does the ray hit anything at all?
     pub fn occluded(&self, origins: &[[f32; 3]], directions: &[[f32; 3]], pool: Option<&Pool>) -> Result<Vec<bool>, Error> {
         let mut occluded = vec![false; origins.len()]; // the library writes bytes 0 and 1
         let out = ffi::mlrt_hits { occluded: array(&mut occluded), ..Default::default() };
-        self.call(origins, directions, ffi::MLRT_QUERY_ANY, pool, out).map(|()| occluded)
+        self.call(origins, directions, ffi::MLRT_QUERY_ANY as i32, pool, out).map(|()| occluded)
     }
 
     /// The arrays of `out` have an element for each origin.
     fn call(
-        &self, origins: &[[f32; 3]], directions: &[[f32; 3]], query: u32, pool: Option<&Pool>, mut out: ffi::mlrt_hits,
+        &self, origins: &[[f32; 3]], directions: &[[f32; 3]], query: i32, pool: Option<&Pool>, mut out: ffi::mlrt_hits,
     ) -> Result<(), Error> {
         if origins.len() != directions.len() {
             let details = format!("{} origins, {} directions", origins.len(), directions.len());
@@ -191,7 +191,7 @@ impl Tree {
         };
         let options = ffi::mlrt_trace_options {
             struct_size: size_of::<ffi::mlrt_trace_options>() as u32,
-            query: query as i32,
+            query,
             pool: pool.map_or(ptr::null_mut(), |pool| pool.0.as_ptr()),
             ..Default::default()
         };

@@ -1,0 +1,3 @@
+module mlrt
+
+go 1.21
