@@ -4,6 +4,7 @@
 #   make deps            installs what examples and tests need (Debian and Ubuntu; elsewhere it says what)
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
+#   make test-bindings   tests the bindings of other languages, of those whose tools are installed
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           how fast it is, beside Embree 3 if `make deps-study` installed it: procedural scenes, and
@@ -71,7 +72,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean
+.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean test-bindings
 .SECONDARY:
 
 all: library examples
@@ -267,6 +268,10 @@ docs: | $(AFTER_DEPS)
 	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
 	@echo "docs: build/docs/html/index.html"
 
+test-bindings: library
+	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
+	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
+
 # ---- install -------------------------------------------------------------------------------------------------------
 
 install: library
@@ -285,7 +290,7 @@ install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] tests/*.[ch] tests/words/*.[ch]
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] tests/*.[ch] tests/words/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp
 
 clean:
 	rm -rf build

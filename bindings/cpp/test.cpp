@@ -67,7 +67,8 @@ int main() {
     require(status_of([&] { mlrt::Tree wrong(meshes); }, "triangle 1") == MLRT_ERROR_INDEX_RANGE, "index out of range");
     require(status_of([&] { mlrt::Pool wrong(5000); }, mlrt_status_string(MLRT_ERROR_ARGUMENT)) == MLRT_ERROR_ARGUMENT,
             "too many threads");
-    require(status_of([&] { tree.trace(origins, {}); }, "origins") == MLRT_ERROR_ARGUMENT, "rays without directions");
+    require(status_of([&] { tree.trace(origins, {}); }, "three floats") == MLRT_ERROR_ARGUMENT,
+            "rays without directions");
 
     mlrt::Tree moved(std::move(tree)), other(meshes = {});
     require(status_of([&] { tree.trace(origins, directions); }, "") == MLRT_ERROR_ARGUMENT, "a moved-from tree");

@@ -10,6 +10,7 @@
  * meanwhile. The library is $MLRT_LIBRARY, or else what the system finds as libmlrt.so.0.
  */
 'use strict';
+const { promisify } = require('node:util');
 const koffi = require('koffi');
 
 const library = koffi.load(process.env.MLRT_LIBRARY || 'libmlrt.so.0');
@@ -22,16 +23,17 @@ const structs = {
     mlrt_mesh: {
         struct_size: 'uint32_t', id: 'uint32_t', vertices: 'const void *', vertex_count: 'size_t',
         vertex_stride: 'size_t', indices: 'const void *', triangle_count: 'size_t', triangle_stride: 'size_t',
-        index_size: 'uint32_t', reserved: 'uint32_t',
+        index_size: 'uint32_t', mask: 'uint32_t',
     },
     mlrt_build_options: {
         struct_size: 'uint32_t', preset: 'int32_t', rules_off: 'uint32_t', max_depth: 'uint32_t',
         max_references: 'uint64_t', traversal_cost: 'float', intersection_cost: 'float', message: 'void *',
         message_size: 'size_t', pool: 'void *', structures: 'uint32_t', reserved: 'uint32_t',
+        host: 'void *', memory_limit: 'uint64_t',
     },
     mlrt_rays: {
         struct_size: 'uint32_t', row_length: 'uint32_t', count: 'size_t', origins: constArray, directions: constArray,
-        t_min: constArray, t_max: constArray, skip: constArray,
+        t_min: constArray, t_max: constArray, skip: constArray, mask: constArray,
     },
     mlrt_hits: {
         struct_size: 'uint32_t', reserved: 'uint32_t', t: array, u: array, v: array, mesh: array, triangle: array,
@@ -40,13 +42,15 @@ const structs = {
     mlrt_trace_options: {
         struct_size: 'uint32_t', query: 'int32_t', method: 'int32_t', isa: 'int32_t', culling: 'int32_t',
         culling_check: 'uint32_t', initial_tile_size: 'uint32_t', minimum_tile_size: 'uint32_t',
-        split_factor: 'uint32_t', outputs: 'uint32_t', shortcuts_off: 'uint32_t', reserved: 'uint32_t', pool: 'void *',
-        counters: 'void *',
+        split_factor: 'uint32_t', outputs: 'uint32_t', shortcuts_off: 'uint32_t', mask: 'uint32_t', pool: 'void *',
+        counters: 'void *', host: 'void *',
     },
 };
 const types = Object.fromEntries(Object.entries(structs).map(([name, fields]) => [name, koffi.struct(name, fields)]));
 
 const C = {
+    version: library.func('uint32_t mlrt_version()'),
+    structSizes: library.func('void mlrt_struct_sizes(_Out_ uint32_t *sizes, uint32_t count)'),
     statusString: library.func('const char *mlrt_status_string(int32_t status)'),
     createPool: library.func('int32_t mlrt_create_pool(uint32_t thread_count, _Out_ void **pool)'),
     destroyPool: library.func('void mlrt_destroy_pool(void *pool)'),
@@ -54,6 +58,16 @@ const C = {
     destroyTree: library.func('void mlrt_destroy_tree(void *tree)'),
     trace: library.func('int32_t mlrt_trace_packet(void *tree, const mlrt_rays *rays, const mlrt_trace_options *options, const mlrt_hits *hits)'),
 };
+
+// Of the version that this file was written for, each layout must be the library's. The numbers are MLRT_STRUCT_*.
+const places = { mlrt_mesh: 1, mlrt_build_options: 2, mlrt_trace_options: 8, mlrt_hits: 10, mlrt_rays: 12 };
+if (C.version() === 100) {
+    const sizes = new Uint32Array(13);
+    C.structSizes(sizes, sizes.length);
+    for (const [name, place] of Object.entries(places)) {
+        if (sizes[place] !== koffi.sizeof(types[name])) throw new Error(`mlrt: ${name} is not the library's`);
+    }
+}
 
 /** A struct for a call: zero but for its size and what `fields` says. */
 function struct(name, fields) {
@@ -177,17 +191,18 @@ class Tree extends Handle {
     }
 
     /** The same as a promise. Leave the arrays alone until it is settled. */
-    traceAsync(origins, directions, { pool } = {}) {
+    async traceAsync(origins, directions, { pool } = {}) {
         const hits = Tree.#hits(origins.length / 3);
-        const held = [this, pool].filter(Boolean), inputs = this.#call(origins, directions, 0, pool, hits);
-        return new Promise((resolve, reject) => {
-            C.trace.async(this.handle, ...inputs, (error, status) => {
-                held.forEach((object) => object.hold(-1));
-                if (error || status !== 0) reject(error || new MlrtError(status));
-                else resolve(hits, inputs);
-            });
-            held.forEach((object) => object.hold(1));
-        });
+        const call = [this.handle, ...this.#call(origins, directions, 0, pool, hits)];
+        const used = [this, pool].filter(Boolean);
+        used.forEach((object) => object.hold(1));
+        try {
+            check(await promisify(C.trace.async)(...call));
+        } finally {
+            used.forEach((object) => object.hold(-1));
+            call.length = 0; // the arrays in it had to be reachable until now
+        }
+        return hits;
     }
 
     /** 1 for each ray that hits anything, else 0: a Uint8Array. */
