@@ -69,7 +69,7 @@ test_node() {
     if ! npm ls koffi >/dev/null 2>&1; then
         npm install --no-package-lock --no-audit --no-fund --prefer-offline || skip "npm cannot install koffi"
     fi
-    node --test test.js
+    node --expose-gc test.js
 }
 
 # The newest Java kit from 22 on, where java.lang.foreign came to stay.
@@ -91,10 +91,22 @@ test_lua() {
     luajit test.lua
 }
 
+# Tests whose layouts are written by hand print a line `layout STRUCT FIELD OFFSET` for each field, or `layout STRUCT
+# sizeof SIZE`. The compiler compares them with the header.
+check_layouts() {
+    {
+        echo '#include <mlrt.h>'
+        sed -n -e 's/.*layout \([a-z_]*\) sizeof \([0-9]*\)$/_Static_assert(sizeof(\1) == \2, "size of \1");/p; t' \
+            -e 's/.*layout \([a-z_]*\) \([a-z_]*\) \([0-9]*\)$/_Static_assert(offsetof(\1, \2) == \3, "place of \1.\2");/p' "$1"
+    } >"$work/layouts.c"
+    case $language in node | java | lua) grep -q offsetof "$work/layouts.c" ;; esac
+    ${CC:-cc} -std=c11 -fsyntax-only $flags "$work/layouts.c"
+}
+
 passed=0 failed=0 skipped=0 golden=
 for language in c cpp rust go node java lua; do
     log=$work/$language.log
-    (set -e; "test_$language") >"$log" 2>&1
+    (set -e; "test_$language"; check_layouts "$log" >&2) >"$log" 2>&1
     status=$?
     hash=$(grep -oE '\b[0-9a-f]{16}$' "$log" | sort -u) # a test may run several times
     [ "$language" = c ] && golden=$hash

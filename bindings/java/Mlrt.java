@@ -49,27 +49,27 @@ public final class Mlrt {
     private static final ValueLayout.OfLong L = JAVA_LONG;
     private static final ValueLayout.OfFloat F = JAVA_FLOAT;
 
-    private static StructLayout struct(Object... typesAndNames) {
+    private static StructLayout struct(String name, Object... typesAndNames) {
         var members = new MemoryLayout[typesAndNames.length / 2];
         for (int i = 0; i < members.length; i++) {
             members[i] = ((MemoryLayout) typesAndNames[2 * i]).withName((String) typesAndNames[2 * i + 1]);
         }
-        return MemoryLayout.structLayout(members);
+        return MemoryLayout.structLayout(members).withName(name);
     }
 
-    private static final StructLayout ARRAY = struct(P, "data", L, "stride", L, "row_stride");
-    private static final StructLayout CONST_ARRAY = struct(P, "data", L, "stride");
-    private static final StructLayout MESH = struct(I, "struct_size", I, "id", P, "vertices", L, "vertex_count",
+    static final StructLayout ARRAY = struct("mlrt_array", P, "data", L, "stride", L, "row_stride");
+    static final StructLayout CONST_ARRAY = struct("mlrt_const_array", P, "data", L, "stride");
+    static final StructLayout MESH = struct("mlrt_mesh", I, "struct_size", I, "id", P, "vertices", L, "vertex_count",
         L, "vertex_stride", P, "indices", L, "triangle_count", L, "triangle_stride", I, "index_size", I, "mask");
-    private static final StructLayout BUILD_OPTIONS = struct(I, "struct_size", I, "preset", I, "rules_off",
+    static final StructLayout BUILD_OPTIONS = struct("mlrt_build_options", I, "struct_size", I, "preset", I, "rules_off",
         I, "max_depth", L, "max_references", F, "traversal_cost", F, "intersection_cost", P, "message",
         L, "message_size", P, "pool", I, "structures", I, "reserved", P, "host", L, "memory_limit");
-    private static final StructLayout TRACE_OPTIONS = struct(I, "struct_size", I, "query", I, "method", I, "isa",
+    static final StructLayout TRACE_OPTIONS = struct("mlrt_trace_options", I, "struct_size", I, "query", I, "method", I, "isa",
         I, "culling", I, "culling_check", I, "initial_tile_size", I, "minimum_tile_size", I, "split_factor",
         I, "outputs", I, "shortcuts_off", I, "mask", P, "pool", P, "counters", P, "host");
-    private static final StructLayout HITS = struct(I, "struct_size", I, "reserved", ARRAY, "t", ARRAY, "u", ARRAY, "v",
+    static final StructLayout HITS = struct("mlrt_hits", I, "struct_size", I, "reserved", ARRAY, "t", ARRAY, "u", ARRAY, "v",
         ARRAY, "mesh", ARRAY, "triangle", ARRAY, "facing", ARRAY, "occluded");
-    private static final StructLayout RAYS = struct(I, "struct_size", I, "row_length", L, "count",
+    static final StructLayout RAYS = struct("mlrt_rays", I, "struct_size", I, "row_length", L, "count",
         CONST_ARRAY, "origins", CONST_ARRAY, "directions", CONST_ARRAY, "t_min", CONST_ARRAY, "t_max",
         CONST_ARRAY, "skip", CONST_ARRAY, "mask");
 
@@ -90,14 +90,17 @@ public final class Mlrt {
     private static final MethodHandle DESTROY_TREE = function("mlrt_destroy_tree", null, P);
     private static final MethodHandle TRACE = function("mlrt_trace_packet", I, P, P, P, P);
 
-    // Of the version that this file was written for, each layout must be the library's. The numbers are MLRT_STRUCT_*.
+    /** By their numbers MLRT_STRUCT_*. */
+    static final Map<Integer, StructLayout> PLACES =
+        Map.of(1, MESH, 2, BUILD_OPTIONS, 8, TRACE_OPTIONS, 9, ARRAY, 10, HITS, 11, CONST_ARRAY, 12, RAYS);
+
+    // Of the version that this file was written for, each layout must be the library's.
     static {
-        var places = Map.of(1, MESH, 2, BUILD_OPTIONS, 8, TRACE_OPTIONS, 9, ARRAY, 10, HITS, 11, CONST_ARRAY, 12, RAYS);
         try (var arena = Arena.ofConfined()) {
             var sizes = arena.allocate(I, 13);
             STRUCT_SIZES.invokeExact(sizes, 13);
             boolean sameVersion = (int) VERSION.invokeExact() == 100;
-            places.forEach((place, layout) -> {
+            PLACES.forEach((place, layout) -> {
                 if (sameVersion && sizes.getAtIndex(I, place) != layout.byteSize())
                     throw new LinkageError("mlrt: not the library's: " + layout);
             });

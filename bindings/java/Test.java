@@ -2,7 +2,10 @@
 package mlrt;
 
 import java.lang.foreign.Arena;
+import java.lang.foreign.MemoryLayout;
+import java.lang.foreign.MemoryLayout.PathElement;
 import java.lang.foreign.MemorySegment;
+import java.lang.foreign.StructLayout;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 
@@ -100,5 +103,16 @@ final class Test {
         System.gc();
 
         System.out.printf("%016x%n", hash);
+        Mlrt.PLACES.values().forEach(Test::print);
+    }
+
+    /** For a C compiler to look at. */
+    private static void print(StructLayout layout) {
+        String name = layout.name().orElseThrow();
+        System.out.printf("layout %s sizeof %d%n", name, layout.byteSize());
+        for (MemoryLayout member : layout.memberLayouts()) {
+            String field = member.name().orElseThrow();
+            System.out.printf("layout %s %s %d%n", name, field, layout.byteOffset(PathElement.groupElement(field)));
+        }
     }
 }

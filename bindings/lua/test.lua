@@ -69,3 +69,9 @@ tree, pool = nil, nil
 collectgarbage()
 
 print(hash(hits))
+
+-- For a C compiler to look at.
+for name, fields in io.open("mlrt.lua"):read("*a"):gmatch "typedef struct (mlrt_[%w_]+) {(.-)} mlrt_" do
+    print("layout " .. name .. " sizeof " .. ffi.sizeof(name))
+    for field in fields:gmatch "([%w_]+)%s*[,;]" do print("layout " .. name .. " " .. field .. " " .. ffi.offsetof(name, field)) end
+end

@@ -213,4 +213,5 @@ class Tree extends Handle {
     }
 }
 
-module.exports = { Tree, Pool, MlrtError, NONE: 0xFFFFFFFF };
+// `library` and `types` are for declaring more of mlrt.h with koffi.
+module.exports = { Tree, Pool, MlrtError, NONE: 0xFFFFFFFF, library, types };

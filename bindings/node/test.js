@@ -2,6 +2,7 @@
 // The scene of bindings/c/scene.h: prints the hash of the answers, and checks errors and closing.
 'use strict';
 const assert = require('node:assert');
+const koffi = require('koffi');
 const { test } = require('node:test');
 const mlrt = require('./mlrt.js');
 
@@ -61,11 +62,25 @@ test('errors say what is wrong', () => {
     assert.deepStrictEqual([...empty.trace(new Float32Array(3), Float32Array.of(0, 0, 1)).mesh], [mlrt.NONE]);
 });
 
-test('closed means closed', () => {
+test('closed means closed', async () => {
     const tree = new mlrt.Tree(...meshes), pool = new mlrt.Pool(2);
     pool.close();
     assert.throws(() => tree.trace(origins, directions, { pool }), /closed/);
     tree.close();
     tree.close();
     assert.throws(() => tree.trace(origins, directions), /closed/);
+    for (let i = 0; i < 100; i++) {
+        const forgotten = new mlrt.Tree(...meshes);
+        if (i % 2) forgotten.close();
+    }
+    global.gc(); // frees the others, and those not again
+    await new Promise(setImmediate);
 });
+
+// For a C compiler to look at.
+for (const [name, type] of Object.entries(mlrt.types)) {
+    console.log(`layout ${name} sizeof ${koffi.sizeof(type)}`);
+    for (const field of Object.keys(koffi.type(type).members)) {
+        console.log(`layout ${name} ${field} ${koffi.offsetof(type, field)}`);
+    }
+}
