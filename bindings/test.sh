@@ -103,7 +103,14 @@ check_layouts() {
     ${CC:-cc} -std=c11 -fsyntax-only $flags "$work/$language.c"
 }
 
-languages='c cpp rust go node java lua'
+test_python() {
+    need python3
+    python3 -c 'import numpy' || skip "no numpy"
+    cd "$source/python/tests" # the library is that in build/
+    PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest test_scene
+}
+
+languages='c cpp python rust go node java lua'
 for language in $languages; do
     (
         set +e

@@ -154,7 +154,10 @@ func (tree *Tree) Trace(origins, directions [][3]float32, pool *Pool) (*Hits, er
 	out.t.data, out.u.data, out.v.data = pin(&pinner, hits.T), pin(&pinner, hits.U), pin(&pinner, hits.V)
 	out.mesh.data, out.triangle.data = pin(&pinner, hits.Mesh), pin(&pinner, hits.Triangle)
 	out.facing.data = pin(&pinner, hits.Facing)
-	return hits, tree.call(origins, directions, C.MLRT_QUERY_CLOSEST, pool, &out)
+	if err := tree.call(origins, directions, C.MLRT_QUERY_CLOSEST, pool, &out); err != nil {
+		return nil, err
+	}
+	return hits, nil
 }
 
 // Occluded says whether each ray hits anything at all. The pool may be nil.
@@ -164,7 +167,10 @@ func (tree *Tree) Occluded(origins, directions [][3]float32, pool *Pool) ([]bool
 	defer pinner.Unpin()
 	out := C.mlrt_hits{struct_size: C.sizeof_mlrt_hits}
 	out.occluded.data = pin(&pinner, occluded)
-	return occluded, tree.call(origins, directions, C.MLRT_QUERY_ANY, pool, &out)
+	if err := tree.call(origins, directions, C.MLRT_QUERY_ANY, pool, &out); err != nil {
+		return nil, err
+	}
+	return occluded, nil
 }
 
 // call traces into out, whose arrays have an element for each origin and are pinned.

@@ -17,7 +17,8 @@ fn folder(variable: &str, question: &str) -> Option<String> {
 
 fn main() {
     println!("cargo:rerun-if-env-changed=PKG_CONFIG_PATH");
-    let header = folder("MLRT_INCLUDE_DIR", "--cflags-only-I").map_or("/usr/include".into(), PathBuf::from).join("mlrt.h");
+    let header =
+        folder("MLRT_INCLUDE_DIR", "--cflags-only-I").map_or("/usr/include".into(), PathBuf::from).join("mlrt.h");
     if let Some(libraries) = folder("MLRT_LIB_DIR", "--libs-only-L") {
         println!("cargo:rustc-link-search=native={libraries}");
     }

@@ -45,14 +45,22 @@ impl fmt::Display for Error {
         // SAFETY: never NULL, and static.
         let text = unsafe { CStr::from_ptr(ffi::mlrt_status_string(self.status)) }.to_string_lossy();
         f.write_str(&text)?;
-        if self.details.is_empty() { Ok(()) } else { write!(f, ": {}", self.details) }
+        if self.details.is_empty() {
+            Ok(())
+        } else {
+            write!(f, ": {}", self.details)
+        }
     }
 }
 
 impl std::error::Error for Error {}
 
 fn check(status: i32, details: impl FnOnce() -> String) -> Result<(), Error> {
-    if status == ffi::MLRT_OK as i32 { Ok(()) } else { Err(Error { status, details: details() }) }
+    if status == ffi::MLRT_OK as i32 {
+        Ok(())
+    } else {
+        Err(Error { status, details: details() })
+    }
 }
 
 /// Threads that calls share their work with. Calls that share a pool wait for each other.
@@ -166,7 +174,12 @@ impl Tree {
     }
 
     /// Does the ray hit anything at all?
-    pub fn occluded(&self, origins: &[[f32; 3]], directions: &[[f32; 3]], pool: Option<&Pool>) -> Result<Vec<bool>, Error> {
+    pub fn occluded(
+        &self,
+        origins: &[[f32; 3]],
+        directions: &[[f32; 3]],
+        pool: Option<&Pool>,
+    ) -> Result<Vec<bool>, Error> {
         let mut occluded = vec![false; origins.len()]; // the library writes bytes 0 and 1
         let out = ffi::mlrt_hits { occluded: array(&mut occluded), ..Default::default() };
         self.call(origins, directions, ffi::MLRT_QUERY_ANY as i32, pool, out).map(|()| occluded)
@@ -174,7 +187,12 @@ impl Tree {
 
     /// The arrays of `out` have an element for each origin.
     fn call(
-        &self, origins: &[[f32; 3]], directions: &[[f32; 3]], query: i32, pool: Option<&Pool>, mut out: ffi::mlrt_hits,
+        &self,
+        origins: &[[f32; 3]],
+        directions: &[[f32; 3]],
+        query: i32,
+        pool: Option<&Pool>,
+        mut out: ffi::mlrt_hits,
     ) -> Result<(), Error> {
         if origins.len() != directions.len() {
             let details = format!("{} origins, {} directions", origins.len(), directions.len());

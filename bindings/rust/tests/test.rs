@@ -34,9 +34,10 @@ fn hash(hits: &Hits) -> u64 {
 #[test]
 fn the_same_answers() -> Result<(), mlrt::Error> {
     let mut draw = Draw(1);
-    let mut arrays: Vec<(Vec<[f32; 3]>, Vec<[u32; 3]>)> = Vec::new();
-    for _ in 0..2 {
-        arrays.push(((0..100).map(|_| draw.point(256.)).collect(), (0..150).map(|_| draw.triangle()).collect()));
+    let mut arrays: [(Vec<[f32; 3]>, Vec<[u32; 3]>); 2] = Default::default();
+    for (vertices, triangles) in &mut arrays {
+        vertices.extend((0..100).map(|_| draw.point(256.)));
+        triangles.extend((0..150).map(|_| draw.triangle()));
     }
     let (mut origins, mut directions) = (Vec::new(), Vec::new());
     for i in 0..1000 {
