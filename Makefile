@@ -5,6 +5,7 @@
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
 #   make test-bindings   tests the bindings of other languages, of those whose tools are installed
+#   make deps-bindings   installs what Debian has of these: LuaJIT, and clang for its libclang, which Rust needs
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           how fast it is, beside Embree 3 if `make deps-study` installed it: procedural scenes, and
@@ -72,7 +73,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean test-bindings
+.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean test-bindings deps-bindings
 .SECONDARY:
 
 all: library examples
@@ -177,6 +178,12 @@ deps-docs:
 # `make deps test` probes for packages after deps has run: the work is done by a second make.
 AFTER_DEPS := $(filter deps deps-study deps-docs,$(MAKECMDGOALS))
 
+deps-bindings: deps
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
+
+# `make deps test` probes for packages after deps has run: the work is done by a second make.
+AFTER_DEPS := $(filter deps deps-study deps-bindings,$(MAKECMDGOALS))
+
 # ---- demo ----------------------------------------------------------------------------------------------------------
 
 demo: | $(AFTER_DEPS)
@@ -269,6 +276,9 @@ docs: | $(AFTER_DEPS)
 	@echo "docs: build/docs/html/index.html"
 
 test-bindings: library
+
+test-bindings: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory library
 	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
 	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
 
