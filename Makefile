@@ -175,14 +175,11 @@ deps-docs:
 	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='doxygen python3'
 
-# `make deps test` probes for packages after deps has run: the work is done by a second make.
-AFTER_DEPS := $(filter deps deps-study deps-docs,$(MAKECMDGOALS))
-
 deps-bindings: deps
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
 
 # `make deps test` probes for packages after deps has run: the work is done by a second make.
-AFTER_DEPS := $(filter deps deps-study deps-bindings,$(MAKECMDGOALS))
+AFTER_DEPS := $(filter deps deps-%,$(MAKECMDGOALS))
 
 # ---- demo ----------------------------------------------------------------------------------------------------------
 
@@ -267,6 +264,11 @@ test-python: library
 	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
 	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
 
+test-bindings: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory library
+	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
+	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
+
 # ---- reference -----------------------------------------------------------------------------------------------------
 
 docs: | $(AFTER_DEPS)
@@ -274,13 +276,6 @@ docs: | $(AFTER_DEPS)
 	@rm -rf build/docs && mkdir -p build/docs
 	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
 	@echo "docs: build/docs/html/index.html"
-
-test-bindings: library
-
-test-bindings: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory library
-	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
-	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
 
 # ---- install -------------------------------------------------------------------------------------------------------
 

@@ -184,7 +184,7 @@ enum {
     MLRT_LOG_INFO = 2     /* what was built, and how long it took */
 };
 
-/* Receives one line (UTF-8, no newline), valid for the length of the call. */
+/* Receives one line (UTF-8, no newline, 255 bytes at most), valid for the length of the call. */
 typedef void (*mlrt_log_callback)(void *user, int32_t level, const char *message);
 
 /*
@@ -198,9 +198,10 @@ typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
  * What the program around the library provides: options that have a `host` may point to one. Any function may be NULL.
  *
  * `allocate` and `free` are given both or neither; neither means malloc and free. A call with a host takes all its
- * memory from it, and a tree or a pool that it makes keeps both functions and `user` until it is destroyed. They may
- * be called from the thread of the call only; so may `log`. `progress` may be called from the threads of the call's
- * pool too, but never twice at a time. No function may call the library with the same pool, or jump out of it.
+ * memory from it, and a tree or a pool that it makes keeps both functions and `user` until it is destroyed. They are
+ * called from the thread of the call only, and so is `log`; but mlrt_trace_all_hits calls them from the threads of its
+ * pool too, several at a time. `progress` may come from any of these threads, but never twice at a time. None of them
+ * may jump out of the library, or use the pool of the call that calls it, unless that pool has tasks.
  */
 typedef struct mlrt_host {
     uint32_t struct_size;            /* sizeof(mlrt_host) */
@@ -607,7 +608,7 @@ typedef struct mlrt_trace_options {
     uint32_t mask;              /* rays see the meshes whose mask has a bit in common with this one; 0 = all bits */
     mlrt_pool *pool;            /* NULL = the calling thread alone */
     mlrt_counters *counters;    /* NULL = not counted, at no cost, but for the kd-tree, whose kernels always count */
-    const mlrt_host *host;      /* NULL = malloc and silence. Not used by mlrt_trace_ray with method default or ray */
+    const mlrt_host *host;      /* NULL = malloc and silence. Not used by mlrt_trace_ray */
 } mlrt_trace_options;
 
 /* An array of results. `data` = NULL: not wanted, and not computed. */
@@ -823,8 +824,9 @@ typedef struct mlrt_tile {
 
 /*
  * Called once per tile of initial_tile_size squared (less at the edges), from the threads of the pool, several at a
- * time. It may call any tracing function, without a pool. Return 0 to go on; anything else ends the render soon, and
- * mlrt_render_tiles returns MLRT_ERROR_CANCELLED.
+ * time. It may call any tracing function, but not with the pool of the render, unless that has tasks
+ * (mlrt_pool_options). Return 0 to go on; anything else ends the render soon, and mlrt_render_tiles returns
+ * MLRT_ERROR_CANCELLED.
  */
 typedef int32_t (*mlrt_tile_callback)(void *user, const mlrt_tile *tile);
 

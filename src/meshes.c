@@ -146,12 +146,17 @@ static int32_t copy_triangles(const mlrt_mesh *mesh, uint32_t position, const st
     return MLRT_OK;
 }
 
+int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count)
+{
+    uint32_t common = ~0u;
+    for (size_t i = 0; i < mesh_count; ++i) common &= mlrt_mesh_at(meshes, i).mask;
+    return common != ~0u;
+}
+
 /* A word for each triangle, if some mesh has a mask. */
 static int32_t set_masks(const mlrt_mesh *meshes, struct mlrt_tree *tree)
 {
-    uint32_t all = ~0u;
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) all &= mlrt_mesh_at(meshes, i).mask;
-    if (all == ~0u) return MLRT_OK;
+    if (!mlrt_have_masks(meshes, tree->mesh_count)) return MLRT_OK;
     tree->masks = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->masks);
     if (!tree->masks) return MLRT_ERROR_OUT_OF_MEMORY;
     for (uint32_t i = 0; i < tree->mesh_count; ++i) {

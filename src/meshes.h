@@ -15,6 +15,9 @@ int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *
 /* A mesh of an array that was checked, with defaults resolved: strides, index_size, mask. */
 mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i);
 
+/* Does one of these meshes have a mask, other than all bits? */
+int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count);
+
 /* Copies a triangle of such a mesh: 0 if one of its vertices does not exist, whose index then is *index. */
 int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_triangle *copy, uint64_t *index);
 

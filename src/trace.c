@@ -74,6 +74,7 @@ static int32_t take_options(const mlrt_trace_options *given, struct call *call)
     if (counters && mlrt_check_result_size(counters, FIRST_COUNTERS_SIZE, sizeof *counters) != MLRT_OK) {
         return MLRT_ERROR_STRUCT_SIZE;
     }
+    if (counters && counters->reserved != 0) return MLRT_ERROR_ARGUMENT;
     return mlrt_take_host(call->options.host, &call->run.host);
 }
 
@@ -137,7 +138,8 @@ static int32_t take_rays(const mlrt_rays *given, mlrt_rays *rays)
 
 static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
 {
-    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
+    const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
+    return status == MLRT_OK && hits->reserved != 0 ? MLRT_ERROR_ARGUMENT : status;
 }
 
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
@@ -230,7 +232,9 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
         hits.triangle.data = &hit->triangle;
         hits.facing.data = &hit->facing;
     }
-    const int32_t status = mlrt_trace_packet(tree, &rays, options, &hits);
+    mlrt_trace_options alone = *options;
+    alone.host = NULL;
+    const int32_t status = mlrt_trace_packet(tree, &rays, &alone, &hits);
     if (status == MLRT_OK) hit->occluded = any ? occluded : hit->triangle != MLRT_NONE;
     return status;
 }
@@ -338,7 +342,8 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
 static int can_write_floats(const mlrt_array *array)
 {
     return !array || !array->data ||
-           ((uintptr_t)array->data % 4 == 0 && array->stride % 4 == 0 && array->row_stride % 4 == 0);
+           ((uintptr_t)array->data % 4 == 0 && array->stride % 4 == 0 && array->row_stride % 4 == 0 &&
+            (array->stride == 0 || array->stride >= 12));
 }
 
 static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)

@@ -45,6 +45,7 @@ static int32_t take_options(const mlrt_build_options *given, struct call *call)
     }
     call->voice.message = call->options.message;
     call->voice.message_size = call->options.message_size;
+    mlrt_begin_message(&call->voice);
     call->options.structures = resolve_structures(&call->options);
     const int32_t status = check_options(&call->options);
     return status == MLRT_OK ? mlrt_take_host(call->options.host, &call->voice.host) : status;
@@ -103,6 +104,8 @@ static void tell_failure(const struct call *call, const struct mlrt_memory *memo
     if (status == MLRT_ERROR_OUT_OF_MEMORY && limit) {
         mlrt_explain(&call->voice, "out of memory: %.0f bytes held, limit %.0f", (double)memory->held_size,
                      (double)limit);
+    } else if (status == MLRT_ERROR_CANCELLED) {
+        mlrt_log(&call->voice, MLRT_LOG_INFO, "stopped by the host");
     } else if (status != MLRT_ERROR_INDEX_RANGE) {
         mlrt_explain(&call->voice, "%s", mlrt_status_string(status));
     }
@@ -139,7 +142,6 @@ MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, c
     struct call call;
     int32_t status = take_options(options, &call);
     if (status != MLRT_OK) return status;
-    mlrt_begin_message(&call.voice);
     const uint64_t environment = mlrt_enter_fp_environment();
     status = build_tree(meshes, mesh_count, &call, tree);
     mlrt_leave_fp_environment(environment);
@@ -169,11 +171,11 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
 
 /* ---- memory, before ---- */
 
-static MLRT_NOINLINE void foresee(const mlrt_build_options *options, uint32_t triangle_count, size_t mesh_count,
-                                  mlrt_memory_estimate *estimate)
+static MLRT_NOINLINE void foresee(const mlrt_build_options *options, uint32_t triangle_count, int have_masks,
+                                  size_t mesh_count, mlrt_memory_estimate *estimate)
 {
-    const uint64_t always = sizeof(struct mlrt_tree) + triangle_count * (uint64_t)sizeof(struct mlrt_triangle) +
-                            mesh_count * 3 * sizeof(uint32_t);
+    const uint64_t size = sizeof(struct mlrt_triangle) + (have_masks ? sizeof(uint32_t) : 0);
+    const uint64_t always = sizeof(struct mlrt_tree) + triangle_count * size + mesh_count * 3 * sizeof(uint32_t);
     struct mlrt_demand kdtree = {0, 0}, boxes = {0, 0};
     if (options->structures & MLRT_STRUCTURE_KDTREE) kdtree = mlrt_foresee_nodes(options, triangle_count);
     if (options->structures & MLRT_STRUCTURE_BVH) boxes = mlrt_foresee_bvh(options, triangle_count);
@@ -196,7 +198,7 @@ MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count
     if (status != MLRT_OK) return status;
     memset(&own, 0, sizeof own);
     const uint64_t environment = mlrt_enter_fp_environment();
-    foresee(&call.options, triangle_count, mesh_count, &own);
+    foresee(&call.options, triangle_count, mlrt_have_masks(meshes, mesh_count), mesh_count, &own);
     mlrt_leave_fp_environment(environment);
     mlrt_give_struct(&own, sizeof own, estimate);
     return MLRT_OK;

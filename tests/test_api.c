@@ -560,6 +560,21 @@ static void tracing_with_wrong_struct_sizes(void **state)
     }
 }
 
+static void reserved_fields_must_be_zero(void **state)
+{
+    (void)state;
+    mlrt_counters counters = {.struct_size = sizeof counters, .reserved = 1};
+    struct call call;
+    make_call(&call);
+    call.hits.reserved = 1;
+    assert_call(&call, MLRT_ERROR_ARGUMENT);
+    make_call(&call);
+    call.options.counters = &counters;
+    assert_call(&call, MLRT_ERROR_ARGUMENT);
+    const mlrt_build_options options = {.struct_size = sizeof options, .reserved = 1};
+    assert_options(&options, MLRT_ERROR_ARGUMENT);
+}
+
 static void too_many_rays(void **state)
 {
     (void)state;
@@ -1187,6 +1202,7 @@ int main(void)
         cmocka_unit_test(tracing_without_origins_or_directions),
         cmocka_unit_test(tracing_no_rays_needs_no_arrays),
         cmocka_unit_test(tracing_with_wrong_struct_sizes),
+        cmocka_unit_test(reserved_fields_must_be_zero),
         cmocka_unit_test(too_many_rays),
         cmocka_unit_test(trace_codes_out_of_range),
         cmocka_unit_test(tile_sizes_out_of_range),

@@ -323,6 +323,11 @@ static void estimates_need_no_meshes(void **state)
     assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &estimate), MLRT_OK);
     assert_in_range(estimate.memory_size, 80000000, 110000000);
     assert_in_range(estimate.peak_memory_size, 110000000, 150000000);
+    mlrt_memory_estimate with_mask = estimate;
+    mesh.mask = 1;
+    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &with_mask), MLRT_OK);
+    assert_int_equal(with_mask.memory_size - estimate.memory_size, 4000000);
+    assert_int_equal(with_mask.peak_memory_size - estimate.peak_memory_size, 4000000);
     assert_int_equal(mlrt_estimate_memory(NULL, 0, NULL, &estimate), MLRT_OK);
     assert_int_equal(mlrt_estimate_memory(NULL, 1, NULL, &estimate), MLRT_ERROR_ARGUMENT);
     assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, NULL), MLRT_ERROR_ARGUMENT);
@@ -395,6 +400,23 @@ static void the_log_tells_results_warnings_and_errors(void **state)
     mesh.index_size = 3;
     assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
     assert_int_equal(books.line_count[MLRT_LOG_ERROR], 2);
+    mesh = (mlrt_mesh){.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 3, .triangle_count = 1};
+    books.stop_at = 1;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK); /* told once, at the end */
+    mlrt_destroy_tree(tree);
+    assert_int_equal(books.line_count[MLRT_LOG_ERROR], 2);
+}
+
+/* Of options that are wrong too: nothing stale is left in the buffer. */
+static void messages_are_emptied(void **state)
+{
+    const struct scene *scene = *state;
+    char message[16] = "stale";
+    mlrt_build_options options = {
+        .struct_size = sizeof options, .preset = 99, .message = message, .message_size = sizeof message};
+    mlrt_tree *tree;
+    assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(message, "");
 }
 
 /* ---- progress ------------------------------------------------------------------------------------------------------
@@ -620,6 +642,7 @@ int main(void)
         cmocka_unit_test(estimates_need_no_meshes),
         cmocka_unit_test(a_limit_is_kept),
         cmocka_unit_test(the_log_tells_results_warnings_and_errors),
+        cmocka_unit_test(messages_are_emptied),
         cmocka_unit_test(progress_ends_at_one),
         cmocka_unit_test(calls_end_when_told_to),
         cmocka_unit_test(tasks_do_the_work_however_they_run),
