@@ -278,7 +278,7 @@ enum {
 /*
  * How to build: mlrt_build_kdtree. NULL or all zero but struct_size = defaults.
  *
- * `message` receives an empty text if all went well, and nothing if the options themselves are wrong.
+ * `message` receives an empty text if all went well, or if the options themselves are wrong.
  */
 typedef struct mlrt_build_options {
     uint32_t struct_size;    /* sizeof(mlrt_build_options) */
