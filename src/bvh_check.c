@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "predicate.h"
+#include "kdtree_check.h"
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */
 
@@ -125,26 +125,30 @@ static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, s
 
 void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
-    int all_safe = 1;
-    tree->bvh.float_safe = 1;
-    for (int k = 0; k < 3; k++) {
-        float lo = tree->bounds.lo[k], hi = tree->bounds.hi[k];
-        if (lo < -MLRT_SAFE_MAX || hi > MLRT_SAFE_MAX) tree->bvh.float_safe = 0;
-        all_safe = all_safe && mlrt_is_float_safe(lo) && mlrt_is_float_safe(hi);
-    }
-    if (tree->nodes != NULL) return;
-    tree->float_safe = all_safe;
-    report(tree, costs, progress);
+    mlrt_find_float_safety(tree);
+    if (tree->nodes == NULL) report(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
 
-static int is_in_tree(const struct mlrt_triangle *triangle)
+/* Whether a place holds the very bits of the triangle. `row` is how many places the leaf has. */
+static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle)
 {
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (!isfinite(triangle->v[i][k])) return 0;
-    return mlrt_triangle_has_area(triangle);
+    uint32_t difference = 0;
+    for (uint32_t i = 0; i < 9; i++) {
+        uint32_t bits, expected;
+        memcpy(&bits, &corners[i * row], sizeof bits);
+        memcpy(&expected, &triangle->v[0][i], sizeof expected);
+        difference |= bits ^ expected;
+    }
+    return difference == 0;
+}
+
+static int holds_nothing(const float *corners, uint32_t row)
+{
+    for (uint32_t i = 0; i < 9; i++)
+        if (corners[i * row] == corners[i * row]) return 0;
+    return 1;
 }
 
 static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
@@ -153,22 +157,27 @@ static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
     const uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     const float *corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
     if (count == 0 || count + 3 < place_count) return "B5: a leaf has a quad without triangles";
-    for (uint32_t place = 0; place < place_count; place++) {
-        if (place >= count && numbers[place] != MLRT_NONE) return "B5: a triangle behind an empty place";
-        if (place < count && numbers[place] >= tree->triangle_count) return "B5: a number is not a triangle's";
-        if (place < count && !is_in_tree(&tree->triangles[numbers[place]]))
-            return "a leaf holds a triangle that was to be left out";
-        for (uint32_t other = 0; other < place && place < count; other++)
+    for (uint32_t place = 0; place < count; place++) {
+        if (numbers[place] >= tree->triangle_count) return "B5: a number is not a triangle's";
+        mlrt_prefetch(&tree->triangles[numbers[place]]);
+        for (uint32_t other = 0; other < place; other++)
             if (numbers[other] == numbers[place]) return "B5: a leaf holds a triangle twice";
-        for (uint32_t row = 0; row < 9; row++) {
-            float corner = corners[row * place_count + place];
-            if (place >= count ? corner == corner
-                               : memcmp(&corner, &tree->triangles[numbers[place]].v[row / 3][row % 3], 4) != 0)
-                return "B5: corners are not those of the triangle";
+    }
+    for (uint32_t place = 0; place < place_count; place++) {
+        if (place >= count) {
+            if (numbers[place] != MLRT_NONE) return "B5: a triangle behind an empty place";
+            if (!holds_nothing(corners + place, place_count)) return "B5: an empty place has corners";
+            continue;
         }
+        if (mlrt_is_left_out(tree, numbers[place])) return "a leaf holds a triangle that was to be left out";
+        if (!holds_corners(corners + place, place_count, &tree->triangles[numbers[place]]))
+            return "B5: corners are not those of the triangle";
     }
     return NULL;
 }
+
+/* Kernels number the slots of all nodes. */
+#define NODE_LIMIT (UINT32_MAX / MLRT_BVH_WIDTH)
 
 /* Where a walk is: what must come next. */
 struct walk {
@@ -186,6 +195,16 @@ static const char *check_empty_slots(const struct mlrt_bvh_node *node, int first
             if (node->child[i] != 0 || node->lo[k][i] != INFINITY || node->hi[k][i] != -INFINITY)
                 return "B2: an empty slot is not empty";
     return first == 0 ? "B2: a node has no children" : NULL;
+}
+
+/* Not so where a bound is a NaN. */
+static int is_box_within(const struct mlrt_bvh_node *node, int slot, const struct mlrt_box *bounds)
+{
+    for (int k = 0; k < 3; k++) {
+        const float lo = node->lo[k][slot], hi = node->hi[k][slot];
+        if (!(bounds->lo[k] <= lo && lo <= hi && hi <= bounds->hi[k])) return 0;
+    }
+    return 1;
 }
 
 static const char *check_slot(const struct mlrt_tree *tree, struct walk *walk, uint32_t child)
@@ -207,15 +226,18 @@ static const char *check_slot(const struct mlrt_tree *tree, struct walk *walk, u
     return NULL;
 }
 
-static const char *check_nodes(const struct mlrt_tree *tree)
+const char *mlrt_check_boxes(const struct mlrt_tree *tree)
 {
     struct walk walk = {{0}, {0}, 0, 1, 0};
+    if (tree->bvh.node_count == 0) return tree->bvh.quad_count == 0 ? NULL : "there are quads without a leaf";
+    if (tree->bvh.node_count > NODE_LIMIT) return "there are too many nodes";
     for (;;) {
         const struct mlrt_bvh_node *node = &tree->bvh.nodes[walk.node[walk.depth]];
         int slot = walk.slot[walk.depth]++;
         const char *wrong = NULL;
         if (slot < MLRT_BVH_WIDTH && node->child[slot] != 0) {
-            wrong = check_slot(tree, &walk, node->child[slot]);
+            wrong = is_box_within(node, slot, &tree->bounds) ? check_slot(tree, &walk, node->child[slot])
+                                                             : "B3: a box is not one, or not within the bounds";
         } else {
             wrong = check_empty_slots(node, slot);
             if (wrong == NULL && walk.depth-- == 0) break;
@@ -267,9 +289,9 @@ static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
 
 const char *mlrt_check_bvh(const struct mlrt_tree *tree)
 {
-    const char *wrong = tree->bvh.node_count > 0 ? check_nodes(tree) : NULL;
+    const char *wrong = mlrt_check_boxes(tree);
     for (uint32_t i = 0; wrong == NULL && i < tree->triangle_count; i++) {
-        if (!is_in_tree(&tree->triangles[i])) continue;
+        if (mlrt_is_left_out(tree, i)) continue;
         if (tree->bvh.node_count == 0) return "B1: there are triangles, but no nodes";
         wrong = check_triangle(tree, i);
     }

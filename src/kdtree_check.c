@@ -77,6 +77,20 @@ static double half_area(const struct mlrt_box *box)
     return x * y + y * z + z * x;
 }
 
+void mlrt_find_float_safety(struct mlrt_tree *tree)
+{
+    tree->float_safe = tree->bvh.float_safe = 1;
+    for (int k = 0; k < 3; k++) {
+        const float lo = tree->bounds.lo[k], hi = tree->bounds.hi[k];
+        if (!mlrt_is_float_safe(lo) || !mlrt_is_float_safe(hi)) tree->float_safe = 0;
+        if (lo < -MLRT_SAFE_MAX || hi > MLRT_SAFE_MAX) tree->bvh.float_safe = 0;
+    }
+    for (uint32_t i = 0; i < tree->node_count; i++) {
+        const struct mlrt_node *node = &tree->nodes[i];
+        if (!mlrt_node_is_leaf(node) && !mlrt_is_float_safe(node->u.split)) tree->float_safe = 0;
+    }
+}
+
 void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost)
 {
     mlrt_tree_info *info = &tree->info;
@@ -86,13 +100,8 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
     info->node_count = tree->node_count;
     info->reference_count = tree->reference_count;
     info->leaf_count = info->empty_leaf_count = 0;
-    tree->float_safe = 1;
-    for (int k = 0; k < 3; k++) {
-        info->bounds_min[k] = tree->bounds.lo[k];
-        info->bounds_max[k] = tree->bounds.hi[k];
-        tree->float_safe =
-            tree->float_safe && mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
-    }
+    memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
+    memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
     for (start_walk(tree, &walk); walk.count > 0;) {
         struct visit visit = walk.waiting[--walk.count];
         const struct mlrt_node *node = &tree->nodes[visit.node];
@@ -103,26 +112,36 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
             info->empty_leaf_count += mlrt_leaf_count(node) == 0;
             cost += part * intersection_cost * (double)mlrt_leaf_count(node);
         } else {
-            tree->float_safe = tree->float_safe && mlrt_is_float_safe(node->u.split);
             cost += part * traversal_cost;
             push_children(tree, &visit, &walk);
         }
     }
     info->sah_cost = cost / intersection_cost;
     info->tree_hash = hash_tree(tree);
+    mlrt_find_float_safety(tree);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
 
-static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf)
+int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
 {
-    uint32_t offset = leaf->u.offset, count = mlrt_leaf_count(leaf);
-    if (offset > tree->reference_count || count > tree->reference_count - offset)
-        return "a leaf's entries are outside of the references";
+    const float *coordinate = tree->triangles[number].v[0];
+    if (tree->info.non_finite_count + tree->info.zero_area_count == 0) return 0;
+    for (int i = 0; i < 9; i++)
+        if (!isfinite(coordinate[i])) return 1;
+    return !mlrt_triangle_has_area(&tree->triangles[number]);
+}
+
+/* `next` is the number of the first entry of no leaf before. */
+static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t next)
+{
+    const uint32_t count = mlrt_leaf_count(leaf), *entries = tree->references + next;
+    if (leaf->u.offset != next || count > tree->reference_count - next)
+        return "a leaf's entries are not where depth-first order has them";
     for (uint32_t i = 0; i < count; i++) {
-        if (tree->references[offset + i] >= tree->triangle_count) return "an entry is not a triangle";
-        if (i > 0 && tree->references[offset + i - 1] >= tree->references[offset + i])
-            return "I5: the entries of a leaf are not ascending";
+        if (entries[i] >= tree->triangle_count) return "an entry is not a triangle";
+        if (mlrt_is_left_out(tree, entries[i])) return "a leaf refers to a triangle that was to be left out";
+        if (i > 0 && entries[i - 1] >= entries[i]) return "I5: the entries of a leaf are not ascending";
     }
     return NULL;
 }
@@ -140,21 +159,26 @@ static const char *check_inner(const struct mlrt_tree *tree, const struct visit 
     return NULL;
 }
 
-static const char *check_nodes(const struct mlrt_tree *tree)
+const char *mlrt_check_nodes(const struct mlrt_tree *tree)
 {
-    uint32_t next = 1;
+    uint32_t next = 1, next_entry = 0;
     struct walk walk;
+    if (tree->node_count % 2 == 0) return "I1: the number of nodes is even";
     for (start_walk(tree, &walk); walk.count > 0;) {
         struct visit visit = walk.waiting[--walk.count];
         const struct mlrt_node *node = &tree->nodes[visit.node];
-        const char *wrong = mlrt_node_is_leaf(node) ? check_leaf(tree, node) : check_inner(tree, &visit, next);
+        const char *wrong =
+            mlrt_node_is_leaf(node) ? check_leaf(tree, node, next_entry) : check_inner(tree, &visit, next);
         if (wrong != NULL) return wrong;
-        if (!mlrt_node_is_leaf(node)) {
+        if (mlrt_node_is_leaf(node)) {
+            next_entry += mlrt_leaf_count(node);
+        } else {
             push_children(tree, &visit, &walk);
             next += 2;
         }
     }
-    return next == tree->node_count ? NULL : "I1: there are nodes without a parent";
+    if (next != tree->node_count) return "I1: there are nodes without a parent";
+    return next_entry == tree->reference_count ? NULL : "there are entries without a leaf";
 }
 
 static int leaf_refers_to(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t triangle)
@@ -196,14 +220,6 @@ static int is_inside(const struct mlrt_box *box, const struct mlrt_triangle *tri
     return 1;
 }
 
-static int is_in_tree(const struct mlrt_triangle *triangle)
-{
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (!isfinite(triangle->v[i][k])) return 0;
-    return mlrt_triangle_has_area(triangle);
-}
-
 static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
     static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
@@ -221,18 +237,14 @@ static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
 static const char *check_triangles(const struct mlrt_tree *tree)
 {
     for (uint32_t i = 0; i < tree->triangle_count; i++) {
-        const char *wrong = is_in_tree(&tree->triangles[i]) ? check_triangle(tree, i) : NULL;
+        const char *wrong = mlrt_is_left_out(tree, i) ? NULL : check_triangle(tree, i);
         if (wrong != NULL) return wrong;
     }
-    for (uint32_t i = 0; i < tree->reference_count; i++)
-        if (!is_in_tree(&tree->triangles[tree->references[i]]))
-            return "a leaf refers to a triangle that was to be left out";
     return NULL;
 }
 
 const char *mlrt_check_tree(const struct mlrt_tree *tree)
 {
-    if (tree->node_count % 2 == 0) return "I1: the number of nodes is even";
-    const char *wrong = check_nodes(tree);
+    const char *wrong = mlrt_check_nodes(tree);
     return wrong != NULL ? wrong : check_triangles(tree);
 }
