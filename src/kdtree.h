@@ -84,6 +84,7 @@ struct mlrt_tree {
     uint32_t *mesh_first; /* mesh_count + 1: number of the first triangle of each mesh, ascending */
     uint32_t *mesh_by_id; /* mesh_count: positions in the order of their ids */
     uint32_t *masks;      /* triangle_count: that of each one's mesh; NULL if all of them have all bits */
+    int borrowed;         /* 1 = all arrays are someone else's, and stay: save.c */
     struct mlrt_node *nodes;
     uint32_t node_count; /* at least 1 */
     uint32_t *references;

@@ -9,8 +9,6 @@
 
 #include "structs.h"
 
-#define TRIANGLE_LIMIT ((1u << 30) - 1) /* leaves count in 30 bits */
-
 /* Triangles that are copied between two looks at whether the call goes on: less than a millisecond. */
 #define CHUNK_SIZE 8192
 
@@ -43,7 +41,7 @@ static int32_t check_mesh(const mlrt_mesh *meshes, size_t i)
     const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
     if (mesh.index_size != 2 && mesh.index_size != 4) return MLRT_ERROR_ARGUMENT;
     if (mesh.triangle_count == 0) return MLRT_OK;
-    if (mesh.triangle_count > TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
+    if (mesh.triangle_count > MLRT_TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
     if (!mesh.vertices && mesh.vertex_count) return MLRT_ERROR_ARGUMENT;
     if (mesh.vertex_stride % 4 || mesh.vertex_stride < 12) return MLRT_ERROR_ARGUMENT;
     if ((uintptr_t)mesh.vertices % 4 || (uintptr_t)mesh.indices % mesh.index_size) return MLRT_ERROR_ARGUMENT;
@@ -63,7 +61,7 @@ int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *
         const int32_t status = check_mesh(meshes, i);
         if (status != MLRT_OK) return status;
         sum += mlrt_mesh_at(meshes, i).triangle_count;
-        if (sum > TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
+        if (sum > MLRT_TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
     }
     *triangle_count = (uint32_t)sum;
     return MLRT_OK;

@@ -9,6 +9,8 @@
 #include "kdtree.h"
 #include "progress.h"
 
+#define MLRT_TRIANGLE_LIMIT ((1u << 30) - 1) /* leaves count in 30 bits */
+
 /* Checks an array of meshes, and counts their triangles. Returns a status. */
 int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *triangle_count);
 

@@ -8,6 +8,7 @@
 #include "kdtree_build.h"
 #include "meshes.h"
 #include "platform.h"
+#include "save.h"
 #include "structs.h"
 
 /* ---- options ---- */
@@ -77,7 +78,7 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
     return mlrt_end_progress(&progress, status);
 }
 
-static struct mlrt_tree *allocate_tree(const struct mlrt_memory *memory)
+struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_memory *memory)
 {
     struct mlrt_memory own = *memory;
     struct mlrt_tree *tree = mlrt_allocate_zeroed(&own, 1, sizeof *tree);
@@ -116,7 +117,7 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
 {
     const double start = mlrt_seconds_now();
     const struct mlrt_memory memory = mlrt_host_memory(&call->voice.host, call->options.memory_limit);
-    struct mlrt_tree *made = allocate_tree(&memory);
+    struct mlrt_tree *made = mlrt_allocate_tree(&memory);
     const int32_t status = made ? fill_tree(meshes, mesh_count, call, made) : MLRT_ERROR_OUT_OF_MEMORY;
     if (status != MLRT_OK) {
         tell_failure(call, made ? &made->memory : &memory, status);
@@ -153,6 +154,7 @@ MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, c
 MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
 {
     if (!tree) return;
+    mlrt_return_arrays(tree);
     mlrt_free_meshes(tree);
     mlrt_free_bvh(tree);
     mlrt_free(&tree->memory, tree->nodes, tree->node_count, sizeof *tree->nodes);
