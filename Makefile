@@ -73,7 +73,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed install format clean test-bindings deps-bindings
+.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed fuzz install format clean test-bindings deps-bindings
 .SECONDARY:
 
 all: library examples
@@ -253,6 +253,17 @@ $(BUILD)/tests/test_simd: $(ISAS:%=$(BUILD)/tests/words/%.o)
 
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
+
+# Runs for as long as FUZZ says, from files that test_save writes. Needs clang: see tests/fuzz_load.c.
+FUZZ ?= -max_total_time=60
+
+$(BUILD)/tests/fuzz_load: $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	$(Q)$(LINK) -fsanitize=fuzzer $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
+
+fuzz: $(BUILD)/tests/fuzz_load $(BUILD)/tests/test_save
+	@mkdir -p $(BUILD)/fuzz
+	FUZZ_FILES=$(BUILD)/fuzz $(BUILD)/tests/test_save
+	$(BUILD)/tests/fuzz_load $(FUZZ) -artifact_prefix=$(BUILD)/fuzz- $(BUILD)/fuzz
 
 build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
 
