@@ -134,12 +134,12 @@ void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs
 /* Whether a place holds the very bits of the triangle. `row` is how many places the leaf has. */
 static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle)
 {
-    uint32_t difference = 0;
+    uint32_t difference = 0, expected[9];
+    memcpy(expected, triangle, sizeof expected);
     for (uint32_t i = 0; i < 9; i++) {
-        uint32_t bits, expected;
+        uint32_t bits;
         memcpy(&bits, &corners[i * row], sizeof bits);
-        memcpy(&expected, &triangle->v[0][i], sizeof expected);
-        difference |= bits ^ expected;
+        difference |= bits ^ expected[i];
     }
     return difference == 0;
 }
