@@ -4,7 +4,6 @@
  * whole is refused or can do no harm. The last is worth most in a build with sanitizers.
  */
 #define _POSIX_C_SOURCE 200809L
-#include <fcntl.h>
 #include <fenv.h>
 #include <float.h>
 #include <math.h>
@@ -12,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include "bvh_check.h"
 #include "forged_files.h"
@@ -398,13 +396,13 @@ static void test_a_scene_comes_back(void **state)
 static void test_a_mapped_file_will_do(void **state)
 {
     (void)state;
-    char name[] = "/tmp/mlrt-test-XXXXXX";
     mlrt_tree *tree = small_tree(500, BOTH);
     struct file file = save(tree);
-    const int descriptor = mkstemp(name);
-    assert_true(descriptor >= 0);
-    assert_int_equal(write(descriptor, file.data, file.size), (ssize_t)file.size);
-    void *mapped = mmap(NULL, file.size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    FILE *stream = tmpfile();
+    assert_non_null(stream);
+    assert_int_equal(fwrite(file.data, 1, file.size, stream), file.size);
+    assert_int_equal(fflush(stream), 0);
+    void *mapped = mmap(NULL, file.size, PROT_READ, MAP_PRIVATE, fileno(stream), 0);
     assert_true(mapped != MAP_FAILED);
     mlrt_tree *loaded = load(mapped, file.size, MLRT_LOAD_IN_PLACE);
     assert_int_equal(loaded->borrowed, 1);
@@ -412,8 +410,7 @@ static void test_a_mapped_file_will_do(void **state)
     exercise_tree(loaded, 1);
     mlrt_destroy_tree(loaded);
     munmap(mapped, file.size);
-    close(descriptor);
-    unlink(name);
+    fclose(stream);
     free_file(&file);
     mlrt_destroy_tree(tree);
 }
@@ -526,6 +523,78 @@ static void test_running_out_of_memory_leaves_nothing(void **state)
     assert_true(limit + 1000 > memory_size);
     assert_same_tree(tree, &file, loaded);
     mlrt_destroy_tree(loaded);
+    free_file(&file);
+    mlrt_destroy_tree(tree);
+}
+
+/* A host whose memory ends after some blocks. */
+struct host_memory {
+    size_t left; /* blocks */
+    size_t held_size;
+    size_t line_count;
+};
+
+static void *allocate_some(void *user, size_t size, size_t alignment)
+{
+    struct host_memory *memory = user;
+    void *block = NULL;
+    if (memory->left == 0) return NULL;
+    memory->left--;
+    memory->held_size += size;
+    assert_int_equal(posix_memalign(&block, alignment < sizeof(void *) ? sizeof(void *) : alignment, size), 0);
+    return block;
+}
+
+static void free_some(void *user, void *block, size_t size, size_t alignment)
+{
+    struct host_memory *memory = user;
+    (void)alignment;
+    assert_true(size <= memory->held_size);
+    memory->held_size -= size;
+    free(block);
+}
+
+static void count_line(void *user, int32_t level, const char *message)
+{
+    struct host_memory *memory = user;
+    assert_int_equal(level, MLRT_LOG_ERROR);
+    assert_true(strlen(message) > 0);
+    memory->line_count++;
+}
+
+static void test_a_host_whose_memory_ends_gets_all_of_it_back(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = small_tree(100, BOTH);
+    struct file file = save(tree), damaged = copy_file(&file);
+    damaged.data[file.size / 2] ^= 1;
+    for (uint32_t flags = 0; flags < 2; flags++) {
+        struct host_memory memory = {0, 0, 0};
+        const mlrt_host host = {.struct_size = sizeof host,
+                                .user = &memory,
+                                .allocate = allocate_some,
+                                .free = free_some,
+                                .log = count_line};
+        const mlrt_load_options options = {.struct_size = sizeof options, .flags = flags, .host = &host};
+        mlrt_tree *loaded = NULL;
+        size_t blocks = 0;
+        for (;; blocks++) {
+            memory.left = blocks;
+            const int32_t status = mlrt_load_tree(file.data, file.size, &options, &loaded);
+            if (status == MLRT_OK) break;
+            assert_int_equal(status, MLRT_ERROR_OUT_OF_MEMORY);
+            assert_int_equal(memory.held_size, 0);
+            assert_int_equal(memory.line_count, blocks + 1);
+        }
+        assert_true(flags ? blocks == 1 : blocks > 8);
+        assert_int_equal(memory.held_size, info_of(loaded).memory_size);
+        mlrt_destroy_tree(loaded);
+        assert_int_equal(memory.held_size, 0);
+        memory.left = 100;
+        assert_int_equal(mlrt_load_tree(damaged.data, damaged.size, &options, &loaded), MLRT_ERROR_DATA);
+        assert_int_equal(memory.held_size, 0);
+    }
+    free_file(&damaged);
     free_file(&file);
     mlrt_destroy_tree(tree);
 }
@@ -835,6 +904,14 @@ static struct mlrt_node *find_node(const mlrt_tree *tree, int leaf, uint32_t ski
     return NULL;
 }
 
+/* The one whose quads come first. */
+static uint32_t first_leaf(const mlrt_tree *tree)
+{
+    uint32_t i = 0;
+    while (mlrt_bvh_offset(*find_slot(tree, 1, i)) != 0) i++;
+    return *find_slot(tree, 1, i);
+}
+
 /* Each makes one thing wrong. `word` is a value to make it wrong with. */
 enum forged_thing {
     BOX_CYCLE,
@@ -1041,7 +1118,7 @@ static void forge(mlrt_tree *tree, enum forged_thing thing)
     case TRIANGLE_FLAT:
     case TRIANGLE_FLAT_UNCOUNTED:
         for (uint32_t row = 0; row < 3; row++) {
-            const uint32_t places = 4 * mlrt_bvh_quad_count(*leaf);
+            const uint32_t places = 4 * mlrt_bvh_quad_count(first_leaf(tree));
             first->v[0][row] = first->v[1][row];
             tree->bvh.corners[places * row] = tree->bvh.corners[places * (row + 3)];
         }
@@ -1200,11 +1277,18 @@ static void mislead(struct random *random, mlrt_tree *tree)
     }
 }
 
+/* FORGERIES=10 in the environment tries ten times as many. */
+static size_t forgery_count(size_t count)
+{
+    const char *times = getenv("FORGERIES");
+    return scaled(count) * (times ? (size_t)strtoul(times, NULL, 10) : 1);
+}
+
 static void test_mutations_of_files_do_no_harm(void **state)
 {
     (void)state;
     mlrt_tree *trees[3] = {small_tree(30, BOTH), tree_of_meshes(600), small_tree(40, MLRT_STRUCTURE_BVH)};
-    size_t accepted = 0, count = scaled(9000);
+    size_t accepted = 0, count = forgery_count(9000);
     for (int t = 0; t < 3; t++) {
         struct file file = save(trees[t]), changed = copy_file(&file);
         for (uint64_t seed = 1; seed <= count / 3; seed++) {
@@ -1228,7 +1312,7 @@ static void test_misleading_trees_do_no_harm(void **state)
     mlrt_tree *tree = tree_of_meshes(600);
     give_masks(tree, masks);
     struct file file = save(tree);
-    size_t accepted = 0, count = scaled(1500);
+    size_t accepted = 0, count = forgery_count(1500);
     for (uint64_t seed = 1; seed <= count; seed++) {
         struct random random = {seed};
         mlrt_tree *forged = load(file.data, file.size, 0);
@@ -1243,8 +1327,8 @@ static void test_misleading_trees_do_no_harm(void **state)
     mlrt_destroy_tree(tree);
 }
 
-/* A kd-tree whose lower children go `depth` deep. */
-static int deep_kdtree_is_accepted(uint32_t depth)
+/* A kd-tree whose lower children go `depth` deep, and nodes behind it that have no parent. */
+static int deep_kdtree_is_accepted(uint32_t depth, uint32_t orphans)
 {
     mlrt_tree *tree = small_tree(1, MLRT_STRUCTURE_KDTREE);
     struct mlrt_node *const kept = tree->nodes, nodes[2 * 80 + 1] = {{{0}, 0}};
@@ -1261,7 +1345,7 @@ static int deep_kdtree_is_accepted(uint32_t depth)
     deepest->word = (1u << 2) | 3;
     for (uint32_t i = 0; i < depth; i++) chain[2 * i + 2].u.offset = 1;
     tree->nodes = chain;
-    tree->node_count = 2 * depth + 1;
+    tree->node_count = 2 * depth + 1 + orphans;
     tree->reference_count = 1;
     assert_int_equal(tree->references[0], 0);
     const int accepted = is_accepted(tree);
@@ -1275,11 +1359,13 @@ static int deep_kdtree_is_accepted(uint32_t depth)
 static void test_deep_kdtrees_are_refused(void **state)
 {
     (void)state;
-    assert_true(deep_kdtree_is_accepted(0));
-    assert_true(deep_kdtree_is_accepted(1));
-    assert_true(deep_kdtree_is_accepted(MLRT_DEPTH_LIMIT));
-    assert_false(deep_kdtree_is_accepted(MLRT_DEPTH_LIMIT + 1));
-    assert_false(deep_kdtree_is_accepted(MLRT_DEPTH_LIMIT + 15));
+    assert_true(deep_kdtree_is_accepted(0, 0));
+    assert_true(deep_kdtree_is_accepted(1, 0));
+    assert_true(deep_kdtree_is_accepted(MLRT_DEPTH_LIMIT, 0));
+    assert_false(deep_kdtree_is_accepted(MLRT_DEPTH_LIMIT + 1, 0));
+    assert_false(deep_kdtree_is_accepted(MLRT_DEPTH_LIMIT + 15, 0));
+    assert_false(deep_kdtree_is_accepted(10, 1));
+    assert_false(deep_kdtree_is_accepted(10, 2));
 }
 
 /* Nodes with 16 children that are all one node, but for the last of `depth`: a tree of 15 leaves and a node each. */
@@ -1343,6 +1429,83 @@ static void test_deep_boxes_are_refused(void **state)
     assert_false(deep_boxes_are_accepted(MLRT_BVH_DEPTH_LIMIT + 1, 16));
 }
 
+/* One leaf of so many quads, all of them full. */
+static int large_leaf_is_accepted(uint32_t quads)
+{
+    struct random random = {24};
+    struct soup soup = {0};
+    soup_add_random(&soup, &random, 4 * quads, 1, 0.2f);
+    mlrt_tree *tree = tree_of_soup(&soup, MLRT_STRUCTURE_BVH);
+    const struct mlrt_bvh kept = tree->bvh;
+    struct file nodes = make_file(sizeof(struct mlrt_bvh_node));
+    struct mlrt_bvh_node *root = (struct mlrt_bvh_node *)(void *)nodes.data;
+    float corners[36 * 7 + 16] = {0};
+    uint32_t numbers[4 * 7 + 16] = {0};
+    for (int k = 0; k < 3; k++) {
+        for (int slot = 0; slot < MLRT_BVH_WIDTH; slot++) {
+            root->lo[k][slot] = slot == 0 ? tree->bounds.lo[k] : INFINITY;
+            root->hi[k][slot] = slot == 0 ? tree->bounds.hi[k] : -INFINITY;
+            root->child[slot] = slot == 0 ? quads : 0;
+        }
+    }
+    for (uint32_t i = 0; i < 4 * quads; i++) {
+        numbers[i] = i;
+        for (uint32_t row = 0; row < 9; row++) corners[4 * quads * row + i] = tree->triangles[i].v[row / 3][row % 3];
+    }
+    tree->bvh.nodes = root;
+    tree->bvh.node_count = 1;
+    tree->bvh.quad_count = quads;
+    tree->bvh.corners = corners;
+    tree->bvh.numbers = numbers;
+    const int accepted = is_accepted(tree);
+    free_file(&nodes);
+    tree->bvh = kept;
+    mlrt_destroy_tree(tree);
+    return accepted;
+}
+
+static void test_large_leaves_are_refused(void **state)
+{
+    (void)state;
+    for (uint32_t quads = 1; quads <= 7; quads++) assert_int_equal(large_leaf_is_accepted(quads), quads <= 4);
+}
+
+/* Each triangle in turn made one that is to be left out, counted as such, in a tree of one structure. */
+static void test_leaves_may_not_name_what_was_left_out(void **state)
+{
+    (void)state;
+    for (uint32_t structures = 1; structures <= 2; structures++) {
+        for (uint32_t number = 0; number < 2 * 40; number++) {
+            mlrt_tree *tree = small_tree(40, structures);
+            struct mlrt_triangle *triangle = &tree->triangles[number / 2];
+            if (number % 2) {
+                triangle->v[0][0] = NAN;
+                tree->info.non_finite_count++;
+            } else {
+                memcpy(triangle->v[0], triangle->v[1], sizeof triangle->v[0]);
+                tree->info.zero_area_count++;
+            }
+            for (uint32_t quad = 0; quad < tree->bvh.quad_count;) {
+                uint32_t quads = 0;
+                for (uint32_t i = 0; i < 16 * tree->bvh.node_count; i++) {
+                    const uint32_t child = tree->bvh.nodes[i / 16].child[i % 16];
+                    if (mlrt_bvh_quad_count(child) && mlrt_bvh_offset(child) == quad) {
+                        quads = mlrt_bvh_quad_count(child);
+                    }
+                }
+                for (uint32_t place = 0; place < 4 * quads; place++) {
+                    for (uint32_t row = 0; row < 9 && tree->bvh.numbers[4 * quad + place] == number / 2; row++) {
+                        tree->bvh.corners[36 * quad + 4 * quads * row + place] = triangle->v[row / 3][row % 3];
+                    }
+                }
+                quad += quads;
+            }
+            assert_false(is_accepted(tree));
+            mlrt_destroy_tree(tree);
+        }
+    }
+}
+
 /* Files for fuzz_load.c to start from, where FUZZ_FILES says. */
 static void write_fuzz_files(const char *folder)
 {
@@ -1382,6 +1545,7 @@ int main(void)
         cmocka_unit_test(test_arguments_are_checked),
         cmocka_unit_test(test_messages_say_what_is_wrong),
         cmocka_unit_test(test_running_out_of_memory_leaves_nothing),
+        cmocka_unit_test(test_a_host_whose_memory_ends_gets_all_of_it_back),
         cmocka_unit_test(test_the_floating_point_environment_does_not_matter),
         cmocka_unit_test(test_the_geometry_hash_is_that_of_the_file),
         cmocka_unit_test(test_the_geometry_hash_knows_masks),
@@ -1396,6 +1560,8 @@ int main(void)
         cmocka_unit_test(test_misleading_trees_do_no_harm),
         cmocka_unit_test(test_deep_kdtrees_are_refused),
         cmocka_unit_test(test_deep_boxes_are_refused),
+        cmocka_unit_test(test_large_leaves_are_refused),
+        cmocka_unit_test(test_leaves_may_not_name_what_was_left_out),
     };
     if (getenv("FUZZ_FILES")) {
         write_fuzz_files(getenv("FUZZ_FILES"));
