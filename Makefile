@@ -15,24 +15,33 @@
 #   make deps-study      installs what they need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
 #                        doxygen for it
-#   make install         into $(DESTDIR)$(PREFIX)
+#   make install         into $(DESTDIR)$(PREFIX): header, libraries, files for pkg-config and CMake; make uninstall
+#   make test-install    installs into build/, then builds and runs programs that use what is there
+#   make check-abi       exported names, layouts and types against tests/abi; size and needs of the shared object
+#   make update-abi      writes tests/abi anew, after a change that is meant
+#   make check-header    mlrt.h alone, in every C and C++ that there is
+#   make check-copies    three copies of the library in one process
+#   make check-churn     10,000 trees and pools made and destroyed under valgrind
 #   make format          clang-format over everything
 #   make clean
 #
-# Settings: CC=clang, OPTIMIZE=-O0, SAN=address,undefined or SAN=thread (builds in build/san-...), WERROR=1, V=1.
+# Settings: CC=clang, OPTIMIZE=-O0, SAN=address,undefined or SAN=thread (builds in build/san-...), WERROR=1, V=1,
+# RENAME=game_ for functions that are called game_... in place of mlrt_... (in build/renamed-game_).
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
 OPTIMIZE ?= -O2
 SAN      ?=
+RENAME   ?=
 V        ?=
+OBJCOPY  ?= objcopy
 
 VERSION  := 0.1.0
 SOVERSION := 0
 
 empty :=
 comma := ,
-BUILD := build$(if $(SAN),/san-$(subst $(comma),-,$(SAN)))$(if $(GUESS),/guess)
+BUILD := build$(if $(SAN),/san-$(subst $(comma),-,$(SAN)))$(if $(GUESS),/guess)$(if $(RENAME),/renamed-$(RENAME))
 TARGET := $(shell $(CC) -dumpmachine)
 IS_X86 := $(filter x86_64% i386% i486% i586% i686%,$(TARGET))
 Q := $(if $(V),,@)
@@ -42,7 +51,7 @@ STANDARD := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmiss
 GUESS    ?=
 EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse)
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
-COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
+COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object per instruction set, and some that count (dispatch.c).
@@ -87,8 +96,9 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fpeel-loops || echo -O3))
 SMALL := $(if $(filter -O2,$(OPTIMIZE)),-Os)
 
-# What only tests call stays out of the shared library.
-INSIDE := -fPIC -fvisibility=hidden -ffunction-sections
+# What only tests call stays out of the shared library. So do assertions, which would end the program they are in; they
+# are for the tests with SAN.
+INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 	@mkdir -p $(@D)
@@ -107,11 +117,31 @@ $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) -c $< -o $@
 
-$(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
+# For tests and studies, which look inside.
+$(BUILD)/libmlrt-internal.a: $(LIBRARY_OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
-$(BUILD)/libmlrt.so.$(VERSION): $(LIBRARY_OBJECTS)
-	$(Q)$(LINK) -shared -Wl,--gc-sections -Wl,-soname,libmlrt.so.$(SOVERSION) $(if $(SAN),,-Wl,-z,defs) $^ -lm -o $@
+# For everyone else: one object, whose own names nobody else can see or clash with. Where there is no objcopy, or it
+# fails, names with the prefix mlrt_ stay visible, and two such archives do not go into one program.
+$(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
+	$(Q)rm -f $@; if $(CC) $(CFLAGS) -r -nostdlib $^ -o $(BUILD)/mlrt.o && $(OBJCOPY) --localize-hidden $(BUILD)/mlrt.o; \
+	then $(AR) rcs $@ $(BUILD)/mlrt.o; \
+	else echo "libmlrt.a: $(OBJCOPY) did not hide the names inside: they stay visible"; $(AR) rcs $@ $^; fi
+
+# What is declared with MLRT_API, by the name that the preprocessor gives it, is exported, of version MLRT_0.
+$(BUILD)/mlrt.map: include/mlrt.h
+	@mkdir -p $(@D)
+	$(Q){ echo 'MLRT_$(SOVERSION) {'; echo 'global:'; $(EXPORTED_NAMES) | sed 's/.*/    &;/'; echo 'local:'; echo '    *;'; echo '};'; } > $@
+
+EXPORTED_NAMES = $(CC) -E -P $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) -DMLRT_API=MLRT_API include/mlrt.h | tr '\n;' ' \n' | \
+                 sed -n 's/.*MLRT_API[^(]*[ *]\([A-Za-z0-9_]*\)(.*/\1/p' | LC_ALL=C sort
+
+# Code and constants share pages, which saves 8 kB of padding; addresses of functions are looked up on loading, and the
+# table of them is read-only from then on.
+SHARED := -shared -Wl,--gc-sections -Wl,-z,noseparate-code -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack $(if $(SAN),,-Wl,-z,defs)
+
+$(BUILD)/libmlrt.so.$(VERSION): $(LIBRARY_OBJECTS) $(BUILD)/mlrt.map
+	$(Q)$(LINK) $(SHARED) -Wl,-soname,libmlrt.so.$(SOVERSION) -Wl,--version-script=$(BUILD)/mlrt.map $(LIBRARY_OBJECTS) -lm -o $@
 
 $(BUILD)/libmlrt.so: $(BUILD)/libmlrt.so.$(VERSION)
 	$(Q)ln -sf libmlrt.so.$(VERSION) $(BUILD)/libmlrt.so.$(SOVERSION) && ln -sf libmlrt.so.$(SOVERSION) $@
@@ -141,7 +171,7 @@ $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-$(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+$(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
 
@@ -251,7 +281,7 @@ $(BUILD)/tests/words/%.o: tests/words/%.c
 
 $(BUILD)/tests/test_simd: $(ISAS:%=$(BUILD)/tests/words/%.o)
 
-$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+$(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 
 # Runs for as long as FUZZ says, from files that test_save writes. Needs clang: see tests/fuzz_load.c.

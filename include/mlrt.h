@@ -87,6 +87,38 @@ extern "C" {
 #endif
 #endif
 
+#ifdef MLRT_PREFIX
+/*
+ * With MLRT_PREFIX defined, functions are named MLRT_PREFIX... in place of mlrt_...: compiled with -DMLRT_PREFIX=game_,
+ * the library has game_trace_ray, and so has every program that includes this header with the same definition. It goes
+ * on writing mlrt_trace_ray. For a copy of the library within another one; types and constants keep their names.
+ */
+#define MLRT_JOIN(prefix, name)       prefix##name
+#define MLRT_EXPAND(prefix, name)     MLRT_JOIN(prefix, name)
+#define MLRT_RENAMED(name)            MLRT_EXPAND(MLRT_PREFIX, name)
+#define mlrt_build_kdtree             MLRT_RENAMED(build_kdtree)
+#define mlrt_camera_rays              MLRT_RENAMED(camera_rays)
+#define mlrt_capabilities             MLRT_RENAMED(capabilities)
+#define mlrt_create_pool              MLRT_RENAMED(create_pool)
+#define mlrt_create_pool_with_options MLRT_RENAMED(create_pool_with_options)
+#define mlrt_destroy_pool             MLRT_RENAMED(destroy_pool)
+#define mlrt_destroy_tree             MLRT_RENAMED(destroy_tree)
+#define mlrt_estimate_memory          MLRT_RENAMED(estimate_memory)
+#define mlrt_get_tree_info            MLRT_RENAMED(get_tree_info)
+#define mlrt_hash_geometry            MLRT_RENAMED(hash_geometry)
+#define mlrt_load_tree                MLRT_RENAMED(load_tree)
+#define mlrt_occluded_points          MLRT_RENAMED(occluded_points)
+#define mlrt_offset_point             MLRT_RENAMED(offset_point)
+#define mlrt_render_tiles             MLRT_RENAMED(render_tiles)
+#define mlrt_save_tree                MLRT_RENAMED(save_tree)
+#define mlrt_status_string            MLRT_RENAMED(status_string)
+#define mlrt_struct_sizes             MLRT_RENAMED(struct_sizes)
+#define mlrt_trace_all_hits           MLRT_RENAMED(trace_all_hits)
+#define mlrt_trace_packet             MLRT_RENAMED(trace_packet)
+#define mlrt_trace_ray                MLRT_RENAMED(trace_ray)
+#define mlrt_version                  MLRT_RENAMED(version)
+#endif
+
 /* ------------------------------------------------------------------------------------------------------------------
  * Versions and codes
  * ------------------------------------------------------------------------------------------------------------------ */
