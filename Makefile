@@ -295,11 +295,22 @@ fuzz: $(BUILD)/tests/fuzz_load $(BUILD)/tests/test_save
 	FUZZ_FILES=$(BUILD)/fuzz $(BUILD)/tests/test_save
 	$(BUILD)/tests/fuzz_load $(FUZZ) -artifact_prefix=$(BUILD)/fuzz- $(BUILD)/fuzz
 
+# Structs and constants of the header, as a list.
+$(BUILD)/abi/interface.inc: include/mlrt.h tests/abi/interface.awk
+	@mkdir -p $(@D)
+	$(Q)$(CC) -E -P -dD include/mlrt.h | awk -f tests/abi/interface.awk > $@
+
+$(BUILD)/tests/test_abi.o: $(BUILD)/abi/interface.inc
+$(BUILD)/tests/test_abi.o: CPPFLAGS += -I$(BUILD)/abi
+
 build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
 
 test: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory build-tests
 	@BUILD=$(BUILD) sh tests/run.sh $(addprefix $(BUILD)/tests/,$(TESTS))
+
+check-abi update-abi: $(BUILD)/libmlrt.so $(BUILD)/abi/interface.inc
+	@CC='$(CC)' sh tests/abi/check.sh $(if $(filter update-abi,$@),update) $(BUILD)/abi $(BUILD)/libmlrt.so
 
 test-python: library
 	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
