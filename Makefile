@@ -312,6 +312,9 @@ test: | $(AFTER_DEPS)
 check-abi update-abi: $(BUILD)/libmlrt.so $(BUILD)/abi/interface.inc
 	@CC='$(CC)' sh tests/abi/check.sh $(if $(filter update-abi,$@),update) $(BUILD)/abi $(BUILD)/libmlrt.so
 
+check-header:
+	@CC='$(CC)' sh tests/check_header.sh
+
 test-python: library
 	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
 	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
