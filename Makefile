@@ -137,8 +137,8 @@ EXPORTED_NAMES = $(CC) -E -P $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) -DMLRT_API=
                  sed -n 's/.*MLRT_API[^(]*[ *]\([A-Za-z0-9_]*\)(.*/\1/p' | LC_ALL=C sort
 
 # Code and constants share pages, which saves 8 kB of padding; addresses of functions are looked up on loading, and the
-# table of them is read-only from then on.
-SHARED := -shared -Wl,--gc-sections -Wl,-z,noseparate-code -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack $(if $(SAN),,-Wl,-z,defs)
+# table of them is read-only from then on. What the library calls of its own is its own, whatever a program exports.
+SHARED := -shared -Wl,--gc-sections -Wl,-z,noseparate-code -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack -Wl,-Bsymbolic-functions $(if $(SAN),,-Wl,-z,defs)
 
 $(BUILD)/libmlrt.so.$(VERSION): $(LIBRARY_OBJECTS) $(BUILD)/mlrt.map
 	$(Q)$(LINK) $(SHARED) -Wl,-soname,libmlrt.so.$(SOVERSION) -Wl,--version-script=$(BUILD)/mlrt.map $(LIBRARY_OBJECTS) -lm -o $@
@@ -303,6 +303,8 @@ $(BUILD)/abi/interface.inc: include/mlrt.h tests/abi/interface.awk
 $(BUILD)/tests/test_abi.o: $(BUILD)/abi/interface.inc
 $(BUILD)/tests/test_abi.o: CPPFLAGS += -I$(BUILD)/abi
 
+$(BUILD)/tests/test_copies: | $(BUILD)/libmlrt.so
+
 build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
 
 test: | $(AFTER_DEPS)
@@ -311,6 +313,17 @@ test: | $(AFTER_DEPS)
 
 check-abi update-abi: $(BUILD)/libmlrt.so $(BUILD)/abi/interface.inc
 	@CC='$(CC)' sh tests/abi/check.sh $(if $(filter update-abi,$@),update) $(BUILD)/abi $(BUILD)/libmlrt.so
+
+# The program exports what it can, so that copies would find each other's functions if they looked outside.
+COPIES := $(BUILD)/tests/copies
+check-copies: library
+	@$(MAKE) --no-print-directory RENAME=game_ $(BUILD)/renamed-game_/libmlrt.a
+	@mkdir -p $(COPIES)
+	$(Q)$(COMPILE) -DCOPY=plain_copy -c tests/copies/copy.c -o $(COPIES)/plain.o
+	$(Q)$(COMPILE) -DCOPY=renamed_copy -DMLRT_PREFIX=game_ -c tests/copies/copy.c -o $(COPIES)/renamed.o
+	$(Q)$(COMPILE) -c tests/copies/main.c -o $(COPIES)/main.o
+	$(Q)$(LINK) -rdynamic $(COPIES)/*.o $(BUILD)/libmlrt.a $(BUILD)/renamed-game_/libmlrt.a -lm -ldl -o $(COPIES)/copies
+	$(COPIES)/copies $(BUILD)/libmlrt.so
 
 check-header:
 	@CC='$(CC)' sh tests/check_header.sh

@@ -76,6 +76,8 @@ for name in $needed; do
     esac
 done
 if grep -E 'TEXTREL|RPATH|RUNPATH' "$folder/dynamic.txt"; then fail "has text relocations or a search path"; fi
+own=$(readelf -rW "$library" | grep -oFwf "$folder/symbols.txt" | sort -u | tr '\n' ' ')
+[ -z "$own" ] || fail "a program can replace what it calls of its own: $own"
 readelf -lW "$library" > "$folder/segments.txt"
 grep -q 'GNU_STACK.* RW ' "$folder/segments.txt" || fail "has an executable stack"
 if grep -E 'LOAD.* RWE ' "$folder/segments.txt"; then fail "has a segment to write and to execute"; fi
