@@ -15,7 +15,8 @@
 #   make deps-study      installs what they need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
 #                        doxygen for it
-#   make install         into $(DESTDIR)$(PREFIX): header, libraries, files for pkg-config and CMake; make uninstall
+#   make install         into $(DESTDIR)$(PREFIX): header, libraries, files for pkg-config and CMake; make uninstall.
+#                        install-strip leaves out what debuggers read
 #   make test-install    installs into build/, then builds and runs programs that use what is there
 #   make check-abi       exported names, layouts and types against tests/abi; size and needs of the shared object
 #   make update-abi      writes tests/abi anew, after a change that is meant
@@ -83,6 +84,7 @@ TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
 .PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed fuzz install format clean test-bindings deps-bindings
+.PHONY: install-strip uninstall test-install check-abi update-abi check-header check-copies check-churn
 .SECONDARY:
 
 all: library examples
@@ -347,18 +349,42 @@ docs: | $(AFTER_DEPS)
 
 # ---- install -------------------------------------------------------------------------------------------------------
 
+# Files for pkg-config and CMake find the rest from where they lie, if the libraries are somewhere below PREFIX.
+space := $(empty) $(empty)
+LIB_BELOW  = $(patsubst $(PREFIX)/%,%,$(filter $(PREFIX)/%,$(LIBDIR)))
+UP         = $(subst $(space),/,$(patsubst %,..,$(subst /, ,$(LIB_BELOW))))
+FILL_IN    = sed -e 's|@VERSION@|$(VERSION)|g' -e 's|@SOVERSION@|$(SOVERSION)|g' \
+             -e 's|@PC_PREFIX@|$(if $(LIB_BELOW),$${pcfiledir}/../$(UP),$(PREFIX))|' \
+             -e 's|@PC_LIBDIR@|$(if $(LIB_BELOW),$${prefix}/$(LIB_BELOW),$(LIBDIR))|' \
+             -e 's|@CMAKE_INCLUDE@|$(if $(LIB_BELOW),$${_mlrt_libdir}/$(UP),$(PREFIX))/include|' \
+             -e "s|@POINTER_SIZE@|$$($(CC) -dM -E -x c /dev/null | sed -n 's/^.define __SIZEOF_POINTER__ //p')|"
+INSTALLED_LIBRARIES := libmlrt.a libmlrt.so.$(VERSION) libmlrt.so.$(SOVERSION) libmlrt.so pkgconfig/mlrt.pc \
+                       cmake/mlrt/mlrtConfig.cmake cmake/mlrt/mlrtConfigVersion.cmake
+
 install: library
 	$(if $(GUESS),$(error GUESS=1 is for measuring only))
-	install -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(LIBDIR)/pkgconfig
-	install -m 644 include/mlrt.h $(DESTDIR)$(PREFIX)/include/
-	install -m 644 $(BUILD)/libmlrt.a $(DESTDIR)$(LIBDIR)/
-	install -m 755 $(BUILD)/libmlrt.so.$(VERSION) $(DESTDIR)$(LIBDIR)/
-	ln -sf libmlrt.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libmlrt.so.$(SOVERSION)
-	ln -sf libmlrt.so.$(SOVERSION) $(DESTDIR)$(LIBDIR)/libmlrt.so
-	printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$(LIBDIR)' 'includedir=$${prefix}/include' '' \
-	    'Name: mlrt' 'Description: Multi-Level Ray Tracing Algorithm' 'Version: $(VERSION)' \
-	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lmlrt' 'Libs.private: -lm -pthread' \
-	    > $(DESTDIR)$(LIBDIR)/pkgconfig/mlrt.pc
+	install -d "$(DESTDIR)$(PREFIX)/include" "$(DESTDIR)$(LIBDIR)/pkgconfig" "$(DESTDIR)$(LIBDIR)/cmake/mlrt"
+	install -m 644 include/mlrt.h "$(DESTDIR)$(PREFIX)/include/"
+	install -m 644 $(BUILD)/libmlrt.a "$(DESTDIR)$(LIBDIR)/"
+	install -m 755 $(BUILD)/libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/"
+	ln -sf libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(SOVERSION)"
+	ln -sf libmlrt.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so"
+	$(FILL_IN) packaging/mlrt.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/mlrt.pc"
+	$(FILL_IN) packaging/mlrtConfig.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfig.cmake"
+	$(FILL_IN) packaging/mlrtConfigVersion.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfigVersion.cmake"
+
+# Without what debuggers read.
+install-strip: install
+	strip "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(VERSION)"
+	strip --strip-debug "$(DESTDIR)$(LIBDIR)/libmlrt.a"
+
+uninstall:
+	for file in $(INSTALLED_LIBRARIES); do rm -f "$(DESTDIR)$(LIBDIR)/$$file"; done
+	rm -f "$(DESTDIR)$(PREFIX)/include/mlrt.h"
+	-rmdir "$(DESTDIR)$(LIBDIR)/cmake/mlrt"
+
+test-install: library
+	@CC='$(CC)' MAKE='$(MAKE)' VERSION=$(VERSION) sh tests/consumer/check.sh $(BUILD)/install
 
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
