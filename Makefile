@@ -305,6 +305,9 @@ $(BUILD)/abi/interface.inc: include/mlrt.h tests/abi/interface.awk
 $(BUILD)/tests/test_abi.o: $(BUILD)/abi/interface.inc
 $(BUILD)/tests/test_abi.o: CPPFLAGS += -I$(BUILD)/abi
 
+$(BUILD)/tests/test_churn: $(BUILD)/tests/test_churn.o $(BUILD)/libmlrt.a
+	$(Q)$(LINK) $^ -lcmocka -lm -o $@
+
 $(BUILD)/tests/test_copies: | $(BUILD)/libmlrt.so
 
 build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
@@ -326,6 +329,13 @@ check-copies: library
 	$(Q)$(COMPILE) -c tests/copies/main.c -o $(COPIES)/main.o
 	$(Q)$(LINK) -rdynamic $(COPIES)/*.o $(BUILD)/libmlrt.a $(BUILD)/renamed-game_/libmlrt.a -lm -ldl -o $(COPIES)/copies
 	$(COPIES)/copies $(BUILD)/libmlrt.so
+
+# A cycle under valgrind is some 5 ms.
+CHURN_CYCLES ?= 10000
+check-churn: $(BUILD)/tests/test_churn
+	@command -v valgrind >/dev/null || echo "check-churn: no valgrind: what malloc holds is looked at, not each block"
+	CHURN_CYCLES=$(CHURN_CYCLES) $(if $(shell command -v valgrind),valgrind --leak-check=full --show-leak-kinds=all \
+	    --errors-for-leak-kinds=all --error-exitcode=1) $(BUILD)/tests/test_churn
 
 check-header:
 	@CC='$(CC)' sh tests/check_header.sh
@@ -389,7 +399,8 @@ test-install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] tests/*.[ch] tests/words/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] tests/*.[ch] tests/words/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
+	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
 
 clean:
 	rm -rf build
