@@ -289,7 +289,7 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) 
 # Runs for as long as FUZZ says, from files that test_save writes. Needs clang: see tests/fuzz_load.c.
 FUZZ ?= -max_total_time=60
 
-$(BUILD)/tests/fuzz_load: $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+$(BUILD)/tests/fuzz_load: $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	$(Q)$(LINK) -fsanitize=fuzzer $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 
 fuzz: $(BUILD)/tests/fuzz_load $(BUILD)/tests/test_save
