@@ -96,7 +96,7 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 # Short loops over axes and corners must be gone from kernels that somebody waits for; gcc does not need the size of -O3
 # for that. Those that count should be small.
 FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fpeel-loops || echo -O3))
-SMALL := $(if $(filter -O2,$(OPTIMIZE)),-Os)
+SMALL := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -Oz -E -x c /dev/null >/dev/null 2>&1 && echo -Oz || echo -Os))
 
 # What only tests call stays out of the shared library. So do assertions, which would end the program they are in; they
 # are for the tests with SAN.
@@ -112,7 +112,7 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 
 # What hardly takes time, or few wait for.
 COLD := library tree save trace meshes host structs memory progress scheduler render camera beam offset grid exact bvh_build bvh_check bvh_collapse \
-        kdtree_build kdtree_check split clip
+        kdtree_build kdtree_check split clip all_hits hit_list
 $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c
