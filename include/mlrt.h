@@ -382,7 +382,9 @@ MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count
 MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
 
 /*
- * The build report. Counts are of the finished tree; of the kd-tree if there is one, else of the hierarchy of boxes.
+ * The build report. A tree that was loaded has no build_seconds, and its bytes are those that loading took.
+ *
+ * Counts are of the finished tree; of the kd-tree if there is one, else of the hierarchy of boxes.
  * Bytes and seconds are those of all there is.
  */
 typedef struct mlrt_tree_info {
@@ -433,10 +435,10 @@ typedef struct mlrt_load_options {
     uint32_t struct_size;   /* sizeof(mlrt_load_options) */
     uint32_t flags;         /* MLRT_LOAD_* */
     uint64_t geometry_hash; /* what mlrt_hash_geometry says the triangles are; others are MLRT_ERROR_DATA. 0 = any */
+    uint64_t memory_limit;  /* as in mlrt_build_options */
     char *message;          /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
     size_t message_size;    /* its size in bytes */
     const mlrt_host *host;  /* NULL = malloc and silence */
-    uint64_t memory_limit;  /* as in mlrt_build_options */
 } mlrt_load_options;
 
 /*

@@ -430,7 +430,7 @@ static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_optio
     memset(voice, 0, sizeof *voice);
     if (given) {
         const int32_t status =
-            mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_load_options, memory_limit), options, sizeof *options);
+            mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_load_options, host), options, sizeof *options);
         if (status != MLRT_OK) return status;
     }
     voice->message = options->message;
