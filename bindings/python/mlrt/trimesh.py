@@ -11,15 +11,24 @@ Different from trimesh's own: a ray does not hit a surface that it starts on. A 
 triangle there, the first, in all methods. contains_points counts crossings exactly, without random directions.
 """
 
-from typing import Any, Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._abi import NONE
+from ._pool import Pool
+from ._results import Hits
 from ._tree import Tree
 
 _FIRST_CAPACITY = 8
 _GROWTH = 4
+_FEW = 512  # rays that are not worth a pass of their own
+
+# How far from the place that float32 found a plane may be met, in sizes of the triangle.
+_TOLERANCE = 1e-3
+_PIECE = 1 << 14  # places worked on at once: their arrays stay in the cache
+_NO_FLOATS = np.zeros(0, np.float32)
 
 Index = NDArray[np.int64]
 
@@ -30,17 +39,22 @@ class RayMeshIntersector:
     The tree is built at the first query, and again when the mesh has changed. Arrays of rays are float (n, 3).
     """
 
-    def __init__(self, mesh: Any, **kwargs: Any) -> None:
-        """Arguments like `scale_to_box` of trimesh's classes are accepted and have no effect: nothing depends on scale."""
+    def __init__(self, mesh: Any, pool: Optional[Pool] = None, **kwargs: Any) -> None:
+        """pool: threads to share all work with; None = the calling thread alone. Copies and pickles do without.
+
+        Arguments like `scale_to_box` of trimesh's classes are accepted and have no effect: nothing depends on scale.
+        """
         self.mesh = mesh
+        self._pool = pool
         self._tree: Optional[Tree] = None
+        self._planes: Optional[_Planes] = None
         self._hash: Any = None
 
     def __getstate__(self) -> dict[str, Any]:
         return {"mesh": self.mesh}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.mesh, self._tree, self._hash = state["mesh"], None, None
+        self.__init__(state["mesh"])  # type: ignore[misc]
 
     def __deepcopy__(self, memo: Any) -> "RayMeshIntersector":
         return type(self)(self.mesh)
@@ -54,15 +68,17 @@ class RayMeshIntersector:
         if self._tree is None or state != self._hash:
             vertices = np.asarray(self.mesh.vertices, np.float64).reshape(-1, 3)
             self._shift = _shift(vertices)
-            self._tree = Tree(vertices - self._shift, np.asarray(self.mesh.faces).reshape(-1, 3))
+            self._tree = Tree(vertices - self._shift, np.asarray(self.mesh.faces).reshape(-1, 3), pool=self._pool)
+            self._planes = None
             self._hash = state
         return self._tree
 
     def _rays(self, origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """The rays in float32, where the tree is."""
         origins, directions = _points(origins, "ray_origins"), _points(directions, "ray_directions")
         if origins.shape != directions.shape:
             raise ValueError("Ray origin and direction don't match!")
-        return (origins - self._shift).astype(np.float32), directions.astype(np.float32)
+        return _moved(origins, self._shift), directions.astype(np.float32, copy=False)
 
     def intersects_id(
         self,
@@ -81,36 +97,26 @@ class RayMeshIntersector:
         tree = self._prepare()
         rays = self._rays(ray_origins, ray_directions)
         if multiple_hits:
-            index_ray, index_tri, weights = _all_places(tree, *rays, max_hits)
+            places = _all_places(tree, *rays, max_hits, return_locations, self._pool)
         else:
-            hits = tree.trace(*rays, outputs=("t", "u", "v", "triangle"))
-            index_ray = np.flatnonzero(hits.hit)
-            index_tri = hits.triangle[index_ray].astype(np.int64)
-            weights = np.column_stack((hits.u, hits.v))[index_ray]
+            places = _first_places(tree, *rays, return_locations, self._pool)
         if not return_locations:
-            return index_tri, index_ray
-        return index_tri, index_ray, self._locations(ray_origins, ray_directions, index_ray, index_tri, weights)
+            return places.triangle, places.ray
+        return places.triangle, places.ray, self._locations(ray_origins, ray_directions, places)
 
-    def _locations(
-        self, origins: ArrayLike, directions: ArrayLike, index_ray: Index, index_tri: Index, weights: NDArray[np.float32]
-    ) -> NDArray[np.float64]:
+    def _locations(self, origins: ArrayLike, directions: ArrayLike, places: "_Places") -> NDArray[np.float64]:
         """Where rays meet the planes of the triangles they hit, in float64.
 
         A ray nearly in the plane may meet it outside of the triangle: then the point that float32 arithmetic found is taken.
         """
-        vertices = np.asarray(self.mesh.vertices, np.float64)
-        corners = vertices[np.asarray(self.mesh.faces)[index_tri]]
-        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-        u, v = weights[:, :1].astype(np.float64), weights[:, 1:].astype(np.float64)
-        in_triangle = a + u * (b - a) + v * (c - a)
-        normal = np.cross(b - a, c - a)
-        origin, direction = _points(origins, "")[index_ray], _points(directions, "")[index_ray]
-        with np.errstate(all="ignore"):
-            t = np.sum((a - origin) * normal, axis=1) / np.sum(direction * normal, axis=1)
-            on_ray = origin + t[:, None] * direction
-            size = np.abs(b - a).max(axis=1, initial=0) + np.abs(c - a).max(axis=1, initial=0)
-            near = np.abs(on_ray - in_triangle).max(axis=1, initial=0) <= 1e-3 * size
-        return np.where(near[:, None], on_ray, in_triangle)
+        if self._planes is None:
+            self._planes = _Planes(self.mesh)
+        rays = _points(origins, ""), _points(directions, "")
+        locations = np.empty((len(places.ray), 3))
+        for start in range(0, len(places.ray), _PIECE):
+            piece = slice(start, start + _PIECE)
+            self._planes.meet(*rays, _Places(*(array[piece] for array in places)), locations[piece])
+        return locations
 
     def intersects_location(
         self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True, **kwargs: Any
@@ -126,13 +132,13 @@ class RayMeshIntersector:
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **kwargs: Any) -> Index:
         """The first triangle that each ray hits: int64 (n,), -1 = none."""
         tree = self._prepare()
-        hits = tree.trace(*self._rays(ray_origins, ray_directions), outputs="triangle")
+        hits = tree.trace(*self._rays(ray_origins, ray_directions), outputs="triangle", pool=self._pool)
         return hits.triangle.view(np.int32).astype(np.int64)
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **kwargs: Any) -> NDArray[np.bool_]:
         """Whether each ray hits the mesh: bool (n,)."""
         tree = self._prepare()
-        return tree.occluded(*self._rays(ray_origins, ray_directions))
+        return tree.occluded(*self._rays(ray_origins, ray_directions), pool=self._pool)
 
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether each point, float (n, 3), is inside of the mesh: bool (n,). Undefined for points on the surface.
@@ -141,20 +147,77 @@ class RayMeshIntersector:
         mesh the two always agree.
         """
         tree = self._prepare()
-        points = (_points(points, "points") - self._shift).astype(np.float32)
-        inside = tree.contains(points, (0, 0, 1))
+        points = _moved(_points(points, "points"), self._shift)
+        inside = tree.contains(points, (0, 0, 1), pool=self._pool)
         if not getattr(self.mesh, "is_watertight", False):
-            inside &= tree.contains(points, (0, 0, -1))
+            inside &= tree.contains(points, (0, 0, -1), pool=self._pool)
         return inside
 
 
-def _points(values: ArrayLike, name: str) -> NDArray[np.float64]:
-    array = np.asarray(values, np.float64)
+class _Places(NamedTuple):
+    """Where rays hit: arrays with an element per hit, by ray and then by distance."""
+
+    ray: Index
+    triangle: Index
+    t: NDArray[np.float32]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
+
+
+class _Planes:
+    """The planes of a mesh's triangles, in float64."""
+
+    def __init__(self, mesh: Any) -> None:
+        a, b, c = np.moveaxis(np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces)], 1, 0)
+        self.corners, self.first_edges, self.second_edges = np.ascontiguousarray(a), b - a, c - a
+        self.normals = np.cross(self.first_edges, self.second_edges)
+        sizes = np.abs(self.first_edges).max(axis=1, initial=0) + np.abs(self.second_edges).max(axis=1, initial=0)
+        self.tolerances = _TOLERANCE * sizes
+
+    def meet(
+        self, origins: NDArray[Any], directions: NDArray[Any], places: _Places, locations: NDArray[np.float64]
+    ) -> None:
+        """Writes the point of each place to `locations`."""
+        origin, direction = origins[places.ray], directions[places.ray]
+        normal, tolerance = self.normals[places.triangle], self.tolerances[places.triangle]
+        to_corner = self.corners[places.triangle] - origin
+        with np.errstate(all="ignore"):
+            t = np.einsum("ij,ij->i", to_corner, normal) / np.einsum("ij,ij->i", direction, normal)
+            for axis in range(3):
+                locations[:, axis] = origin[:, axis] + t * direction[:, axis]
+            lengths = np.sqrt(np.einsum("ij,ij->i", direction, direction))
+            # Most planes are met where the exact answer, rounded to float32, says; the others are looked at more closely.
+            far = np.flatnonzero(~(np.abs(t - places.t) * lengths <= tolerance))
+            if len(far) == 0:
+                return
+            triangle = places.triangle[far]
+            found = self.corners[triangle].copy()
+            for weights, edges in ((places.u, self.first_edges), (places.v, self.second_edges)):
+                found += weights[far, None].astype(np.float64) * edges[triangle]
+            wrong = ~(np.abs(locations[far] - found).max(axis=1) <= tolerance[far])
+            locations[far[wrong]] = found[wrong]
+
+
+def _points(values: ArrayLike, name: str) -> NDArray[Any]:
+    """`values` as float64 of shape (n, 3), or as float32 if they are."""
+    array = np.asarray(values)
+    if array.dtype != np.float32:
+        array = array.astype(np.float64, copy=False)
     if array.ndim == 1 and array.size == 0:
         return array.reshape(0, 3)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"{name} must be (n,3)")
     return array
+
+
+def _moved(points: NDArray[Any], shift: NDArray[np.float64]) -> NDArray[np.float32]:
+    """points - shift, rounded to float32 once. Axis by axis, since numpy is slow where the last axis is short."""
+    if not shift.any():
+        return points.astype(np.float32, copy=False)
+    moved = np.empty(points.shape, np.float32)
+    for axis in range(3):
+        moved[:, axis] = points[:, axis] - shift[axis]
+    return moved
 
 
 def _shift(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -167,28 +230,117 @@ def _shift(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(np.abs(middle) > upper - lower, middle, 0.0)
 
 
+def _first_places(
+    tree: Tree, origins: NDArray[np.float32], directions: NDArray[np.float32], weights: bool, pool: Optional[Pool]
+) -> _Places:
+    """The first place of each ray that hits anything. Without `weights`, t, u and v are empty."""
+    outputs = ("triangle", "t", "u", "v") if weights else ("triangle",)
+    hits = tree.trace(origins, directions, outputs=outputs, pool=pool)
+    ray = np.flatnonzero(hits.hit)
+    others = (array[ray] if weights else _NO_FLOATS for array in (hits.t, hits.u, hits.v))
+    return _Places(ray, hits.triangle[ray].astype(np.int64), *others)
+
+
 def _all_places(
-    tree: Tree, origins: NDArray[np.float32], directions: NDArray[np.float32], max_hits: Optional[int]
-) -> tuple[Index, Index, NDArray[np.float32]]:
-    """Every place where rays hit: index_ray, index_tri, (u, v). Of triangles hit at the same t only the first is listed.
+    tree: Tree,
+    origins: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    max_hits: Optional[int],
+    weights: bool,
+    pool: Optional[Pool],
+) -> _Places:
+    """Every place where rays hit. Of triangles hit at the same t, as rounded, only the first is listed.
+
+    Place after place: rays are traced again from behind the triangle they hit, which they skip. That is faster than lists of
+    hits, as long as many rays go together. Few rays, and those that hit another triangle at the same t, get lists.
+    """
+    layers = _Layers(len(origins), weights)
+    rays = np.arange(len(origins))
+    t_min, skip, depth = None, None, 0
+    while len(rays) > _FEW and (max_hits is None or depth < max_hits):
+        ids = np.empty((len(rays), 2), np.uint32)
+        names = ("t", "u", "v") if weights else ("t",)
+        out = Hits(mesh=ids[:, 0], triangle=ids[:, 1], **{name: np.empty(len(rays), np.float32) for name in names})
+        tree.trace(origins, directions, t_min, skip=skip, out=out, pool=pool)
+        hit = out.hit
+        if t_min is not None:
+            same = np.flatnonzero(hit & (out.t == t_min))
+            if len(same):
+                part = (array[same] for array in (rays, origins, directions, t_min, skip))
+                _add_lists(layers, tree, *part, depth, max_hits, pool)
+                hit[same] = False
+                out.t[same] = np.inf
+        found = np.flatnonzero(hit)
+        layers.add(rays[found], depth, *(array if array is None else array[found] for array in (out.triangle, out.t, out.u, out.v)))
+        t_min, skip, depth = out.t, ids, depth + 1
+        if 2 * len(found) < len(rays):
+            rays, origins, directions, t_min, skip = (array[found] for array in (rays, origins, directions, t_min, skip))
+    if len(rays) and (max_hits is None or depth < max_hits):
+        _add_lists(layers, tree, rays, origins, directions, t_min, skip, depth, max_hits, pool)
+    return layers.places()
+
+
+def _add_lists(
+    layers: "_Layers",
+    tree: Tree,
+    rays: Index,
+    origins: NDArray[np.float32],
+    directions: NDArray[np.float32],
+    t_min: Optional[NDArray[np.float32]],
+    skip: Optional[NDArray[np.uint32]],
+    depth: int,
+    max_hits: Optional[int],
+    pool: Optional[Pool],
+) -> None:
+    """Adds all places of rays with t > t_min, which are their places number `depth` and so on.
 
     Lists are short for most rays: those that need more room are traced again.
     """
-    rays, capacity, found = np.arange(len(origins)), _FIRST_CAPACITY, []
+    outputs = ("triangle", "total", "t", "u", "v") if layers.weights else ("triangle", "total", "t")
+    capacity = _FIRST_CAPACITY
     while len(rays):
-        lists = tree.hits(origins[rays], directions[rays], capacity, outputs=("t", "u", "v", "triangle", "total"))
+        lists = tree.hits(origins, directions, capacity, t_min, skip=skip, outputs=outputs, pool=pool)
         complete = lists.total <= capacity
         new = np.asarray(np.arange(capacity) < lists.total[:, None])
         new[:, 1:] &= lists.t[:, 1:] != lists.t[:, :-1]
+        if t_min is not None:
+            new &= lists.t != t_min[:, None]
         new &= complete[:, None]
+        places = np.cumsum(new, axis=1) - 1 + depth
         if max_hits is not None:
-            new &= np.cumsum(new, axis=1) <= max_hits
+            new &= places < max_hits
         row, column = np.nonzero(new)
-        weights = np.column_stack((lists.u[row, column], lists.v[row, column]))
-        found.append((rays[row], lists.triangle[row, column].astype(np.int64), weights))
-        rays, capacity = rays[~complete], capacity * _GROWTH
-    if not found:
-        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 2), np.float32)
-    index_ray, index_tri, weights = (np.concatenate(parts) for parts in zip(*found))
-    order = np.argsort(index_ray, kind="stable")
-    return index_ray[order], index_tri[order], weights[order]
+        arrays = (array if array is None else array[row, column] for array in (lists.triangle, lists.t, lists.u, lists.v))
+        layers.add(rays[row], places[row, column], *arrays)
+        more = np.flatnonzero(~complete)
+        rays, origins, directions, capacity = rays[more], origins[more], directions[more], capacity * _GROWTH
+        t_min, skip = None if t_min is None else t_min[more], None if skip is None else skip[more]
+
+
+class _Layers:
+    """Collects places in any order; each is the so-and-so-manyth of its ray."""
+
+    def __init__(self, ray_count: int, weights: bool) -> None:
+        self.weights = weights
+        self._parts: list[Any] = []
+        self._counts = np.zeros(ray_count + 1, np.int64)
+
+    def add(self, rays: Index, depth: Any, triangle: Any, t: Any, u: Any, v: Any) -> None:
+        if len(rays):
+            self._parts.append((rays, depth, triangle, t, u, v))
+            if np.ndim(depth):
+                np.add.at(self._counts, rays + 1, 1)
+            else:
+                self._counts[rays + 1] += 1
+
+    def places(self) -> _Places:
+        starts = np.cumsum(self._counts)
+        count = int(starts[-1])
+        kinds = (np.int64, np.int64) + (np.float32,) * 3
+        result = _Places(*(np.empty(count if self.weights or i < 2 else 0, kind) for i, kind in enumerate(kinds)))
+        for rays, depth, *arrays in self._parts:
+            places = starts[rays] + depth
+            for target, array in zip(result, (rays, *arrays)):
+                if len(target):
+                    target[places] = array
+        return result
