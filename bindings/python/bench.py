@@ -1,44 +1,356 @@
 # SPDX-License-Identifier: MIT
-"""What a call costs from Python: microseconds per call, the best of many runs, on a tree of one box."""
+"""How fast mlrt is from Python, beside open3d, embreex and trimesh, whichever of them are installed (pip install them).
 
+    python bench.py --scene dragon.ply --views cameras.json --threads 1,2     Mray/s, and what a call costs
+    python bench.py --csv speed.csv                                           a procedural scene; also as CSV
+
+Each scene has coherent rays, the pixels of a view row by row, and random ones: origins anywhere in the bounding box, directions
+anywhere on the sphere. All get the same rays in the arrays they like best: float32, contiguous, (n, 3) each, for open3d packed
+as its (n, 6) tensor before the clock runs; through trimesh float64, as trimesh's own arrays are. Contestants take turns, and of
+all turns the median counts. Whether they agree on what is hit is checked.
+"""
+
+import argparse
+import csv
+import importlib
+import json
+import sys
 import timeit
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
 
 import mlrt
+import mlrt.trimesh
 
-CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32)
-FACES = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
-CALLS = (
-    "tree.trace(origins, directions)",
-    "tree.trace(origins, directions, outputs=('t', 'triangle'))",
-    "tree.trace(origins, directions, out=out)",
-    "tree.occluded(origins, directions)",
-    "tree.hits(origins, directions, 0)",
-    "tree.contains(origins)",
-    "tree.trace(wide[:, :3], directions)",
-    "tree.trace(doubles, directions)",
-)
+Question = Callable[[], Any]
+
+# What is asked, and what each returns.
+QUESTIONS = {
+    "triangle": "the number of the triangle: mlrt outputs='triangle', embreex run(); open3d cannot",
+    "all": "mlrt t, u, v, mesh, triangle, facing; embreex output=True: t, u, v, ids, normal; open3d cast_rays: the same",
+    "any": "mlrt occluded, embreex query='OCCLUDED', open3d test_occlusions",
+}
+METHODS: dict[str, dict[str, Any]] = {
+    "intersects_first": {},
+    "intersects_any": {},
+    "intersects_id, first hit": {"multiple_hits": False},
+    "intersects_location, first hit": {"multiple_hits": False},
+    "intersects_id, all hits": {},
+    "intersects_location, all hits": {},
+}
 
 
-def measure(call: str, names: dict) -> float:
-    """Microseconds per call."""
-    return min(timeit.repeat(call, globals=names, number=1000, repeat=50)) * 1e3
+class Scene(NamedTuple):
+    name: str
+    vertices: np.ndarray  # float32 (n, 3)
+    faces: np.ndarray  # int32 (m, 3)
+    view: dict[str, Any]
 
 
-def names_for(tree: mlrt.Tree, count: int) -> dict:
-    """Rays from outside of the box into it, side by side."""
+class Row(NamedTuple):
+    scene: str
+    rays: str
+    question: str
+    threads: int
+    speeds: dict[str, float]  # Mray/s
+
+
+# ---- scenes and rays ---------------------------------------------------------------------------------------------------
+
+
+def bumpy_sphere(rings: int = 400) -> Scene:
+    """2 * rings * 2 * rings triangles around zero."""
+    theta, phi = np.meshgrid(np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings + 1), indexing="ij")
+    radius = 1 + 0.02 * np.sin(23 * theta) * np.sin(19 * phi)
+    vertices = radius * np.stack((np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)))
+    corner = (np.arange(rings)[:, None] * (2 * rings + 1) + np.arange(2 * rings)).ravel()
+    right, down = corner + 1, corner + 2 * rings + 1
+    faces = np.concatenate((np.stack((corner, right, down), 1), np.stack((right, down + 1, down), 1)))
+    view = {"eye": [0, 1, 3], "look": [0, 0, 0], "up": [0, 1, 0], "vfov": 40}
+    return Scene("sphere", vertices.reshape(3, -1).T.astype(np.float32).copy(), faces.astype(np.int32), view)
+
+
+def read_ply(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and faces of a binary little-endian PLY with float x, y, z and triangles of uchar + 3 int."""
+    data = path.read_bytes()
+    start = data.index(b"end_header\n") + len(b"end_header\n")
+    counts = [int(line.split()[2]) for line in data[:start].decode().splitlines() if line.startswith("element")]
+    vertices = np.frombuffer(data, "<f4", 3 * counts[0], start).reshape(-1, 3)
+    faces = np.frombuffer(data, np.dtype([("count", "u1"), ("corners", "<i4", 3)]), counts[1], start + vertices.nbytes)
+    if (faces["count"] != 3).any():
+        raise SystemExit(f"{path}: not all faces are triangles")
+    return vertices.astype(np.float32), faces["corners"].astype(np.int32)
+
+
+def view_of(vertices: np.ndarray) -> dict[str, Any]:
+    """From outside at everything, for scenes without a view."""
+    lower, upper = vertices.min(axis=0), vertices.max(axis=0)
+    middle = (lower + upper) / 2
+    return {"eye": middle + (upper - lower).max() * np.array([0.6, 0.5, 1.4]), "look": middle, "up": [0, 1, 0], "vfov": 45}
+
+
+def scenes(files: Iterable[str], views: Optional[str]) -> Iterator[Scene]:
+    known = json.loads(Path(views).read_text()) if views else {}
+    for file in files:
+        vertices, faces = read_ply(Path(file))
+        name = Path(file).stem
+        yield Scene(name, vertices, faces, known[name][0] if name in known else view_of(vertices))
+
+
+def coherent_rays(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
+    view, size = scene.view, int(count**0.5)
+    target = view["look"] if "look" in view else np.add(view["eye"], view["dir"])
+    camera = mlrt.Camera.look_at(view["eye"], target, size, size, view["vfov"], view["up"])
+    origins, directions = camera.rays()
+    return origins.reshape(-1, 3), directions.reshape(-1, 3)
+
+
+def random_rays(scene: Scene, count: int) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(1)
+    lower, upper = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
+    directions = random.normal(size=(int(count**0.5) ** 2, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    origins = lower + (upper - lower) * random.random(directions.shape)
+    return origins.astype(np.float32), directions.astype(np.float32)
+
+
+# ---- contestants -------------------------------------------------------------------------------------------------------
+
+
+def installed(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        return None
+
+
+class Mlrt:
+    """mlrt, with a pool if there is more than one thread."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.tree = mlrt.Tree(scene.vertices, scene.faces)
+
+    def questions(self, origins: np.ndarray, directions: np.ndarray, threads: int) -> dict[str, Question]:
+        pool = mlrt.Pool(threads) if threads > 1 else None
+        return {
+            "triangle": lambda: self.tree.trace(origins, directions, outputs="triangle", pool=pool),
+            "all": lambda: self.tree.trace(origins, directions, pool=pool),
+            "any": lambda: self.tree.occluded(origins, directions, pool=pool),
+        }
+
+    def hit(self, result: Any) -> np.ndarray:
+        return np.asarray(result.hit)
+
+
+class Embreex:
+    """embreex, which has no threads: its figures for several are left out."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = importlib.import_module("embreex.rtcore_scene").EmbreeScene()
+        self.mesh = importlib.import_module("embreex.mesh_construction").TriangleMesh(self.scene, scene.vertices, scene.faces)
+
+    def questions(self, origins: np.ndarray, directions: np.ndarray, threads: int) -> dict[str, Question]:
+        if threads > 1:
+            return {}
+        return {
+            "triangle": lambda: self.scene.run(origins, directions),
+            "all": lambda: self.scene.run(origins, directions, output=True),
+            "any": lambda: self.scene.run(origins, directions, query="OCCLUDED"),
+        }
+
+    def hit(self, result: Any) -> np.ndarray:
+        return np.asarray(result["primID"] != -1)
+
+
+class Open3d:
+    def __init__(self, scene: Scene) -> None:
+        open3d: Any = importlib.import_module("open3d")
+        self.tensor = open3d.core.Tensor
+        self.scene = open3d.t.geometry.RaycastingScene()
+        self.scene.add_triangles(self.tensor(scene.vertices), self.tensor(scene.faces.astype(np.uint32)))
+
+    def questions(self, origins: np.ndarray, directions: np.ndarray, threads: int) -> dict[str, Question]:
+        rays = self.tensor(np.concatenate((origins, directions), axis=1))
+        return {
+            "all": lambda: self.scene.cast_rays(rays, nthreads=threads),
+            "any": lambda: self.scene.test_occlusions(rays, nthreads=threads),
+        }
+
+    def hit(self, result: Any) -> np.ndarray:
+        return np.asarray(np.isfinite(result["t_hit"].numpy()))
+
+
+PEERS = {"embreex": Embreex, "open3d": Open3d}
+
+
+# ---- measuring ---------------------------------------------------------------------------------------------------------
+
+
+def take_turns(contestants: dict[str, Question], rounds: int) -> dict[str, float]:
+    """Seconds: of each the median of `rounds` runs, one of each in turn, after one that does not count."""
+    seconds: dict[str, list[float]] = {name: [] for name in contestants}
+    for turn in range(rounds + 1):
+        for name, ask in contestants.items():
+            start = perf_counter()
+            ask()
+            if turn:
+                seconds[name].append(perf_counter() - start)
+    return {name: median(values) for name, values in seconds.items()}
+
+
+def measure_arrays(scene: Scene, peers: list[str], options: argparse.Namespace) -> Iterator[Row]:
+    contestants: dict[str, Any] = {"mlrt": Mlrt(scene), **{name: PEERS[name](scene) for name in peers}}
+    for kind, rays in (("coherent", coherent_rays(scene, options.rays)), ("random", random_rays(scene, options.rays))):
+        hits = {name: one.hit(one.questions(*rays, 1)["all"]()) for name, one in contestants.items()}
+        for name in peers:
+            different = np.count_nonzero(hits[name] != hits["mlrt"])
+            print(f"{scene.name}, {kind}: {name} differs in hit or miss for {different} rays", file=sys.stderr)
+            if different > len(rays[0]) // 100:
+                raise SystemExit("they do not answer the same question")
+        for threads in options.threads:
+            questions = {name: one.questions(*rays, threads) for name, one in contestants.items()}
+            for question in QUESTIONS:
+                asked = {name: asks[question] for name, asks in questions.items() if question in asks}
+                seconds = take_turns(asked, options.rounds)
+                yield Row(scene.name, kind, question, threads, {name: len(rays[0]) / s / 1e6 for name, s in seconds.items()})
+
+
+def measure_drop_in(scene: Scene, options: argparse.Namespace) -> Iterator[Row]:
+    """trimesh with embreex, and with mlrt.trimesh in its place."""
+    trimesh: Any = importlib.import_module("trimesh")
+    embree: Any = importlib.import_module("trimesh.ray.ray_pyembree")
+    mesh = trimesh.Trimesh(scene.vertices, scene.faces, process=False)
+    rays = [array.astype(np.float64) for array in coherent_rays(scene, options.rays)]
+    contestants = {"mlrt.trimesh": mlrt.trimesh.RayMeshIntersector(mesh), "trimesh": embree.RayMeshIntersector(mesh)}
+    for title, arguments in METHODS.items():
+        method = title.split(",")[0]
+        asked: dict[str, Question] = {
+            name: (lambda one=one: getattr(one, method)(*rays, **arguments)) for name, one in contestants.items()
+        }
+        seconds = take_turns(asked, options.rounds)
+        yield Row(scene.name, "coherent", title, 1, {name: len(rays[0]) / s / 1e6 for name, s in seconds.items()})
+
+
+def microseconds(ask: Question) -> float:
+    """Per call, the best of many."""
+    number = max(1, int(0.01 / max(timeit.timeit(ask, number=1), 1e-6)))
+    return min(timeit.repeat(ask, number=number, repeat=40)) / number * 1e6
+
+
+def box() -> Scene:
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = np.array([face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))], np.int32)
+    return Scene("box", corners, faces, {})
+
+
+def calls(tree: mlrt.Tree, count: int) -> dict[str, Question]:
+    """Calls of mlrt for rays from outside of the box into it, side by side."""
     origins = np.linspace((-0.9, 0.3, 5), (0.9, 0.4, 5), count, dtype=np.float32)
     directions = np.tile(np.array([0, 0, -1], np.float32), (count, 1))
     wide = np.zeros((count, 8), np.float32)
     wide[:, :3] = origins
-    out = tree.trace(origins, directions)
-    return {"tree": tree, "origins": origins, "directions": directions, "wide": wide, "doubles": origins.astype(float), "out": out}
+    doubles, out = origins.astype(np.float64), tree.trace(origins, directions)
+    return {
+        "`trace(origins, directions)`": lambda: tree.trace(origins, directions),
+        "the same, `outputs=(\"t\", \"triangle\")`": lambda: tree.trace(origins, directions, outputs=("t", "triangle")),
+        "the same, `outputs=\"triangle\"`": lambda: tree.trace(origins, directions, outputs="triangle"),
+        "the same, `out=`": lambda: tree.trace(origins, directions, out=out),
+        "the same, origins in a wider array": lambda: tree.trace(wide[:, :3], directions),
+        "the same, origins in float64": lambda: tree.trace(doubles, directions),
+        "`occluded(origins, directions)`": lambda: tree.occluded(origins, directions),
+        "`hits(origins, directions, 0)`": lambda: tree.hits(origins, directions, 0),
+        "`contains(origins)` (all outside)": lambda: tree.contains(origins),
+    }
+
+
+def peer_calls(scene: Scene, peers: list[str], count: int) -> dict[str, Question]:
+    origins = np.linspace((-0.9, 0.3, 5), (0.9, 0.4, 5), count, dtype=np.float32)
+    directions = np.tile(np.array([0, 0, -1], np.float32), (count, 1))
+    found = {}
+    for name in peers:
+        questions = PEERS[name](scene).questions(origins, directions, 1)
+        for question in ("triangle", "all"):
+            if question in questions:
+                found[f"{name}, {question}"] = questions[question]
+    return found
+
+
+# ---- tables ------------------------------------------------------------------------------------------------------------
+
+
+def print_table(title: str, names: list[str], rows: Iterable[Row]) -> list[Row]:
+    """Prints rows as they come; the last column is the first name's speed over the best of the others."""
+    print(f"\n{title}\n")
+    print("| scene | rays | question | threads | " + " | ".join(names) + " | ratio |")
+    print("| --- | --- | --- | ---: |" + " ---: |" * (len(names) + 1))
+    done = []
+    for row in rows:
+        others = [row.speeds[name] for name in names[1:] if name in row.speeds]
+        cells = [f"{row.speeds[name]:.1f}" if name in row.speeds else "" for name in names]
+        ratio = f"{row.speeds[names[0]] / max(others):.2f}" if others else ""
+        print(f"| {row.scene} | {row.rays} | {row.question} | {row.threads} | " + " | ".join(cells + [ratio]) + " |", flush=True)
+        done.append(row)
+    return done
+
+
+def print_calls(peers: list[str]) -> None:
+    scene = box()
+    tree = mlrt.Tree(scene.vertices, scene.faces)
+    few, many = (calls(tree, count) | peer_calls(scene, peers, count) for count in (1, 256))
+    print("\nMicroseconds per call, a tree of one box, the best of many\n\n| call | 1 ray | 256 rays |\n| --- | ---: | ---: |")
+    for call, ask in few.items():
+        print(f"| {call} | {microseconds(ask):.1f} | {microseconds(many[call]):.0f} |", flush=True)
+
+
+def write_csv(path: str, rows: list[Row]) -> None:
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(("scene", "rays", "question", "threads", "contestant", "mray_per_second"))
+        for row in rows:
+            for name, speed in row.speeds.items():
+                writer.writerow((row.scene, row.rays, row.question, row.threads, name, f"{speed:.3f}"))
+
+
+def parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", action="append", default=[], metavar="FILE.ply", help="binary PLY; may be given several times")
+    parser.add_argument("--views", metavar="FILE.json", help='{"name of a scene": [{"eye", "look" or "dir", "up", "vfov"}]}')
+    parser.add_argument("--rays", type=int, default=1 << 20, help="how many; rounded down to a square (default: %(default)s)")
+    parser.add_argument("--threads", type=lambda text: [int(one) for one in text.split(",")], default=[1], metavar="1,2")
+    parser.add_argument("--rounds", type=int, default=7, help="turns that each takes (default: %(default)s)")
+    parser.add_argument("--only", choices=("arrays", "trimesh", "calls"), help="one of the tables")
+    parser.add_argument("--csv", metavar="FILE", help="write the speeds there as well")
+    return parser.parse_args()
+
+
+def main() -> None:
+    options = parse()
+    found = list(scenes(options.scene, options.views)) or [bumpy_sphere()]
+    peers = [name for name in PEERS if installed(name)]
+    with_trimesh = installed("trimesh.ray.ray_pyembree") is not None
+    missing = [name for name in PEERS if name not in peers] + ([] if with_trimesh else ["trimesh with embreex"])
+    if missing:
+        print(f"Not installed, so not compared with: {', '.join(missing)}.")
+    rows: list[Row] = []
+    if options.only in (None, "arrays"):
+        for question, meaning in QUESTIONS.items():
+            print(f"- {question}: {meaning}")
+        speeds = (row for scene in found for row in measure_arrays(scene, peers, options))
+        rows += print_table("Mray/s from numpy arrays; embreex has one thread", ["mlrt", *peers], speeds)
+    if options.only in (None, "trimesh") and with_trimesh:
+        speeds = (row for scene in found for row in measure_drop_in(scene, options))
+        rows += print_table("Mray/s through trimesh with embreex, and with mlrt.trimesh", ["mlrt.trimesh", "trimesh"], speeds)
+    if options.only in (None, "calls"):
+        print_calls(peers)
+    if options.csv:
+        write_csv(options.csv, rows)
 
 
 if __name__ == "__main__":
-    box = mlrt.Tree(CORNERS, FACES)
-    few, many = names_for(box, 1), names_for(box, 256)
-    print(f"{'':60} {'1 ray':>8} {'256 rays':>9}")
-    for call in CALLS:
-        print(f"{call:60} {measure(call, few):8.1f} {measure(call, many):9.1f}")
+    main()

@@ -207,6 +207,46 @@ class Camera(Struct):
     ]
 
 
+class Tile(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("worker", c_uint32),
+        ("x", c_uint32),
+        ("y", c_uint32),
+        ("width", c_uint32),
+        ("height", c_uint32),
+        ("t", c_void_p),
+        ("u", c_void_p),
+        ("v", c_void_p),
+        ("mesh", c_void_p),
+        ("triangle", c_void_p),
+        ("facing", c_void_p),
+        ("occluded", c_void_p),
+    ]
+
+
+TileCallback = ctypes.CFUNCTYPE(c_int32, c_void_p, POINTER(Tile))
+
+# Bytes of the elements of arrays: what stride 0 stands for.
+ELEMENT_SIZES = {
+    "origins": 12,
+    "directions": 12,
+    "t_min": 4,
+    "t_max": 4,
+    "skip": 8,
+    "t": 4,
+    "u": 4,
+    "v": 4,
+    "mesh": 4,
+    "triangle": 4,
+    "facing": 4,
+    "occluded": 1,
+    "crossing": 1,
+    "total": 4,
+    "crossing_total": 4,
+}
+
+
 class Packer:
     """Writes a Struct as bytes, from the values of its leaves in order, the struct_size left out."""
 

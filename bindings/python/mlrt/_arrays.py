@@ -21,7 +21,8 @@ def address(array: np.ndarray) -> int:
     flags = array.flags
     if flags.c_contiguous and flags.writeable and array.size:
         return _addressof(_from_buffer(array))
-    return array.__array_interface__["data"][0]
+    start: int = array.__array_interface__["data"][0]
+    return start
 
 
 def floats(values: Any) -> np.ndarray:

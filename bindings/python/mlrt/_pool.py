@@ -4,14 +4,14 @@
 import ctypes
 import os
 from types import TracebackType
-from typing import Optional
+from typing import Any, Optional
 
 from ._abi import PoolHandle, library
 from ._errors import check
 
 
 class _Handle(PoolHandle):
-    def __del__(self, destroy=library.mlrt_destroy_pool, getpid=os.getpid) -> None:
+    def __del__(self, destroy: Any = library.mlrt_destroy_pool, getpid: Any = os.getpid) -> None:
         if self.process == getpid():
             destroy(self)
 

@@ -32,7 +32,7 @@ class Hits(NamedTuple):
         if self.facing is not None:
             return self.facing != 0
         if self.t is not None:
-            return self.t != np.inf
+            return np.not_equal(self.t, np.inf)
         raise ValueError("none of triangle, mesh, facing and t was asked for")
 
 

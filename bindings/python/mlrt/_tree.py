@@ -17,6 +17,7 @@ from ._camera import Camera
 from ._errors import check
 from ._outputs import given_hits, new_hit_lists, new_hits, occluded
 from ._pool import Pool
+from ._progress import Bar, TileCounter, pieces
 from ._rays import Rays
 from ._results import HitLists, Hits
 
@@ -48,7 +49,7 @@ class TreeInfo(NamedTuple):
     bounds: NDArray[np.float32]  #: (2, 3): lower and upper corner; all 0 if there is no triangle
 
 
-def _named(value: Any, names: dict, what: str) -> int:
+def _named(value: Any, names: dict[Any, int], what: str) -> int:
     try:
         return names[value]
     except (KeyError, TypeError):
@@ -200,6 +201,7 @@ class Tree:
         method: Optional[Method] = None,
         isa: Optional[Isa] = None,
         counters: Optional[Counters] = None,
+        progress: bool = False,
     ) -> Hits:
         """The closest hit of each ray, with t_min < t <= t_max.
 
@@ -209,7 +211,7 @@ class Tree:
         outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead.
         row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes.
         method, isa: how to trace. They never change the results. A method that needs a structure the tree does not have is an
-        UnsupportedError.
+        UnsupportedError. progress: a bar, by tqdm, moves while rays are traced.
         """
         tree = self._open_handle()
         rays = Rays(origins, directions, t_min, t_max, skip, row_length)
@@ -218,6 +220,9 @@ class Tree:
         else:
             packed = given_hits(out, rays.shape, rows=False)
         options = _options(_abi.QUERY_CLOSEST, method, isa, pool, counters)
+        if progress:
+            _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)
+            return out
         status = library.mlrt_trace_packet(tree, rays.packed, options, packed)
         if status:
             check(status)
@@ -237,12 +242,16 @@ class Tree:
         method: Optional[Method] = None,
         isa: Optional[Isa] = None,
         counters: Optional[Counters] = None,
+        progress: bool = False,
     ) -> NDArray[np.bool_]:
         """Whether each ray hits anything: bool (...). Faster than `trace`, arguments as there; out: bool or uint8 (...)."""
         tree = self._open_handle()
         rays = Rays(origins, directions, t_min, t_max, skip, row_length)
         out, packed = occluded(out, rays.shape)
         options = _options(_abi.QUERY_ANY, method, isa, pool, counters)
+        if progress:
+            _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)
+            return out
         status = library.mlrt_trace_packet(tree, rays.packed, options, packed)
         if status:
             check(status)
@@ -261,6 +270,7 @@ class Tree:
         row_length: int = 0,
         pool: Optional[Pool] = None,
         counters: Optional[Counters] = None,
+        progress: bool = False,
     ) -> HitLists:
         """The k nearest hits of each ray, nearest first, and how many it has in all; k = 0: only how many.
 
@@ -271,6 +281,9 @@ class Tree:
         rays = Rays(origins, directions, t_min, t_max, skip, row_length)
         lists, packed = new_hit_lists(outputs, rays.shape, _in_32_bits(k, "k"))
         options = _options(_abi.QUERY_CLOSEST, None, None, pool, counters)
+        if progress:
+            _trace_pieces(library.mlrt_trace_all_hits, tree, rays, options, packed, _abi.HitLists, pool)
+            return lists
         check(library.mlrt_trace_all_hits(tree, rays.packed, options, packed))
         return lists
 
@@ -295,6 +308,7 @@ class Tree:
         method: Optional[Method] = None,
         isa: Optional[Isa] = None,
         counters: Optional[Counters] = None,
+        progress: bool = False,
     ) -> Hits:
         """The closest hit of each pixel's ray: arrays of shape (height, width). The same bits as `trace(*camera.rays())`.
 
@@ -307,8 +321,25 @@ class Tree:
         else:
             packed = given_hits(out, shape, rows=True)
         options = _options(_abi.QUERY_CLOSEST, method, isa, pool, counters)
-        check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))
+        if not progress:
+            check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))
+            return out
+        with Bar(shape[0] * shape[1], "pixels") as bar:
+            counter = TileCounter(bar)
+            status = library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, counter.callback, None)
+            counter.raise_error()
+            check(status)
         return out
+
+
+def _trace_pieces(
+    function: Any, tree: TreeHandle, rays: Rays, options: Any, results: bytes, kind: type[_abi.Struct], pool: Optional[Pool]
+) -> None:
+    """A call of mlrt_trace_packet or mlrt_trace_all_hits as several, with a bar."""
+    with Bar(rays.count, "rays") as bar:
+        for count, some_rays, some_results in pieces(rays.packed, results, kind, pool is not None):
+            check(function(tree, some_rays, options, some_results))
+            bar.add(count)
 
 
 def _parts(mesh: Any) -> tuple[Any, Any]:

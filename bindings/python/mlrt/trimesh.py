@@ -11,27 +11,18 @@ Different from trimesh's own: a ray does not hit a surface that it starts on. A 
 triangle there, the first, in all methods. contains_points counts crossings exactly, without random directions.
 """
 
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._abi import NONE
+from ._places import Index, Places, all_places, first_places
 from ._pool import Pool
-from ._results import Hits
 from ._tree import Tree
-
-_FIRST_CAPACITY = 8
-_GROWTH = 4
-_FEW = 512  # rays that are not worth a pass of their own
 
 # How far from the place that float32 found a plane may be met, in sizes of the triangle.
 _TOLERANCE = 1e-3
 _PIECE = 1 << 14  # places worked on at once: their arrays stay in the cache
-_NO_FLOATS = np.zeros(0, np.float32)
-
-Index = NDArray[np.int64]
-
 
 class RayMeshIntersector:
     """Ray queries for a trimesh.Trimesh, or any object with vertices (n, 3), faces (m, 3) and a __hash__ of its contents.
@@ -97,14 +88,14 @@ class RayMeshIntersector:
         tree = self._prepare()
         rays = self._rays(ray_origins, ray_directions)
         if multiple_hits:
-            places = _all_places(tree, *rays, max_hits, return_locations, self._pool)
+            places = all_places(tree, *rays, max_hits, return_locations, self._pool)
         else:
-            places = _first_places(tree, *rays, return_locations, self._pool)
+            places = first_places(tree, *rays, return_locations, self._pool)
         if not return_locations:
             return places.triangle, places.ray
         return places.triangle, places.ray, self._locations(ray_origins, ray_directions, places)
 
-    def _locations(self, origins: ArrayLike, directions: ArrayLike, places: "_Places") -> NDArray[np.float64]:
+    def _locations(self, origins: ArrayLike, directions: ArrayLike, places: Places) -> NDArray[np.float64]:
         """Where rays meet the planes of the triangles they hit, in float64.
 
         A ray nearly in the plane may meet it outside of the triangle: then the point that float32 arithmetic found is taken.
@@ -115,7 +106,7 @@ class RayMeshIntersector:
         locations = np.empty((len(places.ray), 3))
         for start in range(0, len(places.ray), _PIECE):
             piece = slice(start, start + _PIECE)
-            self._planes.meet(*rays, _Places(*(array[piece] for array in places)), locations[piece])
+            self._planes.meet(*rays, Places._make(array[piece] for array in places), locations[piece])
         return locations
 
     def intersects_location(
@@ -154,16 +145,6 @@ class RayMeshIntersector:
         return inside
 
 
-class _Places(NamedTuple):
-    """Where rays hit: arrays with an element per hit, by ray and then by distance."""
-
-    ray: Index
-    triangle: Index
-    t: NDArray[np.float32]
-    u: NDArray[np.float32]
-    v: NDArray[np.float32]
-
-
 class _Planes:
     """The planes of a mesh's triangles, in float64."""
 
@@ -175,12 +156,13 @@ class _Planes:
         self.tolerances = _TOLERANCE * sizes
 
     def meet(
-        self, origins: NDArray[Any], directions: NDArray[Any], places: _Places, locations: NDArray[np.float64]
+        self, origins: NDArray[Any], directions: NDArray[Any], places: Places, locations: NDArray[np.float64]
     ) -> None:
         """Writes the point of each place to `locations`."""
-        origin, direction = origins[places.ray], directions[places.ray]
-        normal, tolerance = self.normals[places.triangle], self.tolerances[places.triangle]
-        to_corner = self.corners[places.triangle] - origin
+        origin, direction = (array.take(places.ray, axis=0) for array in (origins, directions))
+        normal, to_corner = (array.take(places.triangle, axis=0) for array in (self.normals, self.corners))
+        tolerance = self.tolerances.take(places.triangle)
+        to_corner -= origin
         with np.errstate(all="ignore"):
             t = np.einsum("ij,ij->i", to_corner, normal) / np.einsum("ij,ij->i", direction, normal)
             for axis in range(3):
@@ -228,119 +210,3 @@ def _shift(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
     lower, upper = finite.min(axis=0), finite.max(axis=0)
     middle = (lower / 2 + upper / 2).astype(np.float32).astype(np.float64)
     return np.where(np.abs(middle) > upper - lower, middle, 0.0)
-
-
-def _first_places(
-    tree: Tree, origins: NDArray[np.float32], directions: NDArray[np.float32], weights: bool, pool: Optional[Pool]
-) -> _Places:
-    """The first place of each ray that hits anything. Without `weights`, t, u and v are empty."""
-    outputs = ("triangle", "t", "u", "v") if weights else ("triangle",)
-    hits = tree.trace(origins, directions, outputs=outputs, pool=pool)
-    ray = np.flatnonzero(hits.hit)
-    others = (array[ray] if weights else _NO_FLOATS for array in (hits.t, hits.u, hits.v))
-    return _Places(ray, hits.triangle[ray].astype(np.int64), *others)
-
-
-def _all_places(
-    tree: Tree,
-    origins: NDArray[np.float32],
-    directions: NDArray[np.float32],
-    max_hits: Optional[int],
-    weights: bool,
-    pool: Optional[Pool],
-) -> _Places:
-    """Every place where rays hit. Of triangles hit at the same t, as rounded, only the first is listed.
-
-    Place after place: rays are traced again from behind the triangle they hit, which they skip. That is faster than lists of
-    hits, as long as many rays go together. Few rays, and those that hit another triangle at the same t, get lists.
-    """
-    layers = _Layers(len(origins), weights)
-    rays = np.arange(len(origins))
-    t_min, skip, depth = None, None, 0
-    while len(rays) > _FEW and (max_hits is None or depth < max_hits):
-        ids = np.empty((len(rays), 2), np.uint32)
-        names = ("t", "u", "v") if weights else ("t",)
-        out = Hits(mesh=ids[:, 0], triangle=ids[:, 1], **{name: np.empty(len(rays), np.float32) for name in names})
-        tree.trace(origins, directions, t_min, skip=skip, out=out, pool=pool)
-        hit = out.hit
-        if t_min is not None:
-            same = np.flatnonzero(hit & (out.t == t_min))
-            if len(same):
-                part = (array[same] for array in (rays, origins, directions, t_min, skip))
-                _add_lists(layers, tree, *part, depth, max_hits, pool)
-                hit[same] = False
-                out.t[same] = np.inf
-        found = np.flatnonzero(hit)
-        layers.add(rays[found], depth, *(array if array is None else array[found] for array in (out.triangle, out.t, out.u, out.v)))
-        t_min, skip, depth = out.t, ids, depth + 1
-        if 2 * len(found) < len(rays):
-            rays, origins, directions, t_min, skip = (array[found] for array in (rays, origins, directions, t_min, skip))
-    if len(rays) and (max_hits is None or depth < max_hits):
-        _add_lists(layers, tree, rays, origins, directions, t_min, skip, depth, max_hits, pool)
-    return layers.places()
-
-
-def _add_lists(
-    layers: "_Layers",
-    tree: Tree,
-    rays: Index,
-    origins: NDArray[np.float32],
-    directions: NDArray[np.float32],
-    t_min: Optional[NDArray[np.float32]],
-    skip: Optional[NDArray[np.uint32]],
-    depth: int,
-    max_hits: Optional[int],
-    pool: Optional[Pool],
-) -> None:
-    """Adds all places of rays with t > t_min, which are their places number `depth` and so on.
-
-    Lists are short for most rays: those that need more room are traced again.
-    """
-    outputs = ("triangle", "total", "t", "u", "v") if layers.weights else ("triangle", "total", "t")
-    capacity = _FIRST_CAPACITY
-    while len(rays):
-        lists = tree.hits(origins, directions, capacity, t_min, skip=skip, outputs=outputs, pool=pool)
-        complete = lists.total <= capacity
-        new = np.asarray(np.arange(capacity) < lists.total[:, None])
-        new[:, 1:] &= lists.t[:, 1:] != lists.t[:, :-1]
-        if t_min is not None:
-            new &= lists.t != t_min[:, None]
-        new &= complete[:, None]
-        places = np.cumsum(new, axis=1) - 1 + depth
-        if max_hits is not None:
-            new &= places < max_hits
-        row, column = np.nonzero(new)
-        arrays = (array if array is None else array[row, column] for array in (lists.triangle, lists.t, lists.u, lists.v))
-        layers.add(rays[row], places[row, column], *arrays)
-        more = np.flatnonzero(~complete)
-        rays, origins, directions, capacity = rays[more], origins[more], directions[more], capacity * _GROWTH
-        t_min, skip = None if t_min is None else t_min[more], None if skip is None else skip[more]
-
-
-class _Layers:
-    """Collects places in any order; each is the so-and-so-manyth of its ray."""
-
-    def __init__(self, ray_count: int, weights: bool) -> None:
-        self.weights = weights
-        self._parts: list[Any] = []
-        self._counts = np.zeros(ray_count + 1, np.int64)
-
-    def add(self, rays: Index, depth: Any, triangle: Any, t: Any, u: Any, v: Any) -> None:
-        if len(rays):
-            self._parts.append((rays, depth, triangle, t, u, v))
-            if np.ndim(depth):
-                np.add.at(self._counts, rays + 1, 1)
-            else:
-                self._counts[rays + 1] += 1
-
-    def places(self) -> _Places:
-        starts = np.cumsum(self._counts)
-        count = int(starts[-1])
-        kinds = (np.int64, np.int64) + (np.float32,) * 3
-        result = _Places(*(np.empty(count if self.weights or i < 2 else 0, kind) for i, kind in enumerate(kinds)))
-        for rays, depth, *arrays in self._parts:
-            places = starts[rays] + depth
-            for target, array in zip(result, (rays, *arrays)):
-                if len(target):
-                    target[places] = array
-        return result

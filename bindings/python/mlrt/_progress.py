@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""Bars of tqdm for calls that take long, when asked for; tqdm is imported only then."""
+
+import ctypes
+from collections.abc import Iterator
+from types import TracebackType
+from typing import Any, Optional
+
+from . import _abi
+
+# Rays traced between two moves of the bar, or somewhat more: so many that pieces cost nothing. All threads share a piece.
+PIECE_RAYS = 1 << 18
+SHARED_PIECE_RAYS = 1 << 20
+
+# Squares of pixels that rays are grouped in have at most so many rows, and no piece ends within one.
+_SQUARE_ROWS = 64
+
+
+class Bar:
+    """A bar that counts up to `total`, in a `with` statement."""
+
+    def __init__(self, total: int, unit: str) -> None:
+        try:
+            from tqdm.auto import tqdm  # type: ignore[import-untyped, unused-ignore]
+        except ImportError as error:
+            raise ImportError("progress=True needs tqdm: pip install tqdm") from error
+        self._bar: Any = tqdm(total=total, unit=unit, unit_scale=True)
+
+    def add(self, count: int) -> None:
+        self._bar.update(count)
+
+    def __enter__(self) -> "Bar":
+        return self
+
+    def __exit__(
+        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self._bar.close()
+
+
+def pieces(rays: bytes, results: bytes, kind: type[_abi.Struct], shared: bool) -> Iterator[tuple[int, bytes, bytes]]:
+    """An mlrt_rays and the struct of results that belongs to it, cut into pieces: (count, rays, results) of each."""
+    whole = _abi.Rays.from_buffer_copy(rays)
+    row = whole.row_length * _SQUARE_ROWS or 1
+    size = -(-(SHARED_PIECE_RAYS if shared else PIECE_RAYS) // row) * row
+    for start in range(0, whole.count, size):
+        part, part_results = _abi.Rays.from_buffer_copy(rays), kind.from_buffer_copy(results)
+        part.count = min(size, whole.count - start)
+        per_ray = getattr(part_results, "capacity", 1)
+        for struct, factor in ((part, 1), (part_results, per_ray)):
+            _advance(struct, start, factor)
+        yield part.count, bytes(part), bytes(part_results)
+
+
+def _advance(struct: Any, start: int, per_ray: int) -> None:
+    """Lets all arrays begin at ray `start`; those of hits have `per_ray` elements for each."""
+    for name, kind in struct._fields_:
+        if kind in (_abi.Array, _abi.ConstArray):
+            array = getattr(struct, name)
+            if array.data:
+                elements = start if name in ("total", "crossing_total") else start * per_ray
+                array.data += elements * (array.stride or _abi.ELEMENT_SIZES[name])
+
+
+class TileCounter:
+    """A callback for mlrt_render_tiles that moves a bar. What is raised in it, Ctrl-C for one, ends the render."""
+
+    def __init__(self, bar: Bar) -> None:
+        self._bar = bar
+        self._error: Optional[BaseException] = None
+        self.callback = _abi.TileCallback(self._count)
+
+    def _count(self, user: Any, tile: Any) -> int:
+        try:
+            self._bar.add(tile.contents.width * tile.contents.height)
+        except BaseException as error:  # nobody above to catch it: this is called from C
+            self._error = error
+        return self._error is not None
+
+    def raise_error(self) -> None:
+        if self._error is not None:
+            raise self._error

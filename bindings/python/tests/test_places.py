@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: MIT
+"""All places of rays: pass after pass gives what lists of hits give."""
+
+import unittest
+from unittest import mock
+
+import numpy as np
+from support import integer_scene
+
+import mlrt
+from mlrt import _places
+
+
+def scenes():
+    """Rays through edges and corners of coplanar triangles, which hit several at the same t; and general ones."""
+    for seed in range(6):
+        yield integer_scene(seed, triangle_count=200, ray_count=3000)
+        random = np.random.default_rng(seed)
+        vertices = random.normal(size=(300, 3)).astype(np.float32)
+        faces = random.integers(0, 300, (400, 3)).astype(np.uint32)
+        # Nearly coincident triangles: different hits at the same rounded t.
+        vertices[150:] = vertices[:150] + np.float32(1e-7) * random.normal(size=(150, 3)).astype(np.float32)
+        faces[200:] = faces[:200] % 150 + 150
+        faces[:200] %= 150
+        origins, directions = random.normal(size=(2, 3000, 3)).astype(np.float32)
+        yield vertices, faces, 3 * origins, directions
+
+
+class Places(unittest.TestCase):
+    def test_passes_equal_lists(self):
+        several = 0
+        for vertices, faces, origins, directions in scenes():
+            tree = mlrt.Tree(vertices, faces)
+            for limit in (None, 0, 1, 3):
+                for weights in (True, False):
+                    arguments = tree, origins, directions, limit, weights, None
+                    with mock.patch.object(_places, "_FEW", 1 << 30):
+                        lists = _places.all_places(*arguments)
+                    with mock.patch.object(_places, "_FEW", 0):
+                        passes = _places.all_places(*arguments)
+                    for name, one, other in zip(lists._fields, lists, passes):
+                        self.assertEqual(one.tobytes(), other.tobytes(), name)
+            several += len(lists.ray) - len(np.unique(lists.ray))
+        self.assertGreater(several, 1000)
+
+    def test_lists_are_by_ray_and_distance(self):
+        vertices, faces, origins, directions = integer_scene(8, triangle_count=200)
+        places = _places.all_places(mlrt.Tree(vertices, faces), origins, directions, None, True, None)
+        same = places.ray[1:] == places.ray[:-1]
+        self.assertTrue((np.diff(places.ray) >= 0).all())
+        self.assertTrue((np.diff(places.t)[same] > 0).all())
+
+    def test_first_places(self):
+        vertices, faces, origins, directions = integer_scene(9)
+        tree = mlrt.Tree(vertices, faces)
+        first = _places.first_places(tree, origins, directions, True, None)
+        all_of_one = _places.all_places(tree, origins, directions, 1, True, None)
+        for name, one, other in zip(first._fields, first, all_of_one):
+            self.assertEqual(one.tobytes(), other.tobytes(), name)
+
+
+if __name__ == "__main__":
+    unittest.main()
