@@ -6,6 +6,8 @@
 #   make test-python     tests the Python package in bindings/python
 #   make test-bindings   tests the bindings of other languages, of those whose tools are installed
 #   make deps-bindings   installs what Debian has of these: LuaJIT, and clang for its libclang, which Rust needs
+#   make test-wheel      builds its source distribution and wheel, and tests what that installs; pip fetches from PyPI
+#   make test-trimesh TRIMESH=folder   runs the ray tests of a checkout of trimesh through the drop-in for it
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           how fast it is, beside Embree 3 if `make deps-study` installed it: procedural scenes, and
@@ -85,6 +87,8 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard t
 
 .PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed fuzz install format clean test-bindings deps-bindings
 .PHONY: install-strip uninstall test-install check-abi update-abi check-header check-copies check-churn
+
+.PHONY: all library examples deps deps-study deps-docs docs demo test test-python test-wheel test-trimesh reproduce bench charts charts-accuracy charts-speed fuzz install format clean test-bindings deps-bindings
 .SECONDARY:
 
 all: library examples
@@ -359,6 +363,11 @@ docs: | $(AFTER_DEPS)
 	@rm -rf build/docs && mkdir -p build/docs
 	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
 	@echo "docs: build/docs/html/index.html"
+test-wheel:
+	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel
+
+test-trimesh: library
+	@PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python python3 bindings/python/tests/trimesh_own.py $(or $(TRIMESH),$(error TRIMESH: the folder of a checkout of trimesh))
 
 # ---- install -------------------------------------------------------------------------------------------------------
 

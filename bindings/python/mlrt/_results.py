@@ -25,14 +25,10 @@ class Hits(NamedTuple):
     @property
     def hit(self) -> NDArray[np.bool_]:
         """Which rays hit something. Needs any of triangle, mesh, facing, t."""
-        if self.triangle is not None:
-            return self.triangle != NONE
-        if self.mesh is not None:
-            return self.mesh != NONE
-        if self.facing is not None:
-            return self.facing != 0
-        if self.t is not None:
-            return np.not_equal(self.t, np.inf)
+        for array, miss in ((self.triangle, NONE), (self.mesh, NONE), (self.facing, 0), (self.t, np.inf)):
+            if array is not None:
+                hit: NDArray[np.bool_] = array != miss
+                return hit
         raise ValueError("none of triangle, mesh, facing and t was asked for")
 
 
