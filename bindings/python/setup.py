@@ -33,6 +33,7 @@ class BuildWithLibrary(build_py):
             subprocess.run(["make", "-C", SOURCES, "library"], check=True)
             return
         folder = Path(self.get_finalized_command("build").build_temp).resolve() / "libmlrt"
+        shutil.rmtree(folder, ignore_errors=True)  # what another compiler made
         command = ["make", "-j2", "-C", SOURCES, f"BUILD={folder}", "CFLAGS=", "LDFLAGS=-s", f"{folder}/libmlrt.so"]
         subprocess.run(command, check=True)
         package = Path(self.build_lib) / "mlrt"

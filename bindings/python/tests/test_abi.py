@@ -92,6 +92,27 @@ class Layouts(unittest.TestCase):
                 values += [getattr(value, part) for part, _ in kind._fields_] if hasattr(kind, "_fields_") else [value]
             self.assertEqual(values, list(words), structure)
 
+    def test_every_array_has_an_element_size(self):
+        for structure in (_abi.Rays, _abi.Hits, _abi.HitLists):
+            for name, kind in structure._fields_:
+                if kind in (_abi.Array, _abi.ConstArray):
+                    self.assertGreater(_abi.ELEMENT_SIZES[name], 0)
+
+    def test_tiles(self):
+        sizes = []
+
+        @_abi.TileCallback
+        def callback(user, tile):
+            tile = tile.contents
+            sizes.append((tile.struct_size, tile.width * tile.height, bool(tile.triangle), bool(tile.t)))
+            return 0
+
+        camera = mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 8, 8).to_struct()
+        options = _abi.TraceOptions(outputs=16)
+        tree, pointers = mlrt.Tree(*box()), map(ctypes.byref, (camera, options))
+        self.assertEqual(library.mlrt_render_tiles(tree._handle, *pointers, None, callback, None), 0)
+        self.assertEqual(sizes, [(ctypes.sizeof(_abi.Tile), 64, True, False)])
+
     def test_tree_info_is_read_at_the_right_places(self):
         info = mlrt.Tree(*box(-1, 2)).info
         self.assertEqual((info.triangle_count, info.non_finite_count, info.zero_area_count), (12, 0, 0))

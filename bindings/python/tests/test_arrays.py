@@ -7,7 +7,9 @@ import numpy as np
 from support import box, integer_scene
 
 import mlrt
-from mlrt._arrays import elements
+from mlrt import _abi
+from mlrt._arrays import elements, repeat
+from mlrt._rays import Rays
 
 
 class Inputs(unittest.TestCase):
@@ -69,6 +71,57 @@ class Inputs(unittest.TestCase):
         for array in (wide[::-1, :3], wide[:, :6:2], np.broadcast_to(wide[0, :3], (8, 3))):
             kept, address, stride = elements(array, 3)
             self.assertFalse(np.shares_memory(kept, array))
+
+    def test_one_element_for_all(self):
+        for count in (1, 2, 1023, 1024, 1025, 5000):
+            for dtype in (np.float32, np.uint32):
+                element = np.array([1, 2, 3], dtype)
+                self.assertTrue((repeat(element, count) == element).all())
+                self.assertEqual(repeat(element, count).shape, (count, 3))
+        self.check(np.broadcast_to(self.origins[3], (len(self.origins), 3)), self.directions, self.tree.trace(
+            np.tile(self.origins[3], (len(self.origins), 1)), self.directions
+        ).triangle)
+
+
+class Rows(unittest.TestCase):
+    """Long flat lists of pixels are found to be rows."""
+
+    def length(self, origins, directions):
+        rays = Rays(origins, directions)
+        return _abi.Rays.from_buffer_copy(rays.packed).row_length
+
+    def setUp(self):
+        camera = mlrt.Camera.look_at((3, 2, 4), (0, 0, 0), 512, 256)
+        self.origins, self.directions = camera.rays()
+
+    def test_pictures(self):
+        origins, directions = self.origins, self.directions
+        unit = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+        parallel = mlrt.Camera.orthographic((3, 2, 4), (0, 0, 0), 512, 256, 4).rays()
+        for pair in ((origins, directions), (origins, unit), parallel):
+            self.assertEqual(self.length(*pair), 512)
+            self.assertEqual(self.length(*(array.reshape(-1, 3) for array in pair)), 512)
+            by_columns = [array.transpose(1, 0, 2).reshape(-1, 3) for array in pair]
+            self.assertEqual(self.length(*by_columns), 256)
+        self.assertEqual(self.length(origins[0, 0], directions.reshape(-1, 3)), 512)
+
+    def test_what_has_no_rows(self):
+        random = np.random.default_rng(0).normal(size=(1 << 17, 3)).astype(np.float32)
+        zeros = np.zeros_like(random)
+        line = np.linspace((0, 0, 0), (1, 2, 3), 1 << 17, dtype=np.float32)
+        nothing = np.full_like(random, np.nan)
+        for directions in (random, zeros, line, nothing, nothing * 0 + np.inf):
+            self.assertEqual(self.length(zeros, directions), 0)
+        flat = self.directions.reshape(-1, 3)
+        self.assertEqual(self.length(zeros[:1000], flat[:1000]), 0)
+        self.assertEqual(self.length(zeros[:70000], flat[:70000]), 0)  # not a whole number of rows
+
+    def test_answers_stay_the_same(self):
+        tree = mlrt.Tree(*box())
+        origins, directions = (array.reshape(-1, 3) for array in (self.origins, self.directions))
+        guessed, plain = tree.trace(origins, directions), tree.trace(origins, directions, row_length=len(origins))
+        for one, other in zip(guessed, plain):
+            self.assertEqual(one.tobytes(), other.tobytes())
 
 
 class Meshes(unittest.TestCase):

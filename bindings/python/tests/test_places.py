@@ -13,8 +13,8 @@ from mlrt import _places
 
 def scenes():
     """Rays through edges and corners of coplanar triangles, which hit several at the same t; and general ones."""
-    for seed in range(6):
-        yield integer_scene(seed, triangle_count=200, ray_count=3000)
+    for seed in range(3):
+        yield integer_scene(seed, triangle_count=200, ray_count=1000)
         random = np.random.default_rng(seed)
         vertices = random.normal(size=(300, 3)).astype(np.float32)
         faces = random.integers(0, 300, (400, 3)).astype(np.uint32)
@@ -22,7 +22,7 @@ def scenes():
         vertices[150:] = vertices[:150] + np.float32(1e-7) * random.normal(size=(150, 3)).astype(np.float32)
         faces[200:] = faces[:200] % 150 + 150
         faces[:200] %= 150
-        origins, directions = random.normal(size=(2, 3000, 3)).astype(np.float32)
+        origins, directions = random.normal(size=(2, 1000, 3)).astype(np.float32)
         yield vertices, faces, 3 * origins, directions
 
 
@@ -41,7 +41,7 @@ class Places(unittest.TestCase):
                     for name, one, other in zip(lists._fields, lists, passes):
                         self.assertEqual(one.tobytes(), other.tobytes(), name)
             several += len(lists.ray) - len(np.unique(lists.ray))
-        self.assertGreater(several, 1000)
+        self.assertGreater(several, 500)
 
     def test_lists_are_by_ray_and_distance(self):
         vertices, faces, origins, directions = integer_scene(8, triangle_count=200)
