@@ -249,10 +249,15 @@ def box() -> Scene:
     return Scene("box", corners, faces, {})
 
 
+def rays_at_the_box(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """A square of pixels, all of which see it."""
+    camera = mlrt.Camera.look_at((2, 1.5, 4), (0, 0, 0), int(count**0.5), int(count**0.5), fov=15)
+    origins, directions = camera.rays()
+    return origins.reshape(-1, 3), directions.reshape(-1, 3)
+
+
 def calls(tree: mlrt.Tree, count: int) -> dict[str, Question]:
-    """Calls of mlrt for rays from outside of the box into it, side by side."""
-    origins = np.linspace((-0.9, 0.3, 5), (0.9, 0.4, 5), count, dtype=np.float32)
-    directions = np.tile(np.array([0, 0, -1], np.float32), (count, 1))
+    origins, directions = rays_at_the_box(count)
     wide = np.zeros((count, 8), np.float32)
     wide[:, :3] = origins
     doubles, out = origins.astype(np.float64), tree.trace(origins, directions)
@@ -270,8 +275,7 @@ def calls(tree: mlrt.Tree, count: int) -> dict[str, Question]:
 
 
 def peer_calls(scene: Scene, peers: list[str], count: int) -> dict[str, Question]:
-    origins = np.linspace((-0.9, 0.3, 5), (0.9, 0.4, 5), count, dtype=np.float32)
-    directions = np.tile(np.array([0, 0, -1], np.float32), (count, 1))
+    origins, directions = rays_at_the_box(count)
     found = {}
     for name in peers:
         questions = PEERS[name](scene).questions(origins, directions, 1)

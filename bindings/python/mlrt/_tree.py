@@ -5,7 +5,7 @@ import ctypes
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from types import TracebackType
-from typing import Any, Literal, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, TypedDict, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,9 @@ from ._pool import Pool
 from ._progress import Bar, TileCounter, pieces
 from ._rays import Rays
 from ._results import HitLists, Hits
+
+if TYPE_CHECKING:  # in typing since Python 3.11
+    from typing_extensions import Unpack
 
 Method = Literal["ray", "packet2", "packet4", "multilevel", "tile"]
 Isa = Literal["scalar", "sse", "avx2", "avx512"]
@@ -47,6 +50,19 @@ class TreeInfo(NamedTuple):
     sah_cost: float  #: expected cost of a random ray: in triangle tests, of boxes: in nodes
     build_seconds: float
     bounds: NDArray[np.float32]  #: (2, 3): lower and upper corner; all 0 if there is no triangle
+
+
+class BuildSettings(TypedDict, total=False):
+    """What Tree and Tree.from_meshes take by name."""
+
+    preset: Preset
+    rules_off: Iterable[str]
+    max_depth: int
+    max_references: int
+    traversal_cost: float
+    intersection_cost: float
+    structures: Union[None, Structure, Iterable[Structure]]
+    pool: Optional[Pool]
 
 
 def _named(value: Any, names: dict[Any, int], what: str) -> int:
@@ -106,11 +122,13 @@ class Tree:
     Usable in a `with` statement; otherwise the tree is freed with its last reference.
     """
 
-    def __init__(self, vertices: ArrayLike, faces: Optional[ArrayLike] = None, **options: Any) -> None:
+    def __init__(self, vertices: ArrayLike, faces: Optional[ArrayLike] = None, **options: "Unpack[BuildSettings]") -> None:
         self._build([(vertices, faces)], None, **options)
 
     @classmethod
-    def from_meshes(cls, meshes: Iterable[Any], ids: Optional[Sequence[int]] = None, **options: Any) -> "Tree":
+    def from_meshes(
+        cls, meshes: Iterable[Any], ids: Optional[Sequence[int]] = None, **options: "Unpack[BuildSettings]"
+    ) -> "Tree":
         """A tree over several meshes: each is (vertices, faces), or has attributes of these names.
 
         ids: what hits report as `mesh`, all different; None = 0, 1, 2, ... Other options as for Tree.
@@ -209,7 +227,9 @@ class Tree:
         ray passes, -1 for none. They are broadcast against each other, and results have the common shape (...).
 
         outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead.
-        row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes.
+        row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes, or for long flat
+        lists what they look like. float32 arrays whose numbers are packed and whose strides are positive are read where they are,
+        others are copied once. Without the GIL.
         method, isa: how to trace. They never change the results. A method that needs a structure the tree does not have is an
         UnsupportedError. progress: a bar, by tqdm, moves while rays are traced.
         """
@@ -312,7 +332,8 @@ class Tree:
     ) -> Hits:
         """The closest hit of each pixel's ray: arrays of shape (height, width). The same bits as `trace(*camera.rays())`.
 
-        Faster than that, since no rays are stored and whole tiles are traced as beams.
+        Faster than that, since no rays are stored and whole tiles are traced as beams. Arguments as for `trace`, but that arrays in
+        `out` may also be windows of larger pictures.
         """
         tree = self._open_handle()
         struct, shape = camera.to_struct(), camera.check_shape()

@@ -11,7 +11,7 @@ Different from trimesh's own: a ray does not hit a surface that it starts on. A 
 triangle there, the first, in all methods. contains_points counts crossings exactly, without random directions.
 """
 
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -71,6 +71,28 @@ class RayMeshIntersector:
             raise ValueError("Ray origin and direction don't match!")
         return _moved(origins, self._shift), directions.astype(np.float32, copy=False)
 
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        return_locations: Literal[False] = False,
+        multiple_hits: bool = True,
+        max_hits: Optional[int] = None,
+        **kwargs: Any,
+    ) -> tuple[Index, Index]: ...
+
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        return_locations: Literal[True],
+        multiple_hits: bool = True,
+        max_hits: Optional[int] = None,
+        **kwargs: Any,
+    ) -> tuple[Index, Index, NDArray[np.float64]]: ...
+
     def intersects_id(
         self,
         ray_origins: ArrayLike,
@@ -114,10 +136,9 @@ class RayMeshIntersector:
     ) -> tuple[NDArray[np.float64], Index, Index]:
         """Where rays hit the mesh: locations float64 (h, 3), index_ray int64 (h,), index_tri int64 (h,)."""
         kwargs.pop("return_locations", None)
-        found: Any = self.intersects_id(
+        index_tri, index_ray, locations = self.intersects_id(
             ray_origins, ray_directions, return_locations=True, multiple_hits=multiple_hits, **kwargs
         )
-        index_tri, index_ray, locations = found
         return locations, index_ray, index_tri
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **kwargs: Any) -> Index:

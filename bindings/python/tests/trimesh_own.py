@@ -10,6 +10,7 @@ classes, so that those that fail anyway can be told apart. Ends with 1 if there 
 those. Without embreex the tests meant for it are skipped.
 """
 
+import functools
 import importlib
 import re
 import sys
@@ -18,7 +19,7 @@ from typing import Any
 
 import pytest
 
-import mlrt.trimesh
+from mlrt.trimesh import RayMeshIntersector
 
 # Files with tests that use rays, directly or not; in others the drop-in is never asked.
 ABOUT_RAYS = re.compile(r"\bray\b|ray_triangle|ray_pyembree|contains|thickness|reach\(|medial|volume_|proximity|signed_dist")
@@ -54,19 +55,19 @@ def name_of(node: str) -> str:
     return node.split("/")[-1]
 
 
-def counting(record: Record) -> type:
-    """The drop-in, counting the questions it is asked."""
+def count_questions(record: Record) -> None:
+    """Lets the drop-in tell the record of each question. It stays the class it is: trimesh's tests pickle it."""
 
-    def make(query: str) -> Any:
-        original = getattr(mlrt.trimesh.RayMeshIntersector, query)
-
-        def ask(self: Any, *arguments: Any, **named: Any) -> Any:
+    def wrap(original: Any) -> Any:
+        @functools.wraps(original)
+        def ask(*arguments: Any, **named: Any) -> Any:
             record.count()
-            return original(self, *arguments, **named)
+            return original(*arguments, **named)
 
         return ask
 
-    return type("RayMeshIntersector", (mlrt.trimesh.RayMeshIntersector,), {query: make(query) for query in QUERIES})
+    for query in QUERIES:
+        setattr(RayMeshIntersector, query, wrap(getattr(RayMeshIntersector, query)))
 
 
 def modules() -> list[Any]:
@@ -88,9 +89,10 @@ def main(checkout: Path, arguments: list[str]) -> int:
         return 2
     files = [str(file) for file in sorted((checkout / "tests").glob("test_*.py")) if ABOUT_RAYS.search(file.read_text())]
     record, own = Record(), Record()
-    drop_in, replaced = counting(record), [(module, module.RayMeshIntersector) for module in modules()]
+    count_questions(record)
+    replaced = [(module, module.RayMeshIntersector) for module in modules()]
     for module, _ in replaced:
-        module.RayMeshIntersector = drop_in
+        module.RayMeshIntersector = RayMeshIntersector
     run(files, arguments, record)
     for module, original in replaced:
         module.RayMeshIntersector = original
