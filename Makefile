@@ -356,6 +356,12 @@ test-bindings: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
 	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
 
+test-wheel:
+	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel
+
+test-trimesh: library
+	@PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python python3 bindings/python/tests/trimesh_own.py $(or $(TRIMESH),$(error TRIMESH: the folder of a checkout of trimesh))
+
 # ---- reference -----------------------------------------------------------------------------------------------------
 
 docs: | $(AFTER_DEPS)
@@ -363,11 +369,6 @@ docs: | $(AFTER_DEPS)
 	@rm -rf build/docs && mkdir -p build/docs
 	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
 	@echo "docs: build/docs/html/index.html"
-test-wheel:
-	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel
-
-test-trimesh: library
-	@PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python python3 bindings/python/tests/trimesh_own.py $(or $(TRIMESH),$(error TRIMESH: the folder of a checkout of trimesh))
 
 # ---- install -------------------------------------------------------------------------------------------------------
 

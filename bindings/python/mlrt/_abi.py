@@ -43,7 +43,7 @@ class Mesh(Struct):
         ("triangle_count", c_size_t),
         ("triangle_stride", c_size_t),
         ("index_size", c_uint32),
-        ("reserved", c_uint32),
+        ("mask", c_uint32),
     ]
 
 
@@ -61,6 +61,8 @@ class BuildOptions(Struct):
         ("pool", c_void_p),
         ("structures", c_uint32),
         ("reserved", c_uint32),
+        ("host", c_void_p),
+        ("memory_limit", c_uint64),
     ]
 
 
@@ -128,9 +130,10 @@ class TraceOptions(Struct):
         ("split_factor", c_uint32),
         ("outputs", c_uint32),
         ("shortcuts_off", c_uint32),
-        ("reserved", c_uint32),
+        ("mask", c_uint32),
         ("pool", c_void_p),
         ("counters", POINTER(Counters)),
+        ("host", c_void_p),
     ]
 
 
@@ -166,6 +169,7 @@ class Rays(Struct):
         ("t_min", ConstArray),
         ("t_max", ConstArray),
         ("skip", ConstArray),
+        ("mask", ConstArray),
     ]
 
 
@@ -234,6 +238,7 @@ ELEMENT_SIZES = {
     "t_min": 4,
     "t_max": 4,
     "skip": 8,
+    "mask": 4,
     "t": 4,
     "u": 4,
     "v": 4,
@@ -270,9 +275,26 @@ pack_rays = Packer(Rays)
 pack_hits = Packer(Hits)
 pack_hit_lists = Packer(HitLists)
 
+# Where mlrt_struct_sizes has the sizes of the structs here: MLRT_STRUCT_*.
+STRUCT_NUMBERS: dict[Any, int] = {
+    Mesh: 1,
+    BuildOptions: 2,
+    TreeInfo: 3,
+    Counters: 7,
+    TraceOptions: 8,
+    Array: 9,
+    Hits: 10,
+    ConstArray: 11,
+    Rays: 12,
+    HitLists: 15,
+    Camera: 16,
+    Tile: 17,
+}
+
 # Structs go in as pointers (or as bytes), handles as addresses.
 _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "mlrt_version": (c_uint32, []),
+    "mlrt_struct_sizes": (None, [c_void_p, c_uint32]),
     "mlrt_status_string": (c_char_p, [c_int32]),
     "mlrt_build_kdtree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_destroy_tree": (None, [c_void_p]),
@@ -293,7 +315,17 @@ def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
         except AttributeError as error:
             raise ImportError(f"{library._name} is too old for this package: it has no {name}") from error
         function.restype, function.argtypes = result, arguments
+    for structure, size in struct_sizes(library).items():
+        if size < ctypes.sizeof(structure):
+            raise ImportError(f"{library._name} is too old for this package: its mlrt_{structure.__name__} is too small")
     return library
+
+
+def struct_sizes(library: ctypes.CDLL) -> dict[Any, int]:
+    """How large the structs here are to the library. It may be newer, and know larger ones: they only ever grow."""
+    sizes = (c_uint32 * (max(STRUCT_NUMBERS.values()) + 1))()
+    library.mlrt_struct_sizes(sizes, len(sizes))
+    return {structure: sizes[number] for structure, number in STRUCT_NUMBERS.items()}
 
 
 library = _declare(_library.load())

@@ -40,6 +40,7 @@ class Rays:
             *(_NO_ARRAY if t_min is None else self._array(t_min, 1)),
             *(_NO_ARRAY if t_max is None else self._array(t_max, 1)),
             *(_NO_ARRAY if skip is None else self._array(skip, 2)),
+            *_NO_ARRAY,
         )
 
     def _array(self, array: np.ndarray, width: int) -> tuple[int, int]:
