@@ -7,7 +7,7 @@
 set -eu
 python=${PYTHON:-python3}
 here=$(cd "$(dirname "$0")/.." && pwd)
-rm -rf "$1" && mkdir -p "$1/tests" && folder=$(cd "$1" && pwd)
+rm -rf "$1" && mkdir -p "$1/far/python/tests" && folder=$(cd "$1" && pwd)
 
 cp -r "$here" "$folder/copy" # setuptools leaves folders where it builds
 mkdir -p "$folder/checkout/bindings" && mv "$folder/copy" "$folder/checkout/bindings/python"
@@ -21,8 +21,9 @@ rm -rf "$folder/checkout"
 $pip wheel -q --no-deps -w "$folder/dist" "$folder"/dist/mlrt-*.tar.gz
 wheel=$(echo "$folder"/dist/mlrt-*.whl)
 $pip install -q "$wheel"
-cp "$here"/tests/*.py "$folder/tests/"
-cd "$folder/tests"
+cp "$here"/tests/*.py "$folder/far/python/tests/"
+cp -r "$here/../c" "$folder/far/" # test_scene reads what all languages have in common
+cd "$folder/far/python/tests"
 unset PYTHONPATH
 "$folder/venv/bin/python" - "$folder/venv" "$wheel" <<'END'
 import os, sys, zipfile
