@@ -85,10 +85,11 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples deps deps-study deps-docs docs demo test test-python reproduce bench charts charts-accuracy charts-speed fuzz install format clean test-bindings deps-bindings
-.PHONY: install-strip uninstall test-install check-abi update-abi check-header check-copies check-churn
-
-.PHONY: all library examples deps deps-study deps-docs docs demo test test-python test-wheel test-trimesh reproduce bench charts charts-accuracy charts-speed fuzz install format clean test-bindings deps-bindings
+.PHONY: all library examples docs demo reproduce format clean
+.PHONY: deps deps-study deps-docs deps-bindings
+.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn test-wheel test-trimesh
+.PHONY: install install-strip uninstall
+.PHONY: bench charts charts-accuracy charts-speed
 .SECONDARY:
 
 all: library examples
