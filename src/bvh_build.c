@@ -91,8 +91,9 @@ static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, 0.0f, 0.02f};
 #define TASK_SIZE  4096
 #define TASK_SHARE 64
 
-/* The pool is given so many references, or triangles, at a time. */
-#define CHUNK_SIZE 8192
+/* So many references, or triangles, between two looks at whether the call goes on; the pool is given them at a time.
+ * Looking for planes takes 3 ms for them. */
+#define CHUNK_SIZE 4096
 
 /* Quads and nodes have 29 bits in a child. */
 #define COUNT_LIMIT (UINT32_MAX >> 3)
@@ -320,12 +321,19 @@ static uint32_t chunks_of(uint32_t count)
     return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
 }
 
+/* Whether there is such a chunk, and it is to be looked at. Sets of one chunk are not worth a look at the time. */
+static int goes_on(const struct build *build, const struct portion *portion, uint32_t chunk)
+{
+    return chunk < chunks_of(portion->set.count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
+}
+
 static void fill_bins(struct build *build, const struct portion *portion, struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_bins(bins);
     if (build->together != portion) {
-        mlrt_fill_bins(build->references, set->first, set->count, &set->centres, bins);
+        for (uint32_t i = 0; goes_on(build, portion, i); i++)
+            mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, chunk_end(portion, i), &set->centres, bins);
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -339,7 +347,9 @@ static void fill_slabs(struct build *build, const struct portion *portion, struc
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_spatial_bins(slabs);
     if (build->together != portion) {
-        mlrt_fill_spatial_bins(build->tree->triangles, build->references, set->first, set->count, &set->box, slabs);
+        for (uint32_t i = 0; goes_on(build, portion, i); i++)
+            mlrt_fill_spatial_bins(build->tree->triangles, build->references, set->first + i * CHUNK_SIZE,
+                                   chunk_end(portion, i), &set->box, slabs);
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -462,6 +472,8 @@ static int cut(struct build *build, const struct portion *portion, struct mlrt_b
     if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
     if (mlrt_advance(build->progress, build->cut_work * portion->set.count)) return 0;
     choose(build, portion, &choice);
+    /* Then bins may have been filled in part, and a plane cut more references than there is room for. */
+    if (portion->set.count > CHUNK_SIZE && mlrt_is_cancelled(build->progress)) return 0;
     if (is_small && (choice.split.cost == HUGE_VAL || !split_pays(build, &portion->set, &choice.split))) return 0;
     if (!apply(build, portion, &choice, sides)) return 0;
     node->upper = sides[1].node;
@@ -611,7 +623,7 @@ static int32_t write_task(void *work, uint32_t item, uint32_t worker)
     struct build *build = work;
     struct task *task = &build->tasks[item];
     (void)worker;
-    mlrt_write_forest(&build->binary, task->portion.node, task->slots, build->tree, &task->cursor);
+    mlrt_write_forest(&build->binary, task->portion.node, task->slots, build->tree, build->progress, &task->cursor);
     return mlrt_advance(build->progress, LAST_WORK * task->portion.set.count);
 }
 

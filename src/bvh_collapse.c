@@ -157,7 +157,7 @@ struct mlrt_bvh_cursor mlrt_start_node(const struct mlrt_binary_node *node, stru
 }
 
 void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
-                       struct mlrt_bvh_cursor *cursor)
+                       struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor)
 {
     const struct mlrt_binary_node *node = &binary->nodes[number];
     struct mlrt_cut cut = mlrt_cut_of(node, slots);
@@ -170,11 +170,12 @@ void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, u
     struct mlrt_bvh_cursor below;
     struct mlrt_bvh_cursor *inner = cursor;
     if (cut.kind == MLRT_CUT_NODE) {
+        if (mlrt_is_cancelled(progress)) return;
         below = mlrt_start_node(node, tree, cursor);
         inner = &below;
     }
-    mlrt_write_forest(binary, number + 1, cut.slots[0], tree, inner);
-    mlrt_write_forest(binary, node->upper, cut.slots[1], tree, inner);
+    mlrt_write_forest(binary, number + 1, cut.slots[0], tree, progress, inner);
+    mlrt_write_forest(binary, node->upper, cut.slots[1], tree, progress, inner);
     cursor->node = inner->node;
     cursor->quad = inner->quad;
 }

@@ -74,9 +74,9 @@ struct mlrt_bvh_cursor {
 void mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
                          struct mlrt_bvh_size *size);
 
-/* Writes it. There is room for it in tree->bvh. */
+/* Writes it, or a part of it if the call is to end. There is room for it in tree->bvh. */
 void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
-                       struct mlrt_bvh_cursor *cursor);
+                       struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
 
 /* Writes a binary node as a node of sixteen with no children yet. Returns where these go. */
 struct mlrt_bvh_cursor mlrt_start_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree,

@@ -273,6 +273,9 @@ static int cut_reference(const struct mlrt_triangle *triangles, const struct mlr
     return touched != 0 ? touched : 1;
 }
 
+/* References that are cut between two looks at whether the call goes on: a millisecond or two. */
+#define CUT_ROUNDS 4096
+
 /*
  * First, lower ones change places with upper ones, so that those on both sides lie between them. Then these are dealt
  * out in turn: lower parts right behind the lower ones, upper parts behind everything.
@@ -300,8 +303,9 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt
         }
     }
     float position = slab_start(&slabs, axis, split->bin + 1);
+    const uint32_t first = lower;
     for (next = lower; next < upper; next++) {
-        if (mlrt_is_cancelled_in_round(progress, upper - next)) break;
+        if ((next - first) % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
         struct mlrt_quad_box reference = references[next], parts[2];
         int side = choose_side(&dealing, &reference);
         int touched = side == 2 ? cut_reference(triangles, &reference, axis, position, parts) : 0;

@@ -271,7 +271,8 @@ static struct side_counts count_sides(const struct build *build, const struct ce
 {
     size_t counts[3] = {0, 0, 0};
     const struct mlrt_reference *references = pending_at(build, cell->first);
-    for (size_t i = 0; i < cell->count; i++) counts[mlrt_side_of_split(&references[i], split) + 1]++;
+    for (size_t i = 0; i < cell->count && !mlrt_is_cancelled_in_round(build->progress, i + 1); i++)
+        counts[mlrt_side_of_split(&references[i], split) + 1]++;
     struct side_counts sides = {counts[0], counts[2], counts[1]};
     return sides;
 }
@@ -291,7 +292,7 @@ static enum choice try_covered_plane(struct build *build, const struct cell *cel
         !reserve_scratch(build->memory, &build->areas, cell->count, sizeof(double)))
         return CHOICE_FAILED;
     if (!mlrt_find_covered_plane(build->triangles, &cell->box, pending_at(build, cell->first), cell->count, content,
-                                 build->keys.elements, build->areas.elements, split))
+                                 build->progress, build->keys.elements, build->areas.elements, split))
         return CHOICE_LEAF;
     struct side_counts sides = count_sides(build, cell, split);
     split->cost = mlrt_split_cost(&build->settings.preset.model, &cell->box, split, sides.below + sides.both,
@@ -308,7 +309,7 @@ static enum choice try_cheapest_split(struct build *build, struct cell *cell, co
     if (!reserve_scratch(build->memory, &build->keys, 3 * cell->count, sizeof(uint32_t))) return CHOICE_FAILED;
     const struct mlrt_reference *references = pending_at(build, cell->first);
     if (cell->count > BINNING_THRESHOLD)
-        mlrt_find_binned_split(&preset->model, &cell->box, references, cell->count, &content->bounds,
+        mlrt_find_binned_split(&preset->model, &cell->box, references, cell->count, &content->bounds, build->progress,
                                build->keys.elements, split);
     else
         mlrt_find_exact_split(&preset->model, &cell->box, references, cell->count, build->keys.elements, split);
@@ -326,7 +327,7 @@ static enum choice choose_split(struct build *build, struct cell *cell, struct m
         return CHOICE_LEAF;
     if (rule_is_on(build, MLRT_RULE_MINIMUM_CELL) && area < build->settings.preset.minimum_cell * build->scene_area)
         return CHOICE_LEAF;
-    struct mlrt_content content = mlrt_measure_content(pending_at(build, cell->first), cell->count);
+    struct mlrt_content content = mlrt_measure_content(pending_at(build, cell->first), cell->count, build->progress);
     if (rule_is_on(build, MLRT_RULE_EMPTY_SPACE) && mlrt_find_empty_side(&cell->box, &content.bounds, split))
         return CHOICE_SPLIT;
     if (rule_is_on(build, MLRT_RULE_COPLANAR)) {
@@ -367,6 +368,7 @@ static void deal_out(struct build *build, const struct cell *cell, const struct 
     struct mlrt_reference *references = pending_at(build, cell->first);
     size_t next = 0, back = cell->count, end = cell->count;
     while (next < back) {
+        if (mlrt_is_cancelled_in_round(build->progress, back - next)) break;
         struct mlrt_reference reference = references[next];
         int side = mlrt_side_of_split(&reference, split);
         struct mlrt_halves halves;
@@ -401,6 +403,12 @@ static void deal_out(struct build *build, const struct cell *cell, const struct 
 
 static int build_cell(struct build *build, struct cell *cell, double *cost);
 
+/* Whether a loop over the cell may have been broken off: then counts are too low, and there may be too little room. */
+static int is_cancelled_at(const struct build *build, const struct cell *cell)
+{
+    return cell->count >= MLRT_ROUNDS && mlrt_is_cancelled(build->progress);
+}
+
 static int add_children(struct build *build, uint32_t node, const struct mlrt_split *split, uint32_t *first_child)
 {
     if (!reserve(build->memory, &build->nodes, (size_t)build->node_count + 2, sizeof(struct mlrt_node))) return 0;
@@ -422,6 +430,7 @@ static int build_children(struct build *build, const struct cell *cell, const st
 {
     struct cell below = *cell, above = *cell;
     deal_out(build, cell, split, &below.count, &above.count);
+    if (is_cancelled_at(build, cell)) return 0;
     below.box.hi[split->axis] = split->position;
     above.box.lo[split->axis] = split->position;
     below.node = first_child;
@@ -448,8 +457,10 @@ static int build_cell(struct build *build, struct cell *cell, double *cost)
     if (cell->count >= CHECKED_SIZE && mlrt_is_cancelled(build->progress)) return 0;
     enum choice choice = choose_split(build, cell, &split);
     if (choice == CHOICE_FAILED) return 0;
+    if (is_cancelled_at(build, cell)) return 0;
     if (choice == CHOICE_LEAF) return emit_leaf(build, cell, cost);
     struct side_counts sides = count_sides(build, cell, &split);
+    if (is_cancelled_at(build, cell)) return 0;
     if (sides.both > cell->reference_limit - cell->count) return emit_leaf(build, cell, cost);
     uint32_t first_child, offset = build->entry_count;
     if (!reserve(build->memory, &build->pending, cell->first + cell->count + sides.both,
@@ -489,7 +500,7 @@ static struct mlrt_box triangle_bounds(const struct mlrt_triangle *triangle)
 static size_t refer_to_all(struct build *build, struct mlrt_tree *tree)
 {
     size_t count = 0;
-    for (uint32_t i = 0; i < tree->triangle_count; i++) {
+    for (uint32_t i = 0; i < tree->triangle_count && !mlrt_is_cancelled_in_round(build->progress, i + 1); i++) {
         const struct mlrt_triangle *triangle = &tree->triangles[i];
         if (!is_finite(triangle)) {
             tree->info.non_finite_count++;
@@ -522,7 +533,8 @@ static void make_safe(struct build *build, const struct mlrt_box *bounds, size_t
     for (int k = 0; k < 3; k++)
         if (!mlrt_is_float_safe(bounds->lo[k]) || !mlrt_is_float_safe(bounds->hi[k])) return;
     build->tiny = MLRT_SAFE_MIN;
-    for (size_t i = 0; i < count; i++) round_tiny(&pending_at(build, i)->box, build->tiny);
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(build->progress, i + 1); i++)
+        round_tiny(&pending_at(build, i)->box, build->tiny);
 }
 
 static int build_tree(struct build *build, struct mlrt_tree *tree)
@@ -537,11 +549,12 @@ static int build_tree(struct build *build, struct mlrt_tree *tree)
     build->node_count = 1;
     root.count = refer_to_all(build, tree);
     root.work *= tree->triangle_count;
-    if (root.count > 0) root.box = mlrt_measure_content(pending_at(build, 0), root.count).bounds;
+    if (root.count > 0) root.box = mlrt_measure_content(pending_at(build, 0), root.count, build->progress).bounds;
     if (root.reference_limit < root.count) root.reference_limit = root.count;
     tree->bounds = root.box;
     make_safe(build, &root.box, root.count);
     build->scene_area = mlrt_half_area(&root.box);
+    if (is_cancelled_at(build, &root)) return 0;
     return build_cell(build, &root, &cost);
 }
 
@@ -571,8 +584,8 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *optio
     tree->reference_count = build.entry_count;
     tree->info.retracted_count = build.retracted_count;
     tree->info.peak_memory_size = tree->memory.peak_size;
-    mlrt_measure_tree(tree, build.settings.preset.model.traversal, build.settings.preset.model.intersection);
-    return MLRT_OK;
+    mlrt_measure_tree(tree, build.settings.preset.model.traversal, build.settings.preset.model.intersection, progress);
+    return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
 /* Nodes and entries that scenes take are 24 to 54 bytes per triangle; while they are made there is as much again. */

@@ -58,15 +58,16 @@ static uint64_t hash_word(uint64_t hash, uint32_t word)
     return hash;
 }
 
-static uint64_t hash_tree(const struct mlrt_tree *tree)
+static uint64_t hash_tree(const struct mlrt_tree *tree, struct mlrt_progress *progress)
 {
     uint64_t hash = HASH_START;
-    for (uint32_t i = 0; i < tree->node_count; i++) {
+    for (uint32_t i = 0; i < tree->node_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         uint32_t first_word;
         memcpy(&first_word, &tree->nodes[i].u, sizeof first_word);
         hash = hash_word(hash_word(hash, first_word), tree->nodes[i].word);
     }
-    for (uint32_t i = 0; i < tree->reference_count; i++) hash = hash_word(hash, tree->references[i]);
+    for (uint32_t i = 0; i < tree->reference_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
+        hash = hash_word(hash, tree->references[i]);
     return hash;
 }
 
@@ -91,7 +92,8 @@ void mlrt_find_float_safety(struct mlrt_tree *tree)
     }
 }
 
-void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost)
+void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
+                       struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
     double area = half_area(&tree->bounds), cost = 0;
@@ -105,6 +107,7 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
     for (start_walk(tree, &walk); walk.count > 0;) {
         struct visit visit = walk.waiting[--walk.count];
         const struct mlrt_node *node = &tree->nodes[visit.node];
+        if (mlrt_is_cancelled_in_round(progress, visit.node + 1)) return;
         double part = area > 0 ? half_area(&visit.cell) / area : 1;
         info->depth = visit.depth > info->depth ? visit.depth : info->depth;
         if (mlrt_node_is_leaf(node)) {
@@ -117,7 +120,7 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
         }
     }
     info->sah_cost = cost / intersection_cost;
-    info->tree_hash = hash_tree(tree);
+    info->tree_hash = hash_tree(tree, progress);
     mlrt_find_float_safety(tree);
 }
 

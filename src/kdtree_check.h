@@ -6,12 +6,15 @@
 #define MLRT_KDTREE_CHECK_H
 
 #include "kdtree.h"
+#include "progress.h"
 
 /*
  * Sets what follows from nodes, references and bounds: float_safe, and in info depth, the counts of nodes and
- * references, tree_hash, sah_cost for these costs, and the bounds.
+ * references, tree_hash, sah_cost for these costs, and the bounds. If the call is cancelled meanwhile, all this may be
+ * wrong.
  */
-void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost);
+void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
+                       struct mlrt_progress *progress);
 
 /* Sets float_safe, of the tree and of the hierarchy of boxes, from planes and bounds. */
 void mlrt_find_float_safety(struct mlrt_tree *tree);

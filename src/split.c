@@ -102,10 +102,11 @@ static int is_planar(const struct mlrt_box *box, uint32_t axis)
     return box->lo[axis] == box->hi[axis];
 }
 
-struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count)
+struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count,
+                                         struct mlrt_progress *progress)
 {
     struct mlrt_content content = {references[0].box, {0, 0, 0}};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
         for (uint32_t k = 0; k < 3; k++) {
             content.bounds.lo[k] = box->lo[k] < content.bounds.lo[k] ? box->lo[k] : content.bounds.lo[k];
@@ -176,18 +177,18 @@ int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *
 
 /* The positions of planar references, sorted, each once, from slices that hold enough area. Returns how many. */
 static size_t gather_planes(const struct mlrt_box *cell, const struct mlrt_reference *references, size_t count,
-                            uint32_t axis, uint32_t *keys)
+                            uint32_t axis, struct mlrt_progress *progress, uint32_t *keys)
 {
     struct slicing slicing = cut_slices(cell->lo[axis], cell->hi[axis], SLICE_COUNT);
     double slice_area[SLICE_COUNT] = {0};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
         if (is_planar(box, axis))
             slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] += cross_section(box, axis);
     }
     size_t key_count = 0;
     double enough = COVERED * cross_section(cell, axis);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
         if (is_planar(box, axis) && slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] >= enough)
             keys[key_count++] = mlrt_float_key(box->lo[axis]);
@@ -223,16 +224,17 @@ static int lies_in_plane(const struct mlrt_triangle *triangle, uint32_t axis)
  * themselves are. The others' area is set to -1.
  */
 static void measure_planes(const struct mlrt_triangle *triangles, const struct mlrt_reference *references, size_t count,
-                           uint32_t axis, double enough, const uint32_t *keys, size_t key_count, double *areas)
+                           uint32_t axis, double enough, const uint32_t *keys, size_t key_count,
+                           struct mlrt_progress *progress, double *areas)
 {
     memset(areas, 0, key_count * sizeof *areas);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
         size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
         if (plane < key_count) areas[plane] += cross_section(box, axis);
     }
     for (size_t plane = 0; plane < key_count; plane++) areas[plane] = areas[plane] >= enough ? 0 : -1;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
         size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
         const struct mlrt_triangle *triangle = &triangles[references[i].triangle];
@@ -243,14 +245,14 @@ static void measure_planes(const struct mlrt_triangle *triangles, const struct m
 
 int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_box *cell,
                             const struct mlrt_reference *references, size_t count, const struct mlrt_content *content,
-                            uint32_t *keys, double *areas, struct mlrt_split *split)
+                            struct mlrt_progress *progress, uint32_t *keys, double *areas, struct mlrt_split *split)
 {
     double best = -1;
     for (uint32_t k = 0; k < 3; k++) {
         if (!may_be_covered_along(cell, content, k)) continue;
         double enough = COVERED * cross_section(cell, k);
-        size_t plane_count = gather_planes(cell, references, count, k, keys);
-        measure_planes(triangles, references, count, k, enough, keys, plane_count, areas);
+        size_t plane_count = gather_planes(cell, references, count, k, progress, keys);
+        measure_planes(triangles, references, count, k, enough, keys, plane_count, progress, areas);
         for (size_t plane = 0; plane < plane_count; plane++) {
             float position = key_float(keys[plane]);
             double below = (double)position - cell->lo[k], above = (double)cell->hi[k] - position;
@@ -414,14 +416,14 @@ struct bins {
 };
 
 static void fill_bins(const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
-                      struct bins bins[3])
+                      struct mlrt_progress *progress, struct bins bins[3])
 {
     memset(bins, 0, 3 * sizeof *bins);
     for (uint32_t k = 0; k < 3; k++) {
         if (extent(content, k) <= 0) continue;
         struct bins *axis_bins = &bins[k];
         axis_bins->slicing = cut_slices(content->lo[k], content->hi[k], BIN_COUNT);
-        for (size_t i = 0; i < count; i++) {
+        for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
             axis_bins->starts[slice_of(&axis_bins->slicing, references[i].box.lo[k], BIN_COUNT)]++;
             axis_bins->ends[slice_of(&axis_bins->slicing, references[i].box.hi[k], BIN_COUNT)]++;
         }
@@ -448,11 +450,12 @@ static int find_best_boundary(const struct sweep *sweep, const struct bins *bins
 
 /* The events of the bins first_bin and first_bin + 1, as gather_all_events arranges them. */
 static struct events gather_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
-                                   const struct slicing *slicing, int first_bin, uint32_t *keys)
+                                   const struct slicing *slicing, int first_bin, struct mlrt_progress *progress,
+                                   uint32_t *keys)
 {
     uint32_t *middle = keys + count;
     struct events events = {keys, middle, middle, 0, 0, 0};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
         int starts = (unsigned)(slice_of(slicing, box->lo[axis], BIN_COUNT) - first_bin) < 2;
         int ends = (unsigned)(slice_of(slicing, box->hi[axis], BIN_COUNT) - first_bin) < 2;
@@ -472,10 +475,10 @@ static struct events gather_events(const struct mlrt_reference *references, size
 
 void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
                             const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
-                            uint32_t *keys, struct mlrt_split *split)
+                            struct mlrt_progress *progress, uint32_t *keys, struct mlrt_split *split)
 {
     struct bins bins[3];
-    fill_bins(references, count, content, bins);
+    fill_bins(references, count, content, progress, bins);
     double cost = HUGE_VAL;
     int best = 0;
     uint32_t axis = 0;
@@ -496,7 +499,7 @@ void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct ml
             above_count -= bins[axis].ends[bin];
         }
         struct sweep sweep = start_sweep(model, cell, axis);
-        struct events events = gather_events(references, count, axis, &bins[axis].slicing, best - 1, keys);
+        struct events events = gather_events(references, count, axis, &bins[axis].slicing, best - 1, progress, keys);
         sweep_events(&sweep, &events, below_count, above_count, split);
     }
     if (split->cost == HUGE_VAL) mlrt_find_exact_split(model, cell, references, count, keys, split);

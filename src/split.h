@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Where to split a cell: the surface area heuristic and the rules of the paper that come before it. Pure functions:
- * they look at the references of one cell and keep nothing.
+ * they look at the references of one cell and keep nothing. Those that are given a call's progress look whether it is
+ * to end, and if so, do; then what they say means nothing. Less than MLRT_ROUNDS references are not worth a look.
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Ingo Wald, Vlastimil Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", 2006.
@@ -14,6 +15,7 @@
 #define MLRT_SPLIT_H
 
 #include "kdtree.h"
+#include "progress.h"
 
 /* A triangle in a cell: `box` holds the part of it that lies in the cell, and is in the cell. */
 struct mlrt_reference {
@@ -61,7 +63,8 @@ static inline int mlrt_side_of_split(const struct mlrt_reference *reference, con
 double mlrt_split_cost(const struct mlrt_cost_model *model, const struct mlrt_box *cell, const struct mlrt_split *split,
                        size_t below_count, size_t above_count);
 
-struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count);
+struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count,
+                                         struct mlrt_progress *progress);
 
 /*
  * Rule 1: the split that cuts off the largest empty side, if it is more than 10 % of the cell. Returns whether it is;
@@ -78,7 +81,7 @@ int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *
  */
 int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_box *cell,
                             const struct mlrt_reference *references, size_t count, const struct mlrt_content *content,
-                            uint32_t *keys, double *areas, struct mlrt_split *split);
+                            struct mlrt_progress *progress, uint32_t *keys, double *areas, struct mlrt_split *split);
 
 /* The cheapest split at a bound of any reference. `keys` has room for 3 * count. */
 void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
@@ -91,6 +94,6 @@ void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlr
  */
 void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
                             const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
-                            uint32_t *keys, struct mlrt_split *split);
+                            struct mlrt_progress *progress, uint32_t *keys, struct mlrt_split *split);
 
 #endif

@@ -109,9 +109,9 @@ static int find_wall(const struct mlrt_triangle *triangles, const struct mlrt_re
 {
     uint32_t keys[64];
     double areas[32];
-    struct mlrt_content content = mlrt_measure_content(references, count);
+    struct mlrt_content content = mlrt_measure_content(references, count, NULL);
     return mlrt_may_be_covered(cell, &content) &&
-           mlrt_find_covered_plane(triangles, cell, references, count, &content, keys, areas, split);
+           mlrt_find_covered_plane(triangles, cell, references, count, &content, NULL, keys, areas, split);
 }
 
 static void test_a_wall_is_found_and_goes_to_the_smaller_cell(void **state)
@@ -254,9 +254,9 @@ static void test_bins_find_nearly_the_best_split(void **state)
     for (uint32_t seed = 1; seed <= 20; seed++) {
         struct mlrt_split exact, binned;
         fill_randomly(references, 3000, seed);
-        struct mlrt_content content = mlrt_measure_content(references, 3000);
+        struct mlrt_content content = mlrt_measure_content(references, 3000, NULL);
         mlrt_find_exact_split(&MODEL, &content.bounds, references, 3000, keys, &exact);
-        mlrt_find_binned_split(&MODEL, &content.bounds, references, 3000, &content.bounds, keys, &binned);
+        mlrt_find_binned_split(&MODEL, &content.bounds, references, 3000, &content.bounds, NULL, keys, &binned);
         assert_true(binned.cost >= exact.cost);
         assert_true(binned.cost <= 1.01 * exact.cost);
     }
@@ -272,9 +272,9 @@ static void test_the_counts_of_bins_are_exact(void **state)
         struct mlrt_split split;
         size_t below = 0, above = 0;
         fill_randomly(references, 3000, seed);
-        struct mlrt_content content = mlrt_measure_content(references, 3000);
+        struct mlrt_content content = mlrt_measure_content(references, 3000, NULL);
         struct mlrt_box lower = content.bounds, upper = content.bounds;
-        mlrt_find_binned_split(&MODEL, &content.bounds, references, 3000, &content.bounds, keys, &split);
+        mlrt_find_binned_split(&MODEL, &content.bounds, references, 3000, &content.bounds, NULL, keys, &split);
         for (size_t i = 0; i < 3000; i++) {
             below += mlrt_side_of_split(&references[i], &split) <= 0;
             above += mlrt_side_of_split(&references[i], &split) >= 0;
@@ -294,8 +294,8 @@ static void test_bins_give_way_to_the_sweep_where_extents_collapse(void **state)
     struct mlrt_split split;
     for (int i = 0; i < 100; i++) references[i] = reference_along_x((float)i * 1e-30f, (float)(i + 1) * 1e-30f);
     references[0] = reference_along_x(0, 1e30f);
-    struct mlrt_content content = mlrt_measure_content(references, 100);
-    mlrt_find_binned_split(&MODEL, &content.bounds, references, 100, &content.bounds, keys, &split);
+    struct mlrt_content content = mlrt_measure_content(references, 100, NULL);
+    mlrt_find_binned_split(&MODEL, &content.bounds, references, 100, &content.bounds, NULL, keys, &split);
     assert_true(split.position > 0 && split.position <= 1.1e-28f);
 }
 
