@@ -5,6 +5,7 @@
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
+#include "common/cancel.h"
 #include "common/options.h"
 #include "common/report.h"
 #include "common/scene.h"
@@ -37,7 +38,17 @@ static int inspect_file(const char *name)
     return failed;
 }
 
-static int inspect(const char *name, const mlrt_build_options *build, const char *save_name)
+// What the library foresees, to compare with memory_size and peak_memory_size.
+static void print_estimate(const struct scene *scene, const mlrt_build_options *build)
+{
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh, .triangle_count = scene->triangle_count};
+    mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+    if (mlrt_estimate_memory(&mesh, 1, build, &estimate) != MLRT_OK) return;
+    print_count("estimated_memory_size", estimate.memory_size);
+    print_count("estimated_peak_memory_size", estimate.peak_memory_size);
+}
+
+static int inspect(const char *name, const mlrt_build_options *build, const char *save_name, uint32_t cancel_count)
 {
     struct scene scene;
     mlrt_tree *tree = NULL;
@@ -48,6 +59,7 @@ static int inspect(const char *name, const mlrt_build_options *build, const char
     if (!failed) {
         print_count("vertex_count", scene.vertex_count);
         print_info_of(tree);
+        print_estimate(&scene, build);
         print_number("load_seconds", load_seconds);
     }
     if (!failed && save_name != NULL) {
@@ -56,6 +68,7 @@ static int inspect(const char *name, const mlrt_build_options *build, const char
         if (!failed) print_number("tree_save_seconds", save_seconds);
     }
     mlrt_destroy_tree(tree);
+    if (!failed && cancel_count) failed = study_cancelling(&scene, build, cancel_count);
     free_scene(&scene);
     return failed;
 }
@@ -65,7 +78,7 @@ int main(int argc, char **argv)
     const char *scene = "office", *save_name = NULL, *load_name = NULL;
     mlrt_build_options build = {.struct_size = sizeof build};
     double traversal = 0, intersection = 0;
-    uint32_t threads = 1;
+    uint32_t threads = 1, cancel_count = 0;
     const struct option options[] = {
         {OPTION_TEXT, "--scene", &scene, "NAME|FILE",
          "room, office, building, scan, scan:N (about N triangles), or a mesh file:\nPLY, OBJ, STL, glTF, ... "
@@ -74,6 +87,8 @@ int main(int argc, char **argv)
         TREE_OPTIONS(build),
         {OPTION_COUNT, "--threads", &threads, "N", "threads to build with; 0 = one per processor (default: 1)", 0,
          1024},
+        {OPTION_COUNT, "--cancel", &cancel_count, "N",
+         "also build N times and stop on the way: how long until it stops,\nand how often it asks", 1, 100000},
         {OPTION_COUNT, "--max-depth", &build.max_depth, "N", "inner nodes above a leaf at most", 1, 60},
         {OPTION_NUMBER, "--traversal-cost", &traversal, "X",
          "of a node step; only its ratio to --intersection-cost matters", 0, 0},
@@ -89,11 +104,11 @@ int main(int argc, char **argv)
     build.traversal_cost = (float)traversal;
     build.intersection_cost = (float)intersection;
     if (load_name != NULL) return inspect_file(load_name);
-    if (mlrt_create_pool(threads, &build.pool) != MLRT_OK) {
+    if (threads != 1 && mlrt_create_pool(threads, &build.pool) != MLRT_OK) {
         fprintf(stderr, "cannot start %u threads\n", (unsigned)threads);
         return 1;
     }
-    int failed = inspect(scene, &build, save_name);
+    int failed = inspect(scene, &build, save_name, cancel_count);
     mlrt_destroy_pool(build.pool);
     return failed;
 }

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/* cancel.h - how soon a build ends when its progress function says so, and how often it is asked */
+#ifndef CANCEL_H
+#define CANCEL_H
+
+#include "scene.h"
+
+#include <mlrt.h>
+
+/*
+ * Builds the scene's tree once to the end, and then `count` times with a progress function that asks to stop, at
+ * fractions spread over 0..1. Prints, as `name value` lines in milliseconds: the longest time between two calls of the
+ * progress function, and the longest from its asking to stop until the build has returned and all is freed; each with
+ * the fraction told before. With one thread (no pool) also in time of that thread, which leaves out what a busy machine
+ * adds. Returns 0, or 1 after saying on stderr what is wrong.
+ */
+int study_cancelling(const struct scene *scene, const mlrt_build_options *build, uint32_t count);
+
+#endif
