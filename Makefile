@@ -75,6 +75,7 @@ HAVE_GMP    = $(call pkg,--exists gmp && echo 1)
 HAVE_EMBREE = $(shell $(CC) $(CPPFLAGS) -fsyntax-only -include embree3/rtcore.h -x c /dev/null 2>/dev/null && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
 STUDY       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o
+ENGINE      := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/engine/*.c))
 BENCH_OBJECTS := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/bench/*.c))
 EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
@@ -186,6 +187,10 @@ $(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
 
 $(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
+$(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
@@ -322,7 +327,7 @@ build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
 
 test: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory build-tests
-	@BUILD=$(BUILD) sh tests/run.sh $(addprefix $(BUILD)/tests/,$(TESTS))
+	@BUILD=$(BUILD) CC="$(CC)" sh tests/run.sh $(addprefix $(BUILD)/tests/,$(TESTS))
 
 check-abi update-abi: $(BUILD)/libmlrt.so $(BUILD)/abi/interface.inc
 	@CC='$(CC)' sh tests/abi/check.sh $(if $(filter update-abi,$@),update) $(BUILD)/abi $(BUILD)/libmlrt.so
@@ -413,7 +418,7 @@ test-install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] tests/*.[ch] tests/words/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
 	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
 
 clean:
