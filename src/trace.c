@@ -18,6 +18,7 @@
 #define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
 
 #define DEFAULT_INITIAL_TILE        128
+#define DEFAULT_INITIAL_TILE_RAYS   32  /* of method ray: tiles are what a call can be stopped between */
 #define DEFAULT_TILE_ROWS           64  /* of the tile method, for arrays with rows */
 #define DEFAULT_TILE_LIST           256 /* and for lists, which are four wide */
 #define DEFAULT_INITIAL_TILE_ARRAYS 32  /* beams of arrays are made by looking at every ray: on one level only */
@@ -49,7 +50,9 @@ static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
 /* The side of the tiles that are shared out among threads. */
 static uint32_t standard_initial_tile(const struct mlrt_job *job)
 {
-    if (job->source.kind == MLRT_SOURCE_CAMERA) return DEFAULT_INITIAL_TILE;
+    if (job->source.kind == MLRT_SOURCE_CAMERA) {
+        return job->method == MLRT_METHOD_RAY ? DEFAULT_INITIAL_TILE_RAYS : DEFAULT_INITIAL_TILE;
+    }
     if (job->method != MLRT_METHOD_TILE) return DEFAULT_INITIAL_TILE_ARRAYS;
     return job->source.width <= 4 ? DEFAULT_TILE_LIST : DEFAULT_TILE_ROWS;
 }
