@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cancel.c - how soon a build ends when it is asked to: see cancel.h */
+#define _POSIX_C_SOURCE 200112L
 #include "cancel.h"
 
 #include "report.h"
@@ -25,7 +26,8 @@ struct watch {
     struct moment last;
     double last_fraction;
     uint32_t call_count;
-    struct longest gap;
+    struct moment freeing; // since then, in the system's free
+    struct longest gap, gap_besides;
 };
 
 static struct moment now(void)
@@ -34,9 +36,9 @@ static struct moment now(void)
     return moment;
 }
 
-static void note(struct longest *longest, struct moment from, double fraction)
+// The time from one moment to another, less what was spent in between on something else.
+static void note(struct longest *longest, struct moment from, struct moment to, double fraction)
 {
-    const struct moment to = now();
     if (to.wall - from.wall > longest->seconds.wall) {
         longest->seconds.wall = to.wall - from.wall;
         longest->fraction = fraction;
@@ -47,10 +49,38 @@ static void note(struct longest *longest, struct moment from, double fraction)
     }
 }
 
-static int32_t on_progress(void *user, double fraction)
+static struct moment less(struct moment moment, struct moment spent)
+{
+    return (struct moment){moment.wall - spent.wall, moment.thread - spent.thread};
+}
+
+static void *allocate(void *user, size_t size, size_t alignment)
+{
+    void *block = NULL;
+    (void)user;
+    return posix_memalign(&block, alignment, size) == 0 ? block : NULL;
+}
+
+static void free_timed(void *user, void *block, size_t size, size_t alignment)
 {
     struct watch *watch = user;
-    note(&watch->gap, watch->last, watch->last_fraction);
+    const struct moment start = now();
+    (void)size;
+    (void)alignment;
+    free(block);
+    const struct moment spent = less(now(), start);
+    watch->freeing.wall += spent.wall;
+    watch->freeing.thread += spent.thread;
+}
+
+static int32_t on_progress(void *user, double fraction)
+{
+    static const struct moment none;
+    struct watch *watch = user;
+    const struct moment then = now();
+    note(&watch->gap, watch->last, then, watch->last_fraction);
+    note(&watch->gap_besides, watch->last, less(then, watch->freeing), watch->last_fraction);
+    watch->freeing = none;
     watch->call_count++;
     watch->last_fraction = fraction;
     watch->last = now();
@@ -59,7 +89,8 @@ static int32_t on_progress(void *user, double fraction)
 
 static int32_t build_watched(const struct scene *scene, const mlrt_build_options *build, struct watch *watch)
 {
-    const mlrt_host host = {.struct_size = sizeof host, .user = watch, .progress = on_progress};
+    const mlrt_host host = {
+        .struct_size = sizeof host, .user = watch, .allocate = allocate, .free = free_timed, .progress = on_progress};
     const mlrt_mesh mesh = {.struct_size = sizeof mesh,
                             .vertices = scene->vertices,
                             .vertex_count = scene->vertex_count,
@@ -76,7 +107,7 @@ static int32_t build_watched(const struct scene *scene, const mlrt_build_options
 
 static void print_longest(const char *name, const struct longest *longest, int is_alone)
 {
-    char line[80];
+    char line[96];
     snprintf(line, sizeof line, "longest_%s_milliseconds", name);
     print_number(line, 1e3 * longest->seconds.wall);
     snprintf(line, sizeof line, "longest_%s_fraction", name);
@@ -91,7 +122,7 @@ static void print_longest(const char *name, const struct longest *longest, int i
 int study_cancelling(const struct scene *scene, const mlrt_build_options *build, uint32_t count)
 {
     struct watch whole = {.stop_at = 2};
-    struct longest wait = {{0, 0}, 0, 0};
+    struct longest wait = {{0, 0}, 0, 0}, wait_besides = wait;
     uint32_t cancelled = 0;
     if (build_watched(scene, build, &whole) != MLRT_OK) return 1;
     for (uint32_t i = 0; i < count; i++) {
@@ -99,12 +130,16 @@ int study_cancelling(const struct scene *scene, const mlrt_build_options *build,
         const int32_t status = build_watched(scene, build, &watch);
         if (status != MLRT_OK && status != MLRT_ERROR_CANCELLED) return 1;
         if (status == MLRT_OK) continue;
-        note(&wait, watch.last, watch.last_fraction);
+        const struct moment end = now();
+        note(&wait, watch.last, end, watch.last_fraction);
+        note(&wait_besides, watch.last, less(end, watch.freeing), watch.last_fraction);
         cancelled++;
     }
     print_count("progress_call_count", whole.call_count);
     print_longest("gap", &whole.gap, build->pool == NULL);
+    print_longest("gap_besides_freeing", &whole.gap_besides, build->pool == NULL);
     print_count("cancelled_build_count", cancelled);
     print_longest("wait", &wait, build->pool == NULL);
+    print_longest("wait_besides_freeing", &wait_besides, build->pool == NULL);
     return 0;
 }
