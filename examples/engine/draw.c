@@ -296,6 +296,7 @@ int32_t draw_tile(void *user, const mlrt_tile *tile)
     const struct drawing *drawing = user;
     struct draw_worker *worker = &drawing->workers[tile->worker];
     struct pixels *p = worker->pixels;
+    worker->stack.top = 0; // whatever the last tile needed is gone
     if (find_nearest(drawing, worker, tile) != MLRT_OK) return 1;
     if (find_shadows(drawing->world, worker, tile) != MLRT_OK) return 1;
     for (size_t i = 0; i < (size_t)tile->width * tile->height; i++) {

@@ -31,7 +31,7 @@ void heap_trim(struct heap *heap);
 /* Likewise, and the heap ends. Nothing may be held any more: see held_size. */
 void heap_end(struct heap *heap);
 
-/* What is freed last must have been allocated first: the library frees in that order while it traces. */
+/* Only the last block allocated can be used again before the owner sets `top` back. */
 struct stack {
     unsigned char *start; // aligned to 64
     size_t size, top, peak_size;
