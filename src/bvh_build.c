@@ -802,9 +802,9 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_build_options *options
 
 /* ---- memory, before ------------------------------------------------------------------------------------------ */
 
-/* Bytes of nodes and quads per triangle that scenes take, with some room: DEFAULT 47 to 56, FAST 47 to 49, BEST 49
+/* Bytes of nodes and quads per triangle that scenes take, with some room: DEFAULT 47 to 56, FAST 47 to 51, BEST 49
  * to 65. */
-static const double RESULT_SIZES[] = {58, 58, 50, 66};
+static const double RESULT_SIZES[] = {58, 58, 53, 66};
 
 struct mlrt_demand mlrt_foresee_bvh(const mlrt_build_options *options, uint32_t triangle_count)
 {
