@@ -132,21 +132,30 @@ MLRT_INLINE uint64_t waiting_entry(float enter, uint32_t child)
 }
 
 /*
- * Of the children in `met`, at least one, returns the nearest; the others go on the stack, the farthest first. Most
- * often there are one or two, and then nothing depends on a branch but how many.
+ * Who looks for any hit goes to leaves first: they may end the search. Nodes and leaves per ray, for random ones:
+ * erw6 2.54, with leaves first 2.26, conference 3.97, 3.63, sponza 4.49, 4.18, clinic 3.61, 3.50, dragon 4.47, 4.49.
+ */
+MLRT_INLINE uint64_t child_entry(float enter, uint32_t child, int any)
+{
+    return waiting_entry(any && mlrt_bvh_quad_count(child) ? 0 : enter, child);
+}
+
+/*
+ * Of the children in `met`, at least one, returns the first to look at; the others go on the stack, the last first.
+ * Most often there are one or two, and then nothing depends on a branch but how many.
  */
 MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met, const float enter[MLRT_BVH_WIDTH],
-                                  uint64_t *stack, uint32_t *count)
+                                  int any, uint64_t *stack, uint32_t *count)
 {
     uint32_t i = mlrt_lowest_bit(met);
     met &= met - 1;
     if (!met) return node->child[i];
-    uint64_t nearest = waiting_entry(enter[i], node->child[i]);
+    uint64_t nearest = child_entry(enter[i], node->child[i], any);
     const uint32_t first = *count;
     do {
         i = mlrt_lowest_bit(met);
         met &= met - 1;
-        const uint64_t entry = waiting_entry(enter[i], node->child[i]);
+        const uint64_t entry = child_entry(enter[i], node->child[i], any);
         uint64_t farther = entry > nearest ? entry : nearest;
         nearest = entry > nearest ? nearest : entry;
         uint32_t place = (*count)++;
@@ -310,7 +319,7 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
             const struct mlrt_bvh_node *node = &nodes[mlrt_bvh_offset(child)];
             const uint32_t met = meet_boxes(ray, node, limit, enter);
             if (met) {
-                child = choose_child(node, met, enter, stack, &count);
+                child = choose_child(node, met, enter, job->any, stack, &count);
                 continue;
             }
         } else if (test_leaf(job, ray, child, packet, worker)) {
