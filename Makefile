@@ -84,7 +84,7 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
                 $(if $(HAVE_CJSON),$(call pkg,--libs,libcjson)) -lm -ldl
 
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
-TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
+TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_golden.c $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
 .PHONY: all library examples docs demo reproduce format clean
 .PHONY: deps deps-study deps-docs deps-bindings
@@ -322,6 +322,9 @@ $(BUILD)/tests/test_churn: $(BUILD)/tests/test_churn.o $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ -lcmocka -lm -o $@
 
 $(BUILD)/tests/test_copies: | $(BUILD)/libmlrt.so
+# Needs the library and the procedural scenes only (test-amalgamation, test-cross).
+$(BUILD)/tests/print_golden: $(BUILD)/tests/print_golden.o $(BUILD)/tests/golden.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
 build-tests: $(addprefix $(BUILD)/tests/,$(TESTS)) examples
 

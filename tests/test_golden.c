@@ -1,130 +1,67 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One number for everything: a hash over ids and bits of t, u, v of pictures and packets of procedural scenes. It is
- * the same on every machine, from every way of tracing; a change of it is a change of answers. The reference gave it
- * first.
+ * The golden numbers (golden.h) from every way of tracing, and the first of them from the reference.
  */
-#include <stdlib.h>
-#include <string.h>
-
+#include "golden.h"
 #include "support.h"
 
-#define GOLDEN 0x984850255297C12Du
-
-enum { WIDTH = 80, HEIGHT = 60, COUNT = WIDTH * HEIGHT };
-
-/* FNV-1a (Fowler, Noll, Vo), over the bytes of a number from the lowest up. */
-static uint64_t hash_number(uint64_t hash, uint32_t number)
+static void assert_golden(const char *what, uint64_t hash, uint64_t expected)
 {
-    for (int i = 0; i < 4; i++) hash = (hash ^ (number >> 8 * i & 0xFF)) * 0x100000001B3u;
-    return hash;
+    if (hash != expected) fail_msg("%s: 0x%016llX", what, (unsigned long long)hash);
 }
 
-static uint64_t hash_hits(uint64_t hash, const struct reference_hit *hits)
+static void make_scenes(struct fixture scenes[GOLDEN_SCENES])
 {
-    for (int i = 0; i < COUNT; i++) {
-        hash = hash_number(hash, hits[i].mesh);
-        hash = hash_number(hash, hits[i].triangle);
-        hash = hash_number(hash, bits_of_float(hits[i].t));
-        hash = hash_number(hash, bits_of_float(hits[i].u));
-        hash = hash_number(hash, bits_of_float(hits[i].v));
-    }
-    return hash;
+    for (int s = 0; s < GOLDEN_SCENES; s++) scenes[s] = fixture_of_example(golden_scene(s));
 }
 
-struct golden_scene {
-    struct fixture fixture;
-    mlrt_camera camera;
-    struct ray_list list;
-};
-
-enum { SCENES = 3 };
-
-/* Cameras by numbers that are exact in float: no function of libm has a part in this. */
-static mlrt_camera camera_at(float x, float y, float z, const float d00[3], const float dx[3], const float dy[3])
+static void free_scenes(struct fixture scenes[GOLDEN_SCENES])
 {
-    mlrt_camera camera = {.struct_size = sizeof camera, .width = WIDTH, .height = HEIGHT, .eye = {x, y, z}};
-    memcpy(camera.d00, d00, sizeof camera.d00);
-    memcpy(camera.dx, dx, sizeof camera.dx);
-    memcpy(camera.dy, dy, sizeof camera.dy);
-    camera.sample_x = camera.sample_y = 0.5f;
-    return camera;
-}
-
-static void make_scenes(struct golden_scene scenes[SCENES])
-{
-    static const char *const names[SCENES] = {"room", "scan:5000", "scan:40000"};
-    const float d00[3] = {-0.625f, 0.46875f, -1}, dx[3] = {0.015625f, 0, 0.0009765625f}, dy[3] = {0, -0.015625f, 0};
-    memset(scenes, 0, SCENES * sizeof *scenes);
-    for (int s = 0; s < SCENES; s++) {
-        scenes[s].fixture = fixture_of_example(names[s]);
-        scenes[s].camera =
-            s == 0 ? camera_at(0.5f, 1.5f, 2.25f, d00, dx, dy) : camera_at(0.25f, 0.125f, 4, d00, dx, dy);
-        add_camera_rays(&scenes[s].list, &scenes[s].camera);
-    }
-}
-
-static void free_scenes(struct golden_scene scenes[SCENES])
-{
-    for (int s = 0; s < SCENES; s++) {
-        free_rays(&scenes[s].list);
-        free_fixture(&scenes[s].fixture);
-    }
-}
-
-static mlrt_hits outputs_of(struct reference_hit *hits)
-{
-    size_t stride = sizeof *hits;
-    mlrt_hits out = {.struct_size = sizeof out,
-                     .t = {&hits->t, stride, 0},
-                     .u = {&hits->u, stride, 0},
-                     .v = {&hits->v, stride, 0},
-                     .mesh = {&hits->mesh, stride, 0},
-                     .triangle = {&hits->triangle, stride, 0}};
-    return out;
-}
-
-static void assert_golden(const char *what, uint64_t hash)
-{
-    if (hash != GOLDEN) fail_msg("%s: 0x%016llX", what, (unsigned long long)hash);
+    for (int s = 0; s < GOLDEN_SCENES; s++) free_fixture(&scenes[s]);
 }
 
 static void the_reference_gives_the_golden_number(void **state)
 {
     (void)state;
-    static struct reference_hit hits[COUNT];
-    struct golden_scene scenes[SCENES];
-    uint64_t hash = 0xCBF29CE484222325u;
+    static struct reference_hit hits[GOLDEN_COUNT];
+    static struct golden_hit golden_hits[GOLDEN_COUNT];
+    struct fixture scenes[GOLDEN_SCENES];
+    uint64_t hash = GOLDEN_START;
     size_t hit_count = 0;
     make_scenes(scenes);
-    for (int s = 0; s < SCENES; s++) {
-        trace_reference(&scenes[s].fixture, &scenes[s].list, hits);
-        for (int i = 0; i < COUNT; i++) hit_count += hits[i].mesh != MLRT_NONE;
-        hash = hash_hits(hash, hits);
+    for (int s = 0; s < GOLDEN_SCENES; s++) {
+        struct ray_list list = {0};
+        mlrt_camera camera = golden_camera(s);
+        add_camera_rays(&list, &camera);
+        trace_reference(&scenes[s], &list, hits);
+        for (int i = 0; i < GOLDEN_COUNT; i++) {
+            hit_count += hits[i].mesh != MLRT_NONE;
+            golden_hits[i] =
+                (struct golden_hit){hits[i].t, hits[i].u, hits[i].v, hits[i].mesh, hits[i].triangle, hits[i].facing};
+        }
+        hash = hash_golden_hits(hash, golden_hits);
+        free_rays(&list);
     }
     free_scenes(scenes);
-    assert_true(hit_count > COUNT); // the cameras look at something
-    assert_golden("reference", hash);
+    assert_true(hit_count > GOLDEN_COUNT); // the cameras look at something
+    assert_golden("reference", hash, GOLDEN_HITS);
 }
 
 static void every_picture_gives_the_golden_number(void **state)
 {
     (void)state;
-    static struct reference_hit hits[COUNT];
-    struct golden_scene scenes[SCENES];
+    static struct golden_hit hits[GOLDEN_COUNT];
+    struct fixture scenes[GOLDEN_SCENES];
     make_scenes(scenes);
     for (size_t v = 0; v < variant_count(); v++) {
-        uint64_t hash = 0xCBF29CE484222325u;
+        uint64_t hash = GOLDEN_START;
         mlrt_trace_options options = variant_at(v)->options;
         options.pool = shared_pool(variant_at(v)->threads);
-        for (int s = 0; s < SCENES; s++) {
-            mlrt_hits out = outputs_of(hits);
-            int32_t status = mlrt_render_tiles(variant_tree(variant_at(v), &scenes[s].fixture), &scenes[s].camera,
-                                               &options, &out, NULL, NULL);
-            assert_int_equal(status, MLRT_OK);
-            hash = hash_hits(hash, hits);
+        for (int s = 0; s < GOLDEN_SCENES; s++) {
+            assert_int_equal(golden_picture(variant_tree(variant_at(v), &scenes[s]), s, &options, hits), MLRT_OK);
+            hash = hash_golden_hits(hash, hits);
         }
-        assert_golden("picture", hash);
+        assert_golden("picture", hash, GOLDEN_HITS);
     }
     free_scenes(scenes);
 }
@@ -132,22 +69,38 @@ static void every_picture_gives_the_golden_number(void **state)
 static void every_packet_gives_the_golden_number(void **state)
 {
     (void)state;
-    static struct reference_hit hits[COUNT];
-    struct golden_scene scenes[SCENES];
+    static struct golden_hit hits[GOLDEN_COUNT];
+    struct fixture scenes[GOLDEN_SCENES];
     make_scenes(scenes);
     for (size_t v = 0; v < variant_count(); v++) {
-        uint64_t hash = 0xCBF29CE484222325u;
+        uint64_t hash = GOLDEN_START;
+        uint32_t row_length = v % 2 ? GOLDEN_WIDTH : 0;
         mlrt_trace_options options = variant_at(v)->options;
         options.pool = shared_pool(variant_at(v)->threads);
-        for (int s = 0; s < SCENES; s++) {
-            scenes[s].list.row_length = v % 2 ? WIDTH : 0;
-            mlrt_rays rays = public_rays(&scenes[s].list);
-            mlrt_hits out = outputs_of(hits);
-            assert_int_equal(mlrt_trace_packet(variant_tree(variant_at(v), &scenes[s].fixture), &rays, &options, &out),
-                             MLRT_OK);
-            hash = hash_hits(hash, hits);
+        for (int s = 0; s < GOLDEN_SCENES; s++) {
+            const mlrt_tree *tree = variant_tree(variant_at(v), &scenes[s]);
+            assert_int_equal(golden_packet(tree, s, &options, row_length, hits), MLRT_OK);
+            hash = hash_golden_hits(hash, hits);
         }
-        assert_golden("packet", hash);
+        assert_golden("packet", hash, GOLDEN_HITS);
+    }
+    free_scenes(scenes);
+}
+
+static void trees_and_all_other_answers_give_the_other_golden_number(void **state)
+{
+    (void)state;
+    struct fixture scenes[GOLDEN_SCENES];
+    make_scenes(scenes);
+    for (int32_t isa = MLRT_ISA_AUTO; isa <= MLRT_ISA_AVX512; isa++) {
+        if (!isa_is_supported(isa)) continue;
+        uint64_t hash = GOLDEN_START;
+        mlrt_trace_options options = {.struct_size = sizeof options, .isa = isa};
+        for (int s = 0; s < GOLDEN_SCENES; s++) {
+            assert_int_equal(hash_golden_rest(&hash, scenes[s].tree, s, &options), MLRT_OK);
+            assert_int_equal(hash_golden_rest(&hash, scenes[s].boxes, s, &options), MLRT_OK);
+        }
+        assert_golden("rest", hash, GOLDEN_REST);
     }
     free_scenes(scenes);
 }
@@ -158,6 +111,7 @@ int main(void)
         cmocka_unit_test(the_reference_gives_the_golden_number),
         cmocka_unit_test(every_picture_gives_the_golden_number),
         cmocka_unit_test(every_packet_gives_the_golden_number),
+        cmocka_unit_test(trees_and_all_other_answers_give_the_other_golden_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
