@@ -52,7 +52,8 @@ Q := $(if $(V),,@)
 CFLAGS   ?= -g
 STANDARD := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla $(if $(WERROR),-Werror)
 GUESS    ?=
-EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse)
+EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse) \
+            $(if $(filter s390x%,$(TARGET)),-fexcess-precision=fast)
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread

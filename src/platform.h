@@ -98,6 +98,13 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #define MLRT_HAVE_MADVISE 0
 #endif
 
+/* Processors that are online: of <unistd.h>, and on Windows of the <pthread.h> of winpthreads. */
+#if defined(_WIN32)
+#define MLRT_ONLINE_PROCESSORS() pthread_num_processors_np()
+#else
+#define MLRT_ONLINE_PROCESSORS() sysconf(_SC_NPROCESSORS_ONLN)
+#endif
+
 /*
  * The floating-point environment this library computes in: round to nearest, denormals kept, exceptions masked.
  * Every exported function and every thread's work runs between a pair of these calls; what lies between must be a call

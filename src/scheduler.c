@@ -12,6 +12,7 @@
 
 #include "host.h"
 #include "memory.h"
+#include "platform.h"
 #include "structs.h"
 
 #define THREAD_LIMIT 1024
@@ -177,7 +178,7 @@ static mlrt_pool *allocate_pool(const mlrt_host *host, uint32_t thread_capacity)
 
 static uint32_t online_processor_count(void)
 {
-    long count = sysconf(_SC_NPROCESSORS_ONLN);
+    long count = MLRT_ONLINE_PROCESSORS();
     return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
 }
 
