@@ -1,0 +1,448 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Writes the library as one mlrt.c and one mlrt.h: amalgamate.py FOLDER
+
+A translation unit of the normal build becomes a section of mlrt.c: headers that all units share come once, in front;
+what a kernel's unit includes for itself is pasted into it, once for each instruction set. So that the
+sections do not meet,
+
+  - names at file scope that two sections have are given the section's name (`trace_tile` becomes `trace_tile_avx2`);
+  - macros of a section are undefined at its end;
+  - everything at file scope is static, but for the functions of mlrt.h.
+
+What the Makefile says by flags is said by pragmas: a target for each instruction set, no contraction of a * b + c, loops
+peeled in kernels. Relies on the house style: clang-format, one declaration per item, an include guard in each header.
+"""
+import collections
+import os
+import re
+import sys
+
+SOURCE = os.path.dirname(os.path.abspath(__file__))
+INCLUDE = os.path.join(os.path.dirname(SOURCE), "include")
+
+Kernel = collections.namedtuple("Kernel", "name file condition target counting")
+
+# As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
+KERNELS = [
+    Kernel("kdtree", "kdtree.c", None, None, False),
+    Kernel("counting", "scalar.c", None, None, True),
+    Kernel("scalar", "scalar.c", "!MLRT_HAVE_SSE", None, False),
+    Kernel("sse", "sse.c", "MLRT_HAVE_SSE", None, False),
+    Kernel("avx2", "avx2.c", "MLRT_HAVE_SSE", "avx2", False),
+    Kernel("avx512", "avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
+]
+
+COUNTING = "counters.h"  # its macros differ between kernels that count and those that do not
+COUNTING_MACROS = ["COUNT", "MLRT_COUNTING"]
+
+# System headers that not every system has. The intrinsics come as one.
+CONDITIONS = {
+    "immintrin.h": "defined(__SSE2__) || defined(__x86_64__)",
+    "sys/mman.h": "defined(__linux__)",
+}
+INTRINSICS = {"emmintrin.h", "xmmintrin.h", "immintrin.h"}
+
+HEAD = """\
+/* SPDX-License-Identifier: MIT */
+/*
+ * mlrt, the whole library in one file, written by src/amalgamate.py: change the files it was made of instead.
+ *
+ *     cc -O2 -c mlrt.c         gcc or clang; on 32-bit x86 with -msse2 -mfpmath=sse; programs link with -lm -pthread
+ *
+ * A DLL: -shared -DMLRT_BUILD_DLL. With a gcc for Windows that does not align the stack for AVX (GCC bug 54412; those
+ * of Debian and MSYS2 do without) add -Wa,-muse-unaligned-vector-move.
+ */
+#ifndef _DEFAULT_SOURCE
+#define _DEFAULT_SOURCE
+#endif
+#ifndef _POSIX_C_SOURCE
+#define _POSIX_C_SOURCE 200809L
+#endif
+
+#include "mlrt.h"
+
+"""
+
+BEFORE_ALL = """
+/* Some of what follows only tests call, and some has a use on other processors. */
+#if defined(__clang__)
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wunused-function"
+#pragma clang diagnostic ignored "-Wunused-variable"
+#pragma clang diagnostic ignored "-Wunused-const-variable"
+#elif defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-variable"
+#pragma GCC diagnostic ignored "-Wunused-const-variable"
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+"""
+
+AFTER_ALL = """
+#if defined(__clang__)
+#pragma clang diagnostic pop
+#elif defined(__GNUC__)
+#pragma GCC pop_options
+#pragma GCC diagnostic pop
+#endif
+"""
+
+BEFORE_KERNELS = """\
+#if defined(__clang__)
+{clang}#elif defined(__GNUC__)
+#pragma GCC push_options
+{gcc}#endif
+"""
+
+AFTER_KERNELS = """\
+#if defined(__clang__)
+{clang}#elif defined(__GNUC__)
+#pragma GCC pop_options
+#endif
+"""
+
+TOKEN = re.compile(
+    r"""(?P<skip>/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*')
+      | (?P<directive>^[ \t]*\#(?:\\\n|[^\n])*)
+      | (?P<name>[A-Za-z_]\w*)
+      | (?P<number>\.?\d(?:[eEpP][+-]|[\w.])*)
+      | (?P<mark>->|[^\s\w])""",
+    re.S | re.M | re.X,
+)
+
+
+def read(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def without_guard(text, path):
+    guard = re.search(r"^#ifndef (\w+_H)\n#define \1\n", text, re.M)
+    if not path.endswith(".h") or not guard:
+        return text
+    end = text.rindex("#endif")
+    return text[: guard.start()] + text[guard.end() : end]
+
+
+def find_header(name, includer):
+    for folder in (os.path.dirname(includer), SOURCE, INCLUDE):
+        path = os.path.join(folder, name)
+        if os.path.exists(path):
+            return path
+    sys.exit(f"{includer}: no {name}")
+
+
+class Text:
+    """What the sections are made of: pastes files, each header once."""
+
+    def __init__(self):
+        self.system = []  # names of system headers, in the order of their appearance
+        self.shared = []  # texts
+        self.shared_paths = set()
+
+    def share(self, path):
+        if path in self.shared_paths or os.path.basename(path) == "mlrt.h":
+            return
+        self.shared_paths.add(path)
+        self.shared.append(self.paste(path, lambda _: False, set()))
+
+    def paste(self, path, is_own, seen):
+        """The text of a file, with its headers of its own in it; the others become shared ones."""
+        lines = [f"\n/* ---- {os.path.relpath(path, os.path.dirname(SOURCE))} ---- */\n\n"]
+        text = without_guard(read(path), path)
+        if os.path.basename(path) == COUNTING and is_own(path):
+            text = "".join(re.findall(r"^#(?!include).*\n", text, re.M))
+        for line in text.splitlines(keepends=True):
+            system = re.match(r"#include <(.*)>", line)
+            local = re.match(r'#include "(.*)"', line)
+            if system:
+                self.system.append("immintrin.h" if system[1] in INTRINSICS else system[1])
+            elif local:
+                header = find_header(local[1], path)
+                if not is_own(header):
+                    # Headers that exist twice for different machines are told apart by a condition around them.
+                    if os.path.basename(path) == "quad.h" and "kernels" in local[1]:
+                        lines.append(self.paste(header, is_own, seen))
+                    else:
+                        self.share(header)
+                elif header not in seen:
+                    seen.add(header)
+                    lines.append(self.paste(header, is_own, seen))
+            elif not re.match(r"#define _(POSIX_C|DEFAULT)_SOURCE", line) and "SPDX" not in line:
+                lines.append(line)
+        return "".join(lines)
+
+
+# ---- declarations ----------------------------------------------------------------------------------------------------
+
+
+class Item:
+    """A declaration or definition at file scope: its tokens, those in braces apart."""
+
+    def __init__(self):
+        self.outer = []  # (start, text) outside of braces; a pair of braces is one "{}"
+        self.inner = []
+
+    def words(self):
+        return [text for _, text in self.outer]
+
+
+def items_of(text):
+    item, depth, after_body = Item(), 0, False
+    for match in TOKEN.finditer(text):
+        if match.lastgroup in ("skip", "directive"):
+            continue
+        token = match[0]
+        if after_body:
+            # A function ends with its body; what else has braces goes on to a semicolon.
+            words = item.words()
+            if token != ";" and is_function(words):
+                yield item
+                item = Item()
+            after_body = False
+        if token == "{":
+            if depth == 0:
+                item.outer.append((match.start(), "{}"))
+            depth += 1
+        elif token == "}":
+            depth -= 1
+            after_body = depth == 0
+        elif depth > 0:
+            item.inner.append(token)
+        elif token == ";":
+            yield item
+            item = Item()
+        else:
+            item.outer.append((match.start(), token))
+    if item.outer:
+        yield item
+
+
+QUALIFIERS = {"__extension__", "static", "inline", "const", "extern", "MLRT_INLINE", "MLRT_NOINLINE", "MLRT_API"}
+
+
+def stripped(words):
+    """Without qualifiers and attributes in front or among them."""
+    result, skipping = [], 0
+    for i, word in enumerate(words):
+        if skipping or word in ("MLRT_ALIGNED", "__attribute__"):
+            skipping += (words[i] == "(") - (words[i] == ")")
+            if word in ("MLRT_ALIGNED", "__attribute__"):
+                skipping = 0
+                attribute = True
+                result.append(None)
+            continue
+        if result and result[-1] is None:
+            if word == "(":
+                skipping = 1
+                result.pop()
+                continue
+        if word not in QUALIFIERS:
+            result.append(word)
+    return [word for word in result if word is not None]
+
+
+def is_function(words):
+    words = stripped(words)
+    return bool(words) and words[0] != "typedef" and "(" in words and "=" not in words[: words.index("(")]
+
+
+Names = collections.namedtuple("Names", "ordinary types tags")
+
+
+def names_of(text):
+    """The names that a text gives at file scope: functions and objects, typedefs and constants, tags."""
+    names = Names(set(), set(), set())
+    for item in items_of(text):
+        words = stripped(item.words())
+        if not words:
+            continue
+        is_enum = words[0] == "enum" or words[:2] == ["typedef", "enum"]
+        for i, word in enumerate(words[:-1]):
+            if word in ("struct", "union", "enum") and "{}" in words[i : i + 3] and words[i + 1] != "{}":
+                names.tags.add(words[i + 1])
+        if is_enum and "{}" in words:
+            names.types.update(enum_constants(item.inner))
+        if words[0] == "typedef":
+            pointer = re.search(r"\( \* (\w+) \)", " ".join(words))
+            names.types.add(pointer[1] if pointer else words[words.index("(") - 1] if "(" in words else words[-1])
+        elif is_function(item.words()):
+            names.ordinary.add(words[words.index("(") - 1])
+        elif words[0] in ("struct", "union", "enum") and words[-1] == "{}" and "=" not in words or len(words) < 2:
+            pass  # only a type
+        elif words[0] in ("struct", "union") and len(words) == 2:
+            pass  # a tag that is declared
+        else:
+            names.ordinary.update(object_names(words))
+    return names
+
+
+def enum_constants(tokens):
+    expects = True
+    for token in tokens:
+        if expects:
+            yield token
+        expects = token == ","
+
+
+def object_names(words):
+    """The declarators of `type a = {}, b[2], *c`; the initializers hold no comma outside of braces."""
+    name = None
+    for word in words + [","]:
+        if word in (",", "=", "[") and name:
+            yield name
+            name = None
+        elif re.match(r"[A-Za-z_]\w*$", word):
+            name = word
+        elif word == "=":
+            name = None
+
+
+def macros_of(text):
+    return sorted(set(re.findall(r"^#define (\w+)", text, re.M)))
+
+
+# ---- rewriting -------------------------------------------------------------------------------------------------------
+
+
+def made_static(text):
+    """Gives everything at file scope internal linkage, but for the functions of the interface."""
+    edits = []
+    for item in items_of(text):
+        words = item.words()
+        bare = stripped(words)
+        if not bare or bare[0] == "typedef" or {"static", "MLRT_INLINE", "MLRT_API"} & set(words):
+            continue
+        is_object = not is_function(words) and bool(set(names_of(text_of(item)).ordinary))
+        if "extern" in words:
+            edits.append((item.outer[words.index("extern")][0], "extern", "static"))
+        elif is_function(words) or is_object:
+            edits.append((item.outer[0][0], "", "static "))
+    for start, old, new in sorted(edits, reverse=True):
+        assert text.startswith(old, start)
+        text = text[:start] + new + text[start + len(old) :]
+    return text
+
+
+def text_of(item):
+    return " ".join(item.words()).replace("{}", "{ }") + ";"
+
+
+def renamed(text, names, suffix):
+    """
+    The names of a section that another has too, with the section's name. Fields keep theirs: after a dot or an arrow,
+    and where a struct declares them.
+    """
+    result, position, previous = [], 0, ""
+    depth, struct_depths, before = 0, [], []
+    for match in TOKEN.finditer(text):
+        if match.lastgroup == "skip":
+            continue
+        token = match[0]
+        if match.lastgroup == "directive":
+            head = re.match(r"\s*#\s*define\s+\w+", token)
+            if head:
+                body = renamed(token[head.end() :], names, suffix)
+                result += [text[position : match.start()], head[0], body]
+                position = match.end()
+            continue
+        if token == "{":
+            depth += 1
+            if "struct" in before[-2:] or "union" in before[-2:]:
+                struct_depths.append(depth)
+        elif token == "}":
+            if struct_depths and struct_depths[-1] == depth:
+                struct_depths.pop()
+            depth -= 1
+        elif match.lastgroup == "name" and previous not in (".", "->"):
+            in_struct = struct_depths and struct_depths[-1] == depth
+            if previous in ("struct", "union", "enum"):
+                is_ours = token in names.tags
+            else:
+                is_ours = token in names.types or (token in names.ordinary and not in_struct)
+            if is_ours:
+                result += [text[position : match.start()], token + "_" + suffix]
+                position = match.end()
+        previous = token
+        before = before[-2:] + [token]
+    return "".join(result) + text[position:]
+
+
+def system_includes(names):
+    lines = []
+    for name in sorted(set(names)):
+        if name in CONDITIONS:
+            lines.append(f"#if {CONDITIONS[name]}\n#include <{name}>\n#endif\n")
+        else:
+            lines.append(f"#include <{name}>\n")
+    return "".join(lines)
+
+
+def kernel_section(kernel, text):
+    before = [f"#undef {macro}\n" for macro in COUNTING_MACROS]
+    if kernel.counting:
+        before.append("#define MLRT_COUNTING 1\n")
+    gcc = "" if kernel.counting or kernel.name == "kdtree" else '#pragma GCC optimize("peel-loops")\n'
+    clang, clang_end = "", ""
+    if kernel.target:
+        gcc += f'#pragma GCC target("{kernel.target}")\n'
+        clang = f'#pragma clang attribute push(__attribute__((target("{kernel.target}"))), apply_to = function)\n'
+        clang_end = "#pragma clang attribute pop\n"
+    text = BEFORE_KERNELS.format(clang=clang, gcc=gcc) + "".join(before) + text
+    text += AFTER_KERNELS.format(clang=clang_end)
+    if kernel.condition:
+        text = f"\n#if {kernel.condition}\n{text}\n#endif /* {kernel.condition} */\n"
+    return text
+
+
+def amalgamate():
+    parts = Text()
+    sections = []  # name, text, kernel or None
+    for file in sorted(os.listdir(SOURCE)):
+        if file.endswith(".c"):
+            text = parts.paste(os.path.join(SOURCE, file), lambda path: False, set())
+            sections.append((file[:-2], text, None))
+    for kernel in KERNELS:
+        path = os.path.join(SOURCE, "kernels", kernel.file)
+        is_own = lambda path: os.path.basename(os.path.dirname(path)) == "kernels" or path.endswith(COUNTING)
+        sections.append((kernel.name, parts.paste(path, is_own, set()), kernel))
+
+    # A name is taken by the shared headers or by any section.
+    shared = "".join(parts.shared)
+    owned = {name: names_of(text) for name, text, _ in sections}
+    users = collections.Counter()
+    for names in [names_of(shared)] + list(owned.values()):
+        users.update(names.ordinary | names.types)
+        users.update({"struct " + tag for tag in names.tags})
+
+    result = [HEAD, system_includes(parts.system), BEFORE_ALL, made_static(shared)]
+    for name, text, kernel in sections:
+        twice = lambda found, prefix="": {n for n in found if users[prefix + n] > 1 and not n.startswith("mlrt_")}
+        macros = macros_of(text)
+        names = Names(
+            twice(owned[name].ordinary) - set(macros), twice(owned[name].types), twice(owned[name].tags, "struct ")
+        )
+        text = renamed(made_static(text), names, name)
+        if kernel:
+            text = kernel_section(kernel, text)
+        text += "".join(f"#undef {macro}\n" for macro in macros)
+        result.append(text)
+    result.append(AFTER_ALL)
+    return "".join(result)
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit("usage: amalgamate.py FOLDER")
+    os.makedirs(sys.argv[1], exist_ok=True)
+    with open(os.path.join(sys.argv[1], "mlrt.c"), "w", encoding="utf-8") as file:
+        file.write(amalgamate())
+    with open(os.path.join(sys.argv[1], "mlrt.h"), "w", encoding="utf-8") as file:
+        file.write(read(os.path.join(INCLUDE, "mlrt.h")))
+
+
+if __name__ == "__main__":
+    main()
