@@ -79,8 +79,13 @@
 extern "C" {
 #endif
 
+/* Windows: MLRT_BUILD_DLL where the library is compiled as a DLL; who calls a DLL may define MLRT_USE_DLL. */
 #ifndef MLRT_API
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(MLRT_BUILD_DLL)
+#define MLRT_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(MLRT_USE_DLL)
+#define MLRT_API __declspec(dllimport)
+#elif defined(__GNUC__) && !defined(_WIN32)
 #define MLRT_API __attribute__((visibility("default")))
 #else
 #define MLRT_API
