@@ -25,6 +25,10 @@
 #   make check-header    mlrt.h alone, in every C and C++ that there is
 #   make check-copies    three copies of the library in one process
 #   make check-churn     10,000 trees and pools made and destroyed under valgrind
+#   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
+#   make test-amalgamation  compiles it by gcc and clang: golden numbers, exported names, nothing fused
+#   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers from
+#                        emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)
 #   make format          clang-format over everything
 #   make clean
 #
@@ -224,6 +228,10 @@ deps-docs:
 deps-bindings: deps
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
 
+deps-cross:
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-i686-linux-gnu \
+	    libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-mingw-w64-x86-64 qemu-user wine64 clang'
+
 # `make deps test` probes for packages after deps has run: the work is done by a second make.
 AFTER_DEPS := $(filter deps deps-%,$(MAKECMDGOALS))
 
@@ -356,6 +364,36 @@ check-churn: $(BUILD)/tests/test_churn
 
 check-header:
 	@CC='$(CC)' sh tests/check_header.sh
+
+# ---- one file, other machines --------------------------------------------------------------------------------------
+
+.PHONY: amalgamation test-amalgamation test-cross deps-cross
+
+ONE_FILE := $(BUILD)/amalgamation
+
+amalgamation: $(ONE_FILE)/mlrt.c
+
+$(ONE_FILE)/mlrt.c: src/amalgamate.py include/mlrt.h $(wildcard src/*.[ch] src/kernels/*.[ch])
+	$(Q)python3 src/amalgamate.py $(@D)
+
+X86_32_FLAGS = $(if $(filter i386% i486% i586% i686%,$1),-msse2 -mfpmath=sse)
+
+test-amalgamation: amalgamation
+	@for cc in gcc clang; do \
+	    if command -v $$cc >/dev/null; then sh tests/amalgamation.sh $(ONE_FILE) "" "" $$cc $(call X86_32_FLAGS,$(TARGET)) || exit 1; \
+	    else echo "test-amalgamation: no $$cc: not tested"; fi; \
+	done
+
+CROSS := aarch64-linux-gnu i686-linux-gnu s390x-linux-gnu x86_64-w64-mingw32
+
+test-cross: $(CROSS:%=test-cross-%)
+
+# Programs are static, so that they need no library of their machine's to run. Of -j here and there one number is enough.
+test-cross-%: amalgamation
+	@if ! command -v $*-gcc >/dev/null; then echo "test-cross, $*: no $*-gcc: not tested (make deps-cross installs it)"; \
+	else $(MAKE) --no-print-directory CC=$*-gcc AR=$*-ar BUILD=$(BUILD)/cross/$* CFLAGS= WERROR=1 EXAMPLE_FLAGS= \
+	        EXAMPLE_LIBS='-lm -static' $(BUILD)/cross/$*/tests/print_golden && \
+	    sh tests/cross.sh $* $(BUILD)/cross/$* $(ONE_FILE) $(call X86_32_FLAGS,$*); fi
 
 test-python: library
 	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \

@@ -1,0 +1,39 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Compiles the amalgamation by one line and looks at what comes out:
+#
+#     amalgamation.sh FOLDER TARGET RUN COMPILER [FLAG...]
+#
+# FOLDER holds mlrt.c. TARGET is empty for this machine, or the prefix of the gcc and the tools that know the machine that
+# COMPILER compiles for; RUN is as in golden.sh.
+set -eu
+folder=$1 target=$2 run=$3
+shift 3
+name=${target:+$target-}${1#"$target-"}
+gcc=${target:+$target-}gcc
+static=${target:+-static}
+if [ -z "$target" ]; then gcc=$1; fi
+object=$folder/$name.o
+
+fail() {
+    echo "amalgamation, $name: $*"
+    exit 1
+}
+
+"$@" -O2 -Wall -Wextra -Werror -c "$folder/mlrt.c" -o "$object"
+
+# The functions of the header, and nothing else but the compiler's own.
+sed -n 's/^MLRT_API .*[ *]\(mlrt_[a-z0-9_]*\)(.*/\1/p' "$folder/mlrt.h" | sort >"$folder/$name.declared"
+"$("$gcc" -print-prog-name=nm)" -g --defined-only "$object" |
+    awk '$2 ~ /[TDBC]/ && $3 !~ /^__x86\./ {print $3}' | sort >"$folder/$name.exported"
+diff "$folder/$name.declared" "$folder/$name.exported" || fail "exports other names than mlrt.h declares"
+
+# Bounds on errors count the roundings of products and of sums: nothing may be fused, whatever the processor has. The
+# golden numbers hardly show it.
+fused=$("$("$gcc" -print-prog-name=objdump)" -d "$object" |
+    grep -cE 'fn?m(add|sub|la|ls)|[[:space:]]m[as][ed]br?[[:space:]]|[wv]fm[as]' || true)
+[ "$fused" = 0 ] || fail "$fused fused multiply-adds"
+
+# shellcheck disable=SC2086 # perhaps no word
+sh tests/golden.sh "amalgamation, $name, $(wc -c <"$object") bytes" "$run" "$folder" "$object" "$folder/$name.exe" \
+    "$gcc" $static
