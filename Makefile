@@ -68,6 +68,12 @@ KERNELS     := kdtree $(if $(IS_X86),sse avx2 avx512,scalar)
 COUNTING_KERNELS := scalar
 ISA_FLAGS_avx2   := -mavx2
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
+# gcc may forget to align the stack on Windows (bug 54412); an assembler that is new enough makes up for it.
+UNALIGNED := -Wa$(comma)-muse-unaligned-vector-move
+ifneq ($(filter %-mingw32,$(TARGET)),)
+ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>/dev/null && echo $(UNALIGNED))
+ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
+endif
 LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
                    $(KERNELS:%=$(BUILD)/obj/kernels/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/kernels/%_counting.o)
 

@@ -163,8 +163,8 @@ class Text:
             elif local:
                 header = find_header(local[1], path)
                 if not is_own(header):
-                    # Headers that exist twice for different machines are told apart by a condition around them.
-                    if os.path.basename(path) == "quad.h" and "kernels" in local[1]:
+                    # quad.h includes one of two headers, by the processor: they stay between its #if and #endif.
+                    if os.path.basename(path) == "quad.h" and local[1].startswith("kernels/"):
                         lines.append(self.paste(header, is_own, seen))
                     else:
                         self.share(header)
@@ -224,25 +224,12 @@ def items_of(text):
 QUALIFIERS = {"__extension__", "static", "inline", "const", "extern", "MLRT_INLINE", "MLRT_NOINLINE", "MLRT_API"}
 
 
+ATTRIBUTE = re.compile(r"\b(?:MLRT_ALIGNED|__attribute__) \( (?:[^()]|\( [^()]* \))*\)")
+
+
 def stripped(words):
-    """Without qualifiers and attributes in front or among them."""
-    result, skipping = [], 0
-    for i, word in enumerate(words):
-        if skipping or word in ("MLRT_ALIGNED", "__attribute__"):
-            skipping += (words[i] == "(") - (words[i] == ")")
-            if word in ("MLRT_ALIGNED", "__attribute__"):
-                skipping = 0
-                attribute = True
-                result.append(None)
-            continue
-        if result and result[-1] is None:
-            if word == "(":
-                skipping = 1
-                result.pop()
-                continue
-        if word not in QUALIFIERS:
-            result.append(word)
-    return [word for word in result if word is not None]
+    """Without qualifiers and attributes."""
+    return [word for word in ATTRIBUTE.sub(" ", " ".join(words)).split() if word not in QUALIFIERS]
 
 
 def is_function(words):
@@ -250,31 +237,29 @@ def is_function(words):
     return bool(words) and words[0] != "typedef" and "(" in words and "=" not in words[: words.index("(")]
 
 
+# Functions and objects; typedefs and constants of enumerations; what follows struct, union or enum.
 Names = collections.namedtuple("Names", "ordinary types tags")
+
+TAGGED = ("struct", "union", "enum")
 
 
 def names_of(text):
-    """The names that a text gives at file scope: functions and objects, typedefs and constants, tags."""
+    """The names that a text gives at file scope."""
     names = Names(set(), set(), set())
     for item in items_of(text):
         words = stripped(item.words())
-        if not words:
-            continue
-        is_enum = words[0] == "enum" or words[:2] == ["typedef", "enum"]
-        for i, word in enumerate(words[:-1]):
-            if word in ("struct", "union", "enum") and "{}" in words[i : i + 3] and words[i + 1] != "{}":
+        for i, word in enumerate(words[:-2]):
+            if word in TAGGED and words[i + 2] == "{}":
                 names.tags.add(words[i + 1])
-        if is_enum and "{}" in words:
+        if words and words[0] == "enum" and "{}" in words:
             names.types.update(enum_constants(item.inner))
+        if not words or (words[0] in TAGGED and len([word for word in words if word != "{}"]) <= 2):
+            continue  # a type without a declarator
         if words[0] == "typedef":
             pointer = re.search(r"\( \* (\w+) \)", " ".join(words))
             names.types.add(pointer[1] if pointer else words[words.index("(") - 1] if "(" in words else words[-1])
         elif is_function(item.words()):
             names.ordinary.add(words[words.index("(") - 1])
-        elif words[0] in ("struct", "union", "enum") and words[-1] == "{}" and "=" not in words or len(words) < 2:
-            pass  # only a type
-        elif words[0] in ("struct", "union") and len(words) == 2:
-            pass  # a tag that is declared
         else:
             names.ordinary.update(object_names(words))
     return names
@@ -289,16 +274,15 @@ def enum_constants(tokens):
 
 
 def object_names(words):
-    """The declarators of `type a = {}, b[2], *c`; the initializers hold no comma outside of braces."""
+    """The declarators of `type a = {}, b[2], *c`; initializers hold no comma outside of braces."""
     name = None
     for word in words + [","]:
-        if word in (",", "=", "[") and name:
-            yield name
+        if word in (",", "=", "["):
+            if name:
+                yield name
             name = None
-        elif re.match(r"[A-Za-z_]\w*$", word):
+        elif re.match(r"[A-Za-z_]", word):
             name = word
-        elif word == "=":
-            name = None
 
 
 def macros_of(text):
@@ -316,7 +300,7 @@ def made_static(text):
         bare = stripped(words)
         if not bare or bare[0] == "typedef" or {"static", "MLRT_INLINE", "MLRT_API"} & set(words):
             continue
-        is_object = not is_function(words) and bool(set(names_of(text_of(item)).ordinary))
+        is_object = not is_function(words) and names_of(text_of(item)).ordinary
         if "extern" in words:
             edits.append((item.outer[words.index("extern")][0], "extern", "static"))
         elif is_function(words) or is_object:
@@ -337,7 +321,7 @@ def renamed(text, names, suffix):
     and where a struct declares them.
     """
     result, position, previous = [], 0, ""
-    depth, struct_depths, before = 0, [], []
+    depth, struct_depths, before = 0, [], []  # before: the last two tokens
     for match in TOKEN.finditer(text):
         if match.lastgroup == "skip":
             continue
@@ -351,7 +335,7 @@ def renamed(text, names, suffix):
             continue
         if token == "{":
             depth += 1
-            if "struct" in before[-2:] or "union" in before[-2:]:
+            if {"struct", "union"} & set(before):
                 struct_depths.append(depth)
         elif token == "}":
             if struct_depths and struct_depths[-1] == depth:
@@ -359,7 +343,7 @@ def renamed(text, names, suffix):
             depth -= 1
         elif match.lastgroup == "name" and previous not in (".", "->"):
             in_struct = struct_depths and struct_depths[-1] == depth
-            if previous in ("struct", "union", "enum"):
+            if previous in TAGGED:
                 is_ours = token in names.tags
             else:
                 is_ours = token in names.types or (token in names.ordinary and not in_struct)
@@ -367,7 +351,7 @@ def renamed(text, names, suffix):
                 result += [text[position : match.start()], token + "_" + suffix]
                 position = match.end()
         previous = token
-        before = before[-2:] + [token]
+        before = before[-1:] + [token]
     return "".join(result) + text[position:]
 
 

@@ -22,11 +22,11 @@ fail() {
 
 "$@" -O2 -Wall -Wextra -Werror -c "$folder/mlrt.c" -o "$object"
 
-# The functions of the header, and nothing else but the compiler's own.
-sed -n 's/^MLRT_API .*[ *]\(mlrt_[a-z0-9_]*\)(.*/\1/p' "$folder/mlrt.h" | sort >"$folder/$name.declared"
+# The functions of the interface, and nothing else but the compiler's own.
+cat src/*.c | sed -n 's/^MLRT_API .*[ *]\(mlrt_[a-z0-9_]*\)(.*/\1/p' | sort >"$folder/$name.public"
 "$("$gcc" -print-prog-name=nm)" -g --defined-only "$object" |
     awk '$2 ~ /[TDBC]/ && $3 !~ /^__x86\./ {print $3}' | sort >"$folder/$name.exported"
-diff "$folder/$name.declared" "$folder/$name.exported" || fail "exports other names than mlrt.h declares"
+diff "$folder/$name.public" "$folder/$name.exported" || fail "exports other names than the library"
 
 # Bounds on errors count the roundings of products and of sums: nothing may be fused, whatever the processor has. The
 # golden numbers hardly show it.
