@@ -6,7 +6,8 @@ A translation unit of the normal build becomes a section of mlrt.c: headers that
 what a kernel's unit includes for itself is pasted into it, once for each instruction set. So that the
 sections do not meet,
 
-  - names at file scope that two sections have are given the section's name (`trace_tile` becomes `trace_tile_avx2`);
+  - names at file scope without the prefix mlrt_ are given the section's (`trace_tile` becomes `trace_tile_avx2`), which
+    also keeps them apart from those of system headers, which are all included;
   - macros of a section are undefined at its end;
   - everything at file scope is static, but for the functions of mlrt.h.
 
@@ -251,7 +252,7 @@ def names_of(text):
         for i, word in enumerate(words[:-2]):
             if word in TAGGED and words[i + 2] == "{}":
                 names.tags.add(words[i + 1])
-        if words and words[0] == "enum" and "{}" in words:
+        if words and words[0] == "enum" and "{}" in words[1:3]:
             names.types.update(enum_constants(item.inner))
         if not words or (words[0] in TAGGED and len([word for word in words if word != "{}"]) <= 2):
             continue  # a type without a declarator
@@ -317,8 +318,8 @@ def text_of(item):
 
 def renamed(text, names, suffix):
     """
-    The names of a section that another has too, with the section's name. Fields keep theirs: after a dot or an arrow,
-    and where a struct declares them.
+    The text with the section's name at the names given. Fields keep theirs: after a dot or an arrow, and where a struct
+    declares them.
     """
     result, position, previous = [], 0, ""
     depth, struct_depths, before = 0, [], []  # before: the last two tokens
@@ -394,21 +395,11 @@ def amalgamate():
         is_own = lambda path: os.path.basename(os.path.dirname(path)) == "kernels" or path.endswith(COUNTING)
         sections.append((kernel.name, parts.paste(path, is_own, set()), kernel))
 
-    # A name is taken by the shared headers or by any section.
     shared = "".join(parts.shared)
-    owned = {name: names_of(text) for name, text, _ in sections}
-    users = collections.Counter()
-    for names in [names_of(shared)] + list(owned.values()):
-        users.update(names.ordinary | names.types)
-        users.update({"struct " + tag for tag in names.tags})
-
     result = [HEAD, system_includes(parts.system), BEFORE_ALL, made_static(shared)]
     for name, text, kernel in sections:
-        twice = lambda found, prefix="": {n for n in found if users[prefix + n] > 1 and not n.startswith("mlrt_")}
         macros = macros_of(text)
-        names = Names(
-            twice(owned[name].ordinary) - set(macros), twice(owned[name].types), twice(owned[name].tags, "struct ")
-        )
+        names = Names(*({n for n in found if not n.startswith("mlrt_") and n not in macros} for found in names_of(text)))
         text = renamed(made_static(text), names, name)
         if kernel:
             text = kernel_section(kernel, text)
