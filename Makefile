@@ -337,6 +337,7 @@ $(BUILD)/tests/test_churn: $(BUILD)/tests/test_churn.o $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ -lcmocka -lm -o $@
 
 $(BUILD)/tests/test_copies: | $(BUILD)/libmlrt.so
+
 # Needs the library and the procedural scenes only (test-amalgamation, test-cross).
 $(BUILD)/tests/print_golden: $(BUILD)/tests/print_golden.o $(BUILD)/tests/golden.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
@@ -397,7 +398,7 @@ test-cross: $(CROSS:%=test-cross-%)
 # Programs are static, so that they need no library of their machine's to run. Of -j here and there one number is enough.
 test-cross-%: amalgamation
 	@if ! command -v $*-gcc >/dev/null; then echo "test-cross, $*: no $*-gcc: not tested (make deps-cross installs it)"; \
-	else $(MAKE) --no-print-directory CC=$*-gcc AR=$*-ar BUILD=$(BUILD)/cross/$* CFLAGS= WERROR=1 EXAMPLE_FLAGS= \
+	else $(MAKE) --no-print-directory CC=$*-gcc AR=$*-ar OBJCOPY=$*-objcopy BUILD=$(BUILD)/cross/$* CFLAGS= WERROR=1 EXAMPLE_FLAGS= \
 	        EXAMPLE_LIBS='-lm -static' $(BUILD)/cross/$*/tests/print_golden && \
 	    sh tests/cross.sh $* $(BUILD)/cross/$* $(ONE_FILE) $(call X86_32_FLAGS,$*); fi
 

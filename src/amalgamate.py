@@ -235,7 +235,7 @@ def stripped(words):
 
 def is_function(words):
     words = stripped(words)
-    return bool(words) and words[0] != "typedef" and "(" in words and "=" not in words[: words.index("(")]
+    return bool(words) and words[0] != "typedef" and "(" in words and not {"=", "["} & set(words[: words.index("(")])
 
 
 # Functions and objects; typedefs and constants of enumerations; what follows struct, union or enum.
@@ -257,6 +257,7 @@ def names_of(text):
         if not words or (words[0] in TAGGED and len([word for word in words if word != "{}"]) <= 2):
             continue  # a type without a declarator
         if words[0] == "typedef":
+            words = words[: words.index("[")] if "[" in words else words
             pointer = re.search(r"\( \* (\w+) \)", " ".join(words))
             names.types.add(pointer[1] if pointer else words[words.index("(") - 1] if "(" in words else words[-1])
         elif is_function(item.words()):
@@ -276,12 +277,12 @@ def enum_constants(tokens):
 
 def object_names(words):
     """The declarators of `type a = {}, b[2], *c`; initializers hold no comma outside of braces."""
-    name = None
+    name, is_done = None, False
     for word in words + [","]:
         if word in (",", "=", "["):
-            if name:
+            if name and not is_done:
                 yield name
-            name = None
+            is_done = word != ","  # what follows is a size or an initializer
         elif re.match(r"[A-Za-z_]", word):
             name = word
 
