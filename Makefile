@@ -144,9 +144,10 @@ $(BUILD)/libmlrt-internal.a: $(LIBRARY_OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
 # For everyone else: one object, whose own names nobody else can see or clash with. Where there is no objcopy, or it
-# fails, names with the prefix mlrt_ stay visible, and two such archives do not go into one program.
+# fails, names with the prefix mlrt_ stay visible, and two such archives do not go into one program. Small functions that
+# the compiler adds on 32-bit x86 lie in groups, of which a linker keeps one for all: ours, now local, must not be that.
 $(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
-	$(Q)rm -f $@; if $(CC) $(CFLAGS) -r -nostdlib $^ -o $(BUILD)/mlrt.o && $(OBJCOPY) --localize-hidden $(BUILD)/mlrt.o; \
+	$(Q)rm -f $@; if $(CC) $(CFLAGS) -r -nostdlib $^ -o $(BUILD)/mlrt.o && $(OBJCOPY) --localize-hidden --remove-section=.group $(BUILD)/mlrt.o; \
 	then $(AR) rcs $@ $(BUILD)/mlrt.o; \
 	else echo "libmlrt.a: $(OBJCOPY) did not hide the names inside: they stay visible"; $(AR) rcs $@ $^; fi
 
