@@ -1,9 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs the test programs given, shows what fails, and closes with one line: N passed, N failed.
-passed=0
-failed=0
-for program in "$@"; do
+# Runs the test programs given, JOBS of them at a time (default: one per processor), shows what fails, and closes with one
+# line: N passed, N failed.
+
+# run.sh --one FOLDER PROGRAM runs one of them, and leaves in FOLDER how many tests passed and failed.
+if [ "$1" = --one ]; then
+    folder=$2 program=$3
     output=$("$program" 2>&1)
     status=$?
     ok=$(printf '%s\n' "$output" | grep -c '^\[       OK \]')
@@ -12,10 +14,17 @@ for program in "$@"; do
     # A program that ends early (a crash, a sanitizer's report) fails with every test it did not get to.
     missing=$((run - ok - bad))
     if [ "$status" -ne 0 ] && [ "$bad" -eq 0 ] && [ "$missing" -eq 0 ]; then missing=1; fi
-    passed=$((passed + ok))
-    failed=$((failed + bad + missing))
-    printf '%-28s %4d passed %4d failed\n' "$(basename "$program")" "$ok" "$((bad + missing))"
-    if [ "$status" -ne 0 ] || [ "$missing" -ne 0 ]; then printf '%s\n' "$output"; fi
-done
-echo "$passed passed, $failed failed"
-[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
+    line=$(printf '%-28s %4d passed %4d failed' "$(basename "$program")" "$ok" "$((bad + missing))")
+    if [ "$status" -ne 0 ] || [ "$missing" -ne 0 ]; then line=$(printf '%s\n%s' "$line" "$output"); fi
+    printf '%s\n' "$line"
+    echo "$ok $((bad + missing))" > "$folder/$(basename "$program")"
+    exit 0
+fi
+
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+printf '%s\n' "$@" | xargs -n 1 -P "${JOBS:-$(getconf _NPROCESSORS_ONLN)}" sh "$0" --one "$folder"
+# One that left nothing failed.
+for program in "$@"; do
+    cat "$folder/$(basename "$program")" 2>/dev/null || echo 0 1
+done | awk '{passed += $1; failed += $2} END {print passed + 0 " passed, " failed + 0 " failed"; exit failed > 0 || !passed}'
