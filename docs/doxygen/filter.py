@@ -41,6 +41,8 @@ def defined_names(text):
 
 def link_names(comment, text, names, own):
     """#name, which has to exist; of "MLRT_TREE_*" and the like the first of them, whose page shows all."""
+    # What a program may define for the header to look at has no page.
+    switches = set(re.findall(r'(?:defined\(|#ifn?def )(MLRT_\w+)', comment.source)) - names
     ordered = sorted(names, key=lambda n: comment.source.find(f' {n} '))
 
     def link(match):
@@ -48,7 +50,7 @@ def link_names(comment, text, names, own):
         if star:
             first = next((n for n in ordered if n.startswith(name) and n.isupper()), None)
             return f'@ref {first} "{name}*"' if first else match.group()
-        if name == own:
+        if name == own or name in switches:
             return match.group()
         return f'@ref {name}::{field} "{name}.{field}"' if field else '#' + name
 
