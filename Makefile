@@ -449,9 +449,9 @@ install: library
 	install -m 755 $(BUILD)/libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/"
 	ln -sf libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(SOVERSION)"
 	ln -sf libmlrt.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so"
-	$(FILL_IN) packaging/mlrt.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/mlrt.pc"
-	$(FILL_IN) packaging/mlrtConfig.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfig.cmake"
-	$(FILL_IN) packaging/mlrtConfigVersion.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfigVersion.cmake"
+	$(FILL_IN) src/packaging/mlrt.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/mlrt.pc"
+	$(FILL_IN) src/packaging/mlrtConfig.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfig.cmake"
+	$(FILL_IN) src/packaging/mlrtConfigVersion.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfigVersion.cmake"
 
 # Without what debuggers read.
 install-strip: install
