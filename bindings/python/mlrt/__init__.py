@@ -10,11 +10,13 @@ Every answer equals exact arithmetic on the float32 numbers given; include/mlrt.
 """
 
 from ._abi import NONE, Counters
+from ._build import MemoryEstimate, estimate_memory
 from ._camera import Camera
 from ._errors import (
     ArgumentError,
     CameraError,
     CancelledError,
+    DataError,
     Error,
     IndexRangeError,
     OutOfMemoryError,
@@ -23,6 +25,7 @@ from ._errors import (
     TooLargeError,
     UnsupportedError,
 )
+from ._meshes import geometry_hash, geometry_hash_of_meshes
 from ._pool import Pool
 from ._results import HitLists, Hits
 from ._tree import Tree, TreeInfo
@@ -36,6 +39,14 @@ def version() -> tuple[int, int, int]:
     return number // 10000, number // 100 % 100, number % 100
 
 
+def capabilities() -> frozenset[str]:
+    """What the library can do on this machine: names out of "sse", "avx2", "avx512" (isa) and "bvh", "kdtree" (structures)."""
+    from ._abi import CAPABILITIES, library
+
+    bits = library.mlrt_capabilities()
+    return frozenset(name for name, bit in CAPABILITIES.items() if bits & bit)
+
+
 __all__ = [
     "NONE",
     "ArgumentError",
@@ -43,10 +54,12 @@ __all__ = [
     "CameraError",
     "CancelledError",
     "Counters",
+    "DataError",
     "Error",
     "HitLists",
     "Hits",
     "IndexRangeError",
+    "MemoryEstimate",
     "OutOfMemoryError",
     "Pool",
     "StructSizeError",
@@ -55,5 +68,9 @@ __all__ = [
     "Tree",
     "TreeInfo",
     "UnsupportedError",
+    "capabilities",
+    "estimate_memory",
+    "geometry_hash",
+    "geometry_hash_of_meshes",
     "version",
 ]

@@ -21,6 +21,9 @@ METHODS = {None: 0, "ray": 1, "packet2": 2, "packet4": 3, "multilevel": 4, "tile
 ISAS = {None: 0, "scalar": 1, "sse": 2, "avx2": 3, "avx512": 4}
 PROJECTIONS = {"pinhole": 0, "parallel": 1}
 QUERY_CLOSEST, QUERY_ANY = 0, 1
+CAPABILITIES = {"sse": 1, "avx2": 2, "avx512": 4, "bvh": 8, "kdtree": 16}
+LOAD_IN_PLACE = 1
+LOG_ERROR, LOG_WARNING, LOG_INFO = 0, 1, 2
 
 Float3 = c_float * 3
 
@@ -30,6 +33,22 @@ class Struct(ctypes.Structure):
 
     def __init__(self, **fields: Any) -> None:
         super().__init__(struct_size=ctypes.sizeof(self), **fields)
+
+
+class Host(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("user", c_void_p),
+        ("allocate", c_void_p),
+        ("free", c_void_p),
+        ("log", c_void_p),
+        ("progress", c_void_p),
+    ]
+
+
+LogCallback = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
+ProgressCallback = ctypes.CFUNCTYPE(c_int32, c_void_p, c_double)
 
 
 class Mesh(Struct):
@@ -63,6 +82,27 @@ class BuildOptions(Struct):
         ("reserved", c_uint32),
         ("host", c_void_p),
         ("memory_limit", c_uint64),
+    ]
+
+
+class MemoryEstimate(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("memory_size", c_uint64),
+        ("peak_memory_size", c_uint64),
+    ]
+
+
+class LoadOptions(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("flags", c_uint32),
+        ("geometry_hash", c_uint64),
+        ("memory_limit", c_uint64),
+        ("message", c_void_p),
+        ("message_size", c_size_t),
+        ("host", c_void_p),
     ]
 
 
@@ -277,9 +317,12 @@ pack_hit_lists = Packer(HitLists)
 
 # Where mlrt_struct_sizes has the sizes of the structs here: MLRT_STRUCT_*.
 STRUCT_NUMBERS: dict[Any, int] = {
+    Host: 0,
     Mesh: 1,
     BuildOptions: 2,
     TreeInfo: 3,
+    MemoryEstimate: 4,
+    LoadOptions: 5,
     Counters: 7,
     TraceOptions: 8,
     Array: 9,
@@ -294,9 +337,14 @@ STRUCT_NUMBERS: dict[Any, int] = {
 # Structs go in as pointers (or as bytes), handles as addresses.
 _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "mlrt_version": (c_uint32, []),
+    "mlrt_capabilities": (c_uint64, []),
     "mlrt_struct_sizes": (None, [c_void_p, c_uint32]),
     "mlrt_status_string": (c_char_p, [c_int32]),
     "mlrt_build_kdtree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
+    "mlrt_estimate_memory": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
+    "mlrt_hash_geometry": (c_int32, [c_void_p, c_size_t, c_void_p]),
+    "mlrt_save_tree": (c_int32, [c_void_p, c_void_p, c_size_t, c_void_p]),
+    "mlrt_load_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_destroy_tree": (None, [c_void_p]),
     "mlrt_get_tree_info": (c_int32, [c_void_p, c_void_p]),
     "mlrt_create_pool": (c_int32, [c_uint32, c_void_p]),
@@ -333,6 +381,9 @@ library = _declare(_library.load())
 
 class TreeHandle(c_void_p):
     """An mlrt_tree; destroyed with the last reference to it, so never while a call that holds one runs."""
+
+    # What it was loaded from and lies in, if it does: goes when the tree is destroyed, not before.
+    data: Any = None
 
     def __del__(self, destroy: Any = library.mlrt_destroy_tree) -> None:
         destroy(self)

@@ -2,7 +2,8 @@
 """numpy arrays as pointers and byte strides: passed as they are where the library can read them, else copied once."""
 
 import ctypes
-from typing import Any
+from operator import index
+from typing import Any, Optional
 
 import numpy as np
 
@@ -48,6 +49,29 @@ def ids(values: Any, name: str) -> np.ndarray:
     if array.ndim == 0 or array.shape[-1] != 2:
         raise ValueError(f"{name}: the shape must be (..., 2), not {array.shape}")
     return array.astype(UINT, copy=False)
+
+
+def mask_word(value: Any, name: str) -> int:
+    """A mask as 32 bits. Negative numbers are taken as C does, so that ~3 is all bits but two."""
+    number = index(value)
+    if not -(1 << 31) <= number < 1 << 32:
+        raise ValueError(f"{name}: {number} does not fit into 32 bits")
+    return number & 0xFFFFFFFF
+
+
+def mask_words(values: Any) -> tuple[int, Optional[np.ndarray]]:
+    """One mask for all rays, or 0 and an array of uint32, one for each."""
+    if values.__class__ is int:
+        return mask_word(values, "mask"), None
+    array = np.asarray(values)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"mask: integers are needed, not {array.dtype}")
+    if array.ndim == 0:
+        return mask_word(array[()], "mask"), None
+    if array.itemsize > 4 and array.size:
+        for extreme in (array.min(), array.max()):
+            mask_word(extreme, "mask")
+    return 0, array.astype(UINT, copy=False)
 
 
 def repeat(element: np.ndarray, count: int) -> np.ndarray:

@@ -29,7 +29,7 @@ class IndexRangeError(Error, IndexError):
 
 
 class OutOfMemoryError(Error, MemoryError):
-    """An allocation failed; nothing was kept."""
+    """An allocation failed, or a memory_limit was reached; nothing was kept."""
 
     status = 4
 
@@ -62,6 +62,12 @@ class CancelledError(Error):
     """A callback asked to stop."""
 
     status = 9
+
+
+class DataError(Error, ValueError):
+    """Not a saved tree, or one that is damaged, of another version, or of other triangles."""
+
+    status = 10
 
 
 _CLASSES = {kind.status: kind for kind in Error.__subclasses__()}

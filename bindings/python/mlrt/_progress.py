@@ -60,23 +60,3 @@ def _advance(struct: Any, start: int, per_ray: int) -> None:
             if array.data:
                 elements = start if name in ("total", "crossing_total") else start * per_ray
                 array.data += elements * (array.stride or _abi.ELEMENT_SIZES[name])
-
-
-class TileCounter:
-    """A callback for mlrt_render_tiles that moves a bar. What is raised in it, Ctrl-C for one, ends the render."""
-
-    def __init__(self, bar: Bar) -> None:
-        self._bar = bar
-        self._error: Optional[BaseException] = None
-        self.callback = _abi.TileCallback(self._count)
-
-    def _count(self, user: Any, tile: Any) -> int:
-        try:
-            self._bar.add(tile.contents.width * tile.contents.height)
-        except BaseException as error:  # nobody above to catch it: this is called from C
-            self._error = error
-        return self._error is not None
-
-    def raise_error(self) -> None:
-        if self._error is not None:
-            raise self._error

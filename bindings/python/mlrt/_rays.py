@@ -2,7 +2,7 @@
 """Arrays of rays as an mlrt_rays."""
 
 from math import prod
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 
@@ -18,8 +18,16 @@ class Rays:
     __slots__ = ("packed", "shape", "count", "_alive")
 
     def __init__(
-        self, origins: Any, directions: Any, t_min: Any = None, t_max: Any = None, skip: Any = None, row_length: int = 0
+        self,
+        origins: Any,
+        directions: Any,
+        t_min: Any = None,
+        t_max: Any = None,
+        skip: Any = None,
+        row_length: int = 0,
+        mask: Optional[np.ndarray] = None,
     ) -> None:
+        """mask: uint32, one for each ray."""
         if not 0 <= row_length <= NONE:
             raise ValueError(f"row_length: {row_length} does not fit into 32 bits")
         origins, directions = vectors(origins, "origins"), vectors(directions, "directions")
@@ -27,8 +35,14 @@ class Rays:
         t_max = None if t_max is None else floats(t_max)
         skip = None if skip is None else ids(skip, "skip")
         shape = origins.shape[:-1]
-        if directions.shape != origins.shape or t_min is not None or t_max is not None or skip is not None:
-            shape = _common_shape(origins, directions, t_min, t_max, skip)
+        if (
+            directions.shape != origins.shape
+            or t_min is not None
+            or t_max is not None
+            or skip is not None
+            or mask is not None
+        ):
+            shape = _common_shape(origins, directions, t_min, t_max, skip, mask)
         self.shape = shape
         self.count = shape[0] if len(shape) == 1 else prod(shape)
         self._alive: list[np.ndarray] = []
@@ -40,7 +54,7 @@ class Rays:
             *(_NO_ARRAY if t_min is None else self._array(t_min, 1)),
             *(_NO_ARRAY if t_max is None else self._array(t_max, 1)),
             *(_NO_ARRAY if skip is None else self._array(skip, 2)),
-            *_NO_ARRAY,
+            *(_NO_ARRAY if mask is None else self._array(mask, 1)),
         )
 
     def _array(self, array: np.ndarray, width: int) -> tuple[int, int]:
@@ -53,9 +67,11 @@ class Rays:
         return where, stride
 
 
-def _common_shape(origins: np.ndarray, directions: np.ndarray, t_min: Any, t_max: Any, skip: Any) -> tuple[int, ...]:
+def _common_shape(
+    origins: np.ndarray, directions: np.ndarray, t_min: Any, t_max: Any, skip: Any, mask: Any
+) -> tuple[int, ...]:
     shapes = [origins.shape[:-1], directions.shape[:-1]]
-    shapes += [array.shape for array in (t_min, t_max) if array is not None]
+    shapes += [array.shape for array in (t_min, t_max, mask) if array is not None]
     shapes += [skip.shape[:-1]] if skip is not None else []
     return np.broadcast_shapes(*shapes)
 

@@ -2,22 +2,26 @@
 """Trees of triangles, and the questions that can be asked of them."""
 
 import ctypes
+import pickle
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, TypedDict, Union
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _abi
+from . import _abi, _saved
 from ._abi import Counters, TreeHandle, library
-from ._arrays import elements, faces as face_array, vectors
+from ._arrays import mask_word, mask_words
+from ._build import TreeSettings, build, named
 from ._camera import Camera
 from ._errors import check
+from ._host import TileCounter
+from ._meshes import Meshes, in_32_bits, parts
 from ._outputs import given_hits, new_hit_lists, new_hits, occluded
 from ._pool import Pool
-from ._progress import Bar, TileCounter, pieces
+from ._progress import Bar, pieces
 from ._rays import Rays
 from ._results import HitLists, Hits
 
@@ -26,11 +30,6 @@ if TYPE_CHECKING:  # in typing since Python 3.11
 
 Method = Literal["ray", "packet2", "packet4", "multilevel", "tile"]
 Isa = Literal["scalar", "sse", "avx2", "avx512"]
-Preset = Literal["default", "paper", "fast", "best"]
-Structure = Literal["kdtree", "bvh"]
-
-MESSAGE_SIZE = 256
-
 
 class TreeInfo(NamedTuple):
     """The build report: of the kd-tree if there is one, else of the hierarchy of boxes."""
@@ -52,51 +51,30 @@ class TreeInfo(NamedTuple):
     bounds: NDArray[np.float32]  #: (2, 3): lower and upper corner; all 0 if there is no triangle
 
 
-class BuildSettings(TypedDict, total=False):
-    """What Tree and Tree.from_meshes take by name."""
-
-    preset: Preset
-    rules_off: Iterable[str]
-    max_depth: int
-    max_references: int
-    traversal_cost: float
-    intersection_cost: float
-    structures: Union[None, Structure, Iterable[Structure]]
-    pool: Optional[Pool]
-
-
-def _named(value: Any, names: dict[Any, int], what: str) -> int:
-    try:
-        return names[value]
-    except (KeyError, TypeError):
-        raise ValueError(f"{what}: {value!r} is none of {', '.join(map(repr, names))}") from None
-
-
-def _structures(given: Union[None, Structure, Iterable[Structure]]) -> int:
-    words = (given,) if isinstance(given, str) else given or ()
-    return sum({_named(word, _abi.STRUCTURES, "structures") for word in words})
-
-
-@lru_cache(maxsize=None)
-def _shared_options(query: int, method: Optional[Method], isa: Optional[Isa]) -> Any:
-    if query == _abi.QUERY_CLOSEST and method is None and isa is None:
+@lru_cache(maxsize=256)
+def _shared_options(query: int, method: Optional[Method], isa: Optional[Isa], mask: int) -> Any:
+    if query == _abi.QUERY_CLOSEST and method is None and isa is None and mask == 0:
         return None
-    return ctypes.byref(_make_options(query, method, isa))
+    return ctypes.byref(_make_options(query, method, isa, mask))
 
 
-def _make_options(query: int, method: Optional[Method], isa: Optional[Isa]) -> _abi.TraceOptions:
-    return _abi.TraceOptions(
-        query=query, method=_named(method, _abi.METHODS, "method"), isa=_named(isa, _abi.ISAS, "isa")
-    )
+def _make_options(query: int, method: Optional[Method], isa: Optional[Isa], mask: int) -> _abi.TraceOptions:
+    numbers = named(method, _abi.METHODS, "method"), named(isa, _abi.ISAS, "isa")
+    return _abi.TraceOptions(query=query, method=numbers[0], isa=numbers[1], mask=mask)
 
 
 def _options(
-    query: int, method: Optional[Method], isa: Optional[Isa], pool: Optional[Pool], counters: Optional[Counters]
+    query: int,
+    method: Optional[Method],
+    isa: Optional[Isa],
+    mask: int,
+    pool: Optional[Pool],
+    counters: Optional[Counters],
 ) -> Any:
     """A pointer to mlrt_trace_options, which keeps them alive, or None for defaults."""
     if pool is None and counters is None:
-        return _shared_options(query, method, isa)
-    options = _make_options(query, method, isa)
+        return _shared_options(query, method, isa, mask)
+    options = _make_options(query, method, isa, mask)
     if pool is not None:
         options.handle = pool.handle()  # kept as long as the options
         options.pool = options.handle.value
@@ -119,65 +97,90 @@ class Tree:
     For kd-trees only: rules_off, names out of "empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction";
     max_depth, max_references, 0 = by itself.
 
+    mask: 32 bits; rays see the mesh if theirs has a bit in common; 0 = all bits. memory_limit: bytes held at one time at most, or it is
+    an OutOfMemoryError, 0 = no limit (estimate_memory foresees them). progress: a bar, by tqdm; what is raised in it, or by Ctrl-C,
+    ends the build. The logger "mlrt" gets a line for each tree, and warnings of triangles that were left out.
+
+    Trees can be saved, loaded, and pickled; copies share the data.
+
     Usable in a `with` statement; otherwise the tree is freed with its last reference.
     """
 
-    def __init__(self, vertices: ArrayLike, faces: Optional[ArrayLike] = None, **options: "Unpack[BuildSettings]") -> None:
-        self._build([(vertices, faces)], None, **options)
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: Optional[ArrayLike] = None,
+        *,
+        mask: int = 0,
+        **options: "Unpack[TreeSettings]",
+    ) -> None:
+        self._handle: Optional[TreeHandle] = None
+        self._handle = build(Meshes([(vertices, faces)], None, [mask]), **options)
 
     @classmethod
     def from_meshes(
-        cls, meshes: Iterable[Any], ids: Optional[Sequence[int]] = None, **options: "Unpack[BuildSettings]"
+        cls,
+        meshes: Iterable[Any],
+        ids: Optional[Sequence[int]] = None,
+        masks: Optional[Sequence[int]] = None,
+        **options: "Unpack[TreeSettings]",
     ) -> "Tree":
         """A tree over several meshes: each is (vertices, faces), or has attributes of these names.
 
-        ids: what hits report as `mesh`, all different; None = 0, 1, 2, ... Other options as for Tree.
+        ids: what hits report as `mesh`, all different; None = 0, 1, 2, ... masks: of each mesh, 32 bits; rays see the meshes whose
+        mask has a bit in common with theirs; 0 = all bits, as is None. Other options as for Tree.
         """
+        return cls._of(build(Meshes([parts(mesh) for mesh in meshes], ids, masks), **options))
+
+    @classmethod
+    def load(
+        cls,
+        source: "_saved.Source",
+        *,
+        in_place: bool = True,
+        geometry_hash: Optional[int] = None,
+        memory_limit: int = 0,
+    ) -> "Tree":
+        """The tree that `save` or `to_bytes` wrote, with the same answers. Anything else, or a damaged file, is a DataError.
+
+        source: a path, or anything with a buffer of bytes in one piece: bytes, mmap, memoryview, an array.
+
+        in_place: take next to no memory, and use the data where it lies. A file is mapped into memory, read-only, until the tree is
+        closed or gone, and may be replaced or removed but not changed meanwhile (`save` replaces). A buffer is kept as long; one
+        that can be written to (memoryview.toreadonly helps), or does not begin at a multiple of 64, is copied.
+        geometry_hash: what mlrt.geometry_hash says the triangles are; others are a DataError; None = any.
+        memory_limit: bytes that the tree may take of its own, or it is an OutOfMemoryError; 0 = no limit.
+        """
+        return cls._of(_saved.load(source, in_place, geometry_hash, memory_limit))
+
+    @classmethod
+    def _of(cls, handle: TreeHandle) -> "Tree":
         tree = cls.__new__(cls)
-        tree._build([_parts(mesh) for mesh in meshes], ids, **options)
+        tree._handle = handle
         return tree
 
-    def _build(
-        self,
-        meshes: Sequence[tuple[Any, Any]],
-        ids: Optional[Sequence[int]],
-        *,
-        preset: Preset = "default",
-        rules_off: Iterable[str] = (),
-        max_depth: int = 0,
-        max_references: int = 0,
-        traversal_cost: float = 0.0,
-        intersection_cost: float = 0.0,
-        structures: Union[None, Structure, Iterable[Structure]] = None,
-        pool: Optional[Pool] = None,
-    ) -> None:
-        self._handle: Optional[TreeHandle] = None
-        if ids is not None and len(ids) != len(meshes):
-            raise ValueError(f"ids: {len(meshes)} are needed, not {len(ids)}")
-        structs = (_abi.Mesh * len(meshes))()
-        alive = [_fill_mesh(struct, *mesh) for struct, mesh in zip(structs, meshes)]
-        for struct, number in zip(structs, ids or ()):
-            struct.id = _in_32_bits(number, "ids")
-        message = ctypes.create_string_buffer(MESSAGE_SIZE)
-        options = _abi.BuildOptions(
-            preset=_named(preset, _abi.PRESETS, "preset"),
-            rules_off=sum({_named(rule, _abi.RULES, "rules_off") for rule in rules_off}),
-            max_depth=_in_32_bits(max_depth, "max_depth"),
-            max_references=max_references,
-            traversal_cost=traversal_cost,
-            intersection_cost=intersection_cost,
-            message=ctypes.addressof(message),
-            message_size=MESSAGE_SIZE,
-            structures=_structures(structures),
-        )
-        threads = None if pool is None else pool.handle()
-        if threads is not None:
-            options.pool = threads.value
-        handle = TreeHandle()
-        status = library.mlrt_build_kdtree(structs, len(meshes), ctypes.byref(options), ctypes.byref(handle))
-        check(status, message.value.decode())
-        del alive, threads
-        self._handle = handle
+    def save(self, path: "_saved.Path") -> None:
+        """Writes the tree, triangles and all, to a file for `load`. A file of that name is replaced when the new one is whole."""
+        _saved.write(path, _saved.saved_bytes(self._open_handle()))
+
+    def to_bytes(self) -> bytes:
+        """What `save` writes, for `load`."""
+        return _saved.saved_bytes(self._open_handle()).tobytes()
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """Pickles as what `to_bytes` gives; with protocol 5 and a buffer_callback without a copy."""
+        data = _saved.saved_bytes(self._open_handle())
+        content: Any = pickle.PickleBuffer(data.data) if protocol >= 5 else data.tobytes()
+        return _restore, (type(self), content, {name: value for name, value in vars(self).items() if name != "_handle"})
+
+    def __copy__(self) -> "Tree":
+        """Another one on the same data, which never changes: closing one of them leaves the other."""
+        copy = self._of(self._open_handle())
+        vars(copy).update({**vars(self), "_handle": copy._handle})
+        return copy
+
+    def __deepcopy__(self, memo: Any) -> "Tree":
+        return self.__copy__()
 
     def _open_handle(self) -> TreeHandle:
         if self._handle is None:
@@ -212,6 +215,7 @@ class Tree:
         t_max: Optional[ArrayLike] = None,
         skip: Optional[ArrayLike] = None,
         *,
+        mask: Optional[ArrayLike] = None,
         outputs: Optional[Iterable[str]] = None,
         out: Optional[Hits] = None,
         row_length: int = 0,
@@ -226,6 +230,9 @@ class Tree:
         origins, directions: float32 (..., 3); t_min, t_max: float32 (...); skip: uint32 (..., 2), the mesh and triangle that a
         ray passes, -1 for none. They are broadcast against each other, and results have the common shape (...).
 
+        mask: rays see the meshes whose mask has a bit in common with it, 0 = all bits, as is None. An int for all rays, or uint32
+        (...), broadcast as well: rays with masks of their own go alone, and slower, where meshes have masks.
+
         outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead.
         row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes, or for long flat
         lists what they look like. float32 arrays whose numbers are packed and whose strides are positive are read where they are,
@@ -234,12 +241,13 @@ class Tree:
         UnsupportedError. progress: a bar, by tqdm, moves while rays are traced.
         """
         tree = self._open_handle()
-        rays = Rays(origins, directions, t_min, t_max, skip, row_length)
+        one_mask, masks = (0, None) if mask is None else mask_words(mask)
+        rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         if out is None:
             out, packed = new_hits(outputs, rays.shape)
         else:
             packed = given_hits(out, rays.shape, rows=False)
-        options = _options(_abi.QUERY_CLOSEST, method, isa, pool, counters)
+        options = _options(_abi.QUERY_CLOSEST, method, isa, one_mask, pool, counters)
         if progress:
             _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)
             return out
@@ -256,6 +264,7 @@ class Tree:
         t_max: Optional[ArrayLike] = None,
         skip: Optional[ArrayLike] = None,
         *,
+        mask: Optional[ArrayLike] = None,
         out: Optional[np.ndarray] = None,
         row_length: int = 0,
         pool: Optional[Pool] = None,
@@ -266,9 +275,10 @@ class Tree:
     ) -> NDArray[np.bool_]:
         """Whether each ray hits anything: bool (...). Faster than `trace`, arguments as there; out: bool or uint8 (...)."""
         tree = self._open_handle()
-        rays = Rays(origins, directions, t_min, t_max, skip, row_length)
+        one_mask, masks = (0, None) if mask is None else mask_words(mask)
+        rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         out, packed = occluded(out, rays.shape)
-        options = _options(_abi.QUERY_ANY, method, isa, pool, counters)
+        options = _options(_abi.QUERY_ANY, method, isa, one_mask, pool, counters)
         if progress:
             _trace_pieces(library.mlrt_trace_packet, tree, rays, options, packed, _abi.Hits, pool)
             return out
@@ -286,6 +296,7 @@ class Tree:
         t_max: Optional[ArrayLike] = None,
         skip: Optional[ArrayLike] = None,
         *,
+        mask: Optional[ArrayLike] = None,
         outputs: Optional[Iterable[str]] = None,
         row_length: int = 0,
         pool: Optional[Pool] = None,
@@ -298,9 +309,10 @@ class Tree:
         the ray goes through the surface, and not if it only touches it. Other arguments as for `trace`.
         """
         tree = self._open_handle()
-        rays = Rays(origins, directions, t_min, t_max, skip, row_length)
-        lists, packed = new_hit_lists(outputs, rays.shape, _in_32_bits(k, "k"))
-        options = _options(_abi.QUERY_CLOSEST, None, None, pool, counters)
+        one_mask, masks = (0, None) if mask is None else mask_words(mask)
+        rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
+        lists, packed = new_hit_lists(outputs, rays.shape, in_32_bits(k, "k"))
+        options = _options(_abi.QUERY_CLOSEST, None, None, one_mask, pool, counters)
         if progress:
             _trace_pieces(library.mlrt_trace_all_hits, tree, rays, options, packed, _abi.HitLists, pool)
             return lists
@@ -308,20 +320,26 @@ class Tree:
         return lists
 
     def contains(
-        self, points: ArrayLike, direction: ArrayLike = (0.0, 0.0, 1.0), *, pool: Optional[Pool] = None
+        self,
+        points: ArrayLike,
+        direction: ArrayLike = (0.0, 0.0, 1.0),
+        *,
+        mask: Optional[ArrayLike] = None,
+        pool: Optional[Pool] = None,
     ) -> NDArray[np.bool_]:
         """Whether each point, float32 (..., 3), is inside of a closed mesh: bool (...).
 
         Exact for points that do not lie on the surface, for any direction: a ray from the point crosses the surface an odd
-        number of times. Nested closed meshes alternate between inside and outside.
+        number of times. Nested closed meshes alternate between inside and outside. mask: as for `trace`.
         """
-        lists = self.hits(points, direction, 0, outputs="crossing_total", pool=pool)
+        lists = self.hits(points, direction, 0, outputs="crossing_total", mask=mask, pool=pool)
         return np.asarray(lists.crossing_total & 1, np.bool_)
 
     def render(
         self,
         camera: Camera,
         *,
+        mask: int = 0,
         outputs: Optional[Iterable[str]] = None,
         out: Optional[Hits] = None,
         pool: Optional[Pool] = None,
@@ -333,7 +351,7 @@ class Tree:
         """The closest hit of each pixel's ray: arrays of shape (height, width). The same bits as `trace(*camera.rays())`.
 
         Faster than that, since no rays are stored and whole tiles are traced as beams. Arguments as for `trace`, but that arrays in
-        `out` may also be windows of larger pictures.
+        `out` may also be windows of larger pictures, and `mask` is one for all.
         """
         tree = self._open_handle()
         struct, shape = camera.to_struct(), camera.check_shape()
@@ -341,14 +359,13 @@ class Tree:
             out, packed = new_hits(outputs, shape)
         else:
             packed = given_hits(out, shape, rows=True)
-        options = _options(_abi.QUERY_CLOSEST, method, isa, pool, counters)
+        options = _options(_abi.QUERY_CLOSEST, method, isa, mask_word(mask, "mask"), pool, counters)
         if not progress:
             check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))
             return out
         with Bar(shape[0] * shape[1], "pixels") as bar:
-            counter = TileCounter(bar)
-            status = library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, counter.callback, None)
-            counter.raise_error()
+            with TileCounter(bar) as counter:
+                status = library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, counter.callback, None)
             check(status)
         return out
 
@@ -363,41 +380,8 @@ def _trace_pieces(
             bar.add(count)
 
 
-def _parts(mesh: Any) -> tuple[Any, Any]:
-    """Vertices and faces of (vertices, faces), or of an object that has them."""
-    if hasattr(mesh, "vertices"):
-        return mesh.vertices, mesh.faces
-    vertices, faces = mesh
-    return vertices, faces
-
-
-def _in_32_bits(number: int, what: str) -> int:
-    if not 0 <= number <= _abi.NONE:
-        raise ValueError(f"{what}: {number} does not fit into 32 bits")
-    return int(number)
-
-
-def _fill_mesh(struct: _abi.Mesh, vertices: Any, faces: Any) -> list[np.ndarray]:
-    """Fills an mlrt_mesh; returns the arrays that must live as long as it."""
-    vertices = vectors(vertices, "vertices")
-    if faces is None:
-        vertices = vertices.reshape(-1, 3)
-    if vertices.ndim != 2:
-        raise ValueError(f"vertices: the shape must be (n, 3), not {vertices.shape}")
-    struct.struct_size = ctypes.sizeof(struct)
-    struct.vertex_count = len(vertices)
-    vertices, struct.vertices, struct.vertex_stride = _apart(vertices)
-    if faces is None:
-        struct.triangle_count = len(vertices) // 3
-        return [vertices]
-    faces = face_array(faces)
-    struct.triangle_count, struct.index_size = len(faces), faces.itemsize
-    faces, struct.indices, struct.triangle_stride = _apart(faces)
-    return [vertices, faces]
-
-
-def _apart(array: np.ndarray) -> tuple[np.ndarray, int, int]:
-    """As `elements`, for arrays whose elements may not overlap."""
-    if array.strides[0] < 3 * array.itemsize:
-        array = np.ascontiguousarray(array)
-    return elements(array, 3)
+def _restore(kind: type[Tree], data: Any, state: dict[str, Any]) -> Tree:
+    """Unpickles."""
+    tree = kind.load(data)
+    vars(tree).update(state)
+    return tree

@@ -53,6 +53,20 @@ class Sizes(unittest.TestCase):
         options, handle = _abi.BuildOptions(), _abi.TreeHandle()
         self.check(options, lambda: library.mlrt_build_kdtree(None, 0, ctypes.byref(options), ctypes.byref(handle)))
 
+    def test_host(self):
+        host, handle = _abi.Host(), _abi.TreeHandle()
+        options = _abi.BuildOptions(host=ctypes.addressof(host))
+        self.check(host, lambda: library.mlrt_build_kdtree(None, 0, ctypes.byref(options), ctypes.byref(handle)))
+
+    def test_memory_estimate(self):
+        estimate = _abi.MemoryEstimate()
+        self.check(estimate, lambda: library.mlrt_estimate_memory(None, 0, None, ctypes.byref(estimate)))
+
+    def test_load_options(self):
+        options, handle, content = _abi.LoadOptions(), _abi.TreeHandle(), self.tree.to_bytes()
+        pointers = ctypes.byref(options), ctypes.byref(handle)
+        self.check(options, lambda: library.mlrt_load_tree(content, len(content), *pointers))
+
     def test_tree_info(self):
         info = _abi.TreeInfo()
         self.check(info, lambda: library.mlrt_get_tree_info(self.tree._handle, ctypes.byref(info)))

@@ -47,7 +47,7 @@ class Progress(unittest.TestCase):
             patch.start()
             self.addCleanup(patch.stop)
         vertices, faces, self.origins, self.directions = integer_scene(20)
-        self.tree = mlrt.Tree(vertices, faces)
+        self.tree = mlrt.Tree.from_meshes([(vertices, faces[:30]), (vertices, faces[30:])], masks=[1, 2])
 
     def finished_bar(self, total):
         self.assertEqual(len(FakeBar.made), 1)
@@ -60,7 +60,8 @@ class Progress(unittest.TestCase):
         wide[:, 2:5] = self.origins
         expected = self.tree.trace(self.origins, self.directions)
         second = {"t_min": expected.t, "skip": np.stack((expected.mesh, expected.triangle), axis=-1)}
-        for arguments in ({}, {"t_max": np.full(500, 0.7)}, second):
+        masks = np.arange(500, dtype=np.uint32) % 3 + 1
+        for arguments in ({}, {"t_max": np.full(500, 0.7)}, second, {"mask": 1}, {"mask": masks}):
             for origins in (self.origins, wide[:, 2:5], self.origins.astype(np.float64)):
                 whole = self.tree.trace(origins, self.directions, **arguments)
                 pieces = self.tree.trace(origins, self.directions, **arguments, progress=True)
