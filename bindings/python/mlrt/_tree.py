@@ -97,9 +97,9 @@ class Tree:
     For kd-trees only: rules_off, names out of "empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction";
     max_depth, max_references, 0 = by itself.
 
-    mask: 32 bits; rays see the mesh if theirs has a bit in common; 0 = all bits. memory_limit: bytes held at one time at most, or it is
-    an OutOfMemoryError, 0 = no limit (estimate_memory foresees them). progress: a bar, by tqdm; what is raised in it, or by Ctrl-C,
-    ends the build. The logger "mlrt" gets a line for each tree, and warnings of triangles that were left out.
+    mask: 32 bits; rays see the mesh if theirs has a bit in common; 0 = all bits. memory_limit: bytes held at one time at most, or
+    it is an OutOfMemoryError, 0 = no limit (estimate_memory foresees them). progress: a bar, by tqdm; what is raised in it, or by
+    Ctrl-C, ends the build. The logger "mlrt" gets a line for each tree, and warnings of triangles that were left out.
 
     Trees can be saved, loaded, and pickled; copies share the data.
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
 from unittest import mock
 
@@ -139,6 +140,16 @@ class Saved(unittest.TestCase):
                 array[:] = 0  # must not matter
             self.check_same(tree)
 
+    def test_shared_memory(self):
+        content = self.tree.to_bytes()
+        shared = SharedMemory(create=True, size=len(content))
+        self.addCleanup(shared.unlink)
+        shared.buf[: len(content)] = content
+        with mlrt.Tree.load(shared.buf[: len(content)].toreadonly()) as tree:
+            self.assertLess(tree.info.memory_size, len(content) / 10)
+            self.check_same(tree)
+        shared.close()
+
     def test_a_buffer_is_kept(self):
         mapped = mmap.mmap(-1, len(self.tree.to_bytes()))
         mapped[:] = self.tree.to_bytes()
@@ -193,9 +204,9 @@ class Saved(unittest.TestCase):
 
     def test_closed(self):
         self.tree.close()
-        for call in (self.tree.to_bytes, lambda: self.tree.save(self.path), lambda: pickle.dumps(self.tree), lambda: copy.copy(self.tree)):
+        for call in (mlrt.Tree.to_bytes, lambda tree: tree.save(self.path), pickle.dumps, copy.copy, copy.deepcopy):
             with self.assertRaisesRegex(ValueError, "closed"):
-                call()
+                call(self.tree)
         self.assertFalse(self.path.exists())
 
 
