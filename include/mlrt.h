@@ -377,7 +377,7 @@ typedef struct mlrt_memory_estimate {
  *   options     NULL = defaults.
  *   estimate    receives the answer (struct_size must be set).
  *
- * Of a hierarchy of boxes scenes of more than a few hundred triangles take 80 to 100 % of what is said; of a kd-tree it
+ * Of a hierarchy of boxes scenes of more than a few thousand triangles take 80 to 110 % of what is said; of a kd-tree it
  * is a guess, and can be off by two. What holds is a memory_limit.
  */
 MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
