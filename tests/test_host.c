@@ -3,9 +3,11 @@
  * What the program around the library provides: memory that can run out anywhere, a log, progress that can be stopped
  * anywhere, and tasks that run at once, on other threads, or only when they are waited for.
  */
+#define _POSIX_C_SOURCE 200809L
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "support.h"
 
@@ -532,6 +534,89 @@ static mlrt_pool *task_pool(struct jobs *jobs, int how, uint32_t count, const ml
     return pool;
 }
 
+/*
+ * Blocks with a fence behind them, which is looked at when they come back: large, as what is written there by mistake
+ * is written in one go.
+ */
+#define FENCE_SIZE ((size_t)1 << 20)
+
+static void *take_fenced(void *user, size_t size, size_t alignment)
+{
+    unsigned char *start = malloc(size + FENCE_SIZE + 2 * alignment);
+    (void)user;
+    if (!start) return NULL;
+    unsigned char *block = start + alignment + (alignment - (uintptr_t)start % alignment) % alignment;
+    memcpy(block - sizeof start, &start, sizeof start);
+    memset(block + size, 0xA5, FENCE_SIZE);
+    return block;
+}
+
+static void give_fenced(void *user, void *given, size_t size, size_t alignment)
+{
+    unsigned char *block = given, *start;
+    (void)alignment;
+    for (size_t i = 0; i < FENCE_SIZE; i++) *(int *)user += block[size + i] != 0xA5;
+    memcpy(&start, block - sizeof start, sizeof start);
+    free(start);
+}
+
+/* So slow that it is told every time that somebody looks. */
+static int32_t take_slow_progress(void *user, double fraction)
+{
+    const struct timespec pause = {0, 1200000};
+    int *left = user;
+    (void)fraction;
+    nanosleep(&pause, NULL);
+    return --left[1] == 0;
+}
+
+/* Small triangles first, then so many long ones that no plane could cut them: when only the first have been counted, it
+ * looks as if one could. */
+static struct soup small_and_long(void)
+{
+    struct random random = {5};
+    struct soup soup = {NULL, 0, 0};
+    soup_add_random(&soup, &random, 8192, 100, 0.1f);
+    for (int i = 0; i < 16000; i++) {
+        const int axis = i % 3;
+        float corner[3][3];
+        draw_point(&random, 0, 100, corner[0]);
+        memcpy(corner[1], corner[0], sizeof corner[0]);
+        corner[0][axis] = 0;
+        corner[1][axis] = 100;
+        memcpy(corner[2], corner[1], sizeof corner[1]);
+        corner[1][(axis + 1) % 3] += 0.1f;
+        corner[2][axis] = draw_range(&random, 0, 100);
+        corner[2][(axis + 2) % 3] += 0.1f;
+        soup_add_triangle(&soup, corner[0], corner[1], corner[2]);
+    }
+    return soup;
+}
+
+static void a_build_that_ends_stays_within_its_memory(void **state)
+{
+    struct jobs jobs;
+    struct soup soup = small_and_long();
+    const mlrt_mesh mesh = soup_mesh(&soup);
+    mlrt_pool *pool = task_pool(&jobs, AT_ONCE, 2, NULL);
+    (void)state;
+    for (int stop_at = 1; stop_at <= 24; stop_at++) {
+        int spoilt_and_left[2] = {0, stop_at};
+        const mlrt_host host = {.struct_size = sizeof host,
+                                .user = spoilt_and_left,
+                                .allocate = take_fenced,
+                                .free = give_fenced,
+                                .progress = take_slow_progress};
+        const mlrt_build_options options = {.struct_size = sizeof options, .pool = pool, .host = &host};
+        mlrt_tree *tree;
+        assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_CANCELLED);
+        assert_null(tree);
+        assert_int_equal(spoilt_and_left[0], 0);
+    }
+    mlrt_destroy_pool(pool);
+    free_soup(&soup);
+}
+
 static uint64_t tree_hash(const struct scene *scene, mlrt_pool *pool)
 {
     const mlrt_build_options options = {.struct_size = sizeof options, .pool = pool};
@@ -645,6 +730,7 @@ int main(void)
         cmocka_unit_test(messages_are_emptied),
         cmocka_unit_test(progress_ends_at_one),
         cmocka_unit_test(calls_end_when_told_to),
+        cmocka_unit_test(a_build_that_ends_stays_within_its_memory),
         cmocka_unit_test(tasks_do_the_work_however_they_run),
         cmocka_unit_test(calls_within_jobs),
         cmocka_unit_test(pool_options_are_checked),
