@@ -8,6 +8,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "platform.h"
+
 /* Hosts are told so often, in seconds: enough to stop within 10 ms, and rare enough for callbacks into Python. */
 #define INTERVAL 1e-3
 
@@ -28,27 +30,39 @@ void mlrt_begin_progress(const mlrt_host *host, double total, struct mlrt_progre
     pthread_mutex_init(&progress->mutex, NULL);
 }
 
-/* With the mutex held. */
-static void tell(struct mlrt_progress *progress, double now, double fraction)
+/* Adds work, with the mutex held. Returns whether it is time to tell the host, and then *fraction, of this moment. */
+static MLRT_NOINLINE int is_time_to_tell(struct mlrt_progress *progress, double work, double *fraction)
 {
-    progress->told_at = now;
-    if (progress->callback(progress->user, fraction) != 0) progress->cancelled = 1;
-}
-
-/* An estimate of the total may be too low: then less is told than was done. */
-static double fraction_done(const struct mlrt_progress *progress)
-{
-    const double fraction = progress->done / progress->total;
-    return fraction < 0.99 ? fraction : 0.99;
-}
-
-int mlrt_advance(struct mlrt_progress *progress, double work)
-{
-    if (!progress || !progress->callback) return 0;
-    pthread_mutex_lock(&progress->mutex);
     progress->done += work;
     const double now = mlrt_seconds_now();
-    if (!progress->cancelled && now - progress->told_at >= INTERVAL) tell(progress, now, fraction_done(progress));
+    if (progress->cancelled || progress->telling || now - progress->told_at < INTERVAL) return 0;
+    /* An estimate of the total may be too low: then less is told than was done. */
+    *fraction = progress->done / progress->total;
+    if (*fraction > 0.99) *fraction = 0.99;
+    progress->told_at = now;
+    progress->telling = 1;
+    return 1;
+}
+
+/*
+ * The host is told without the mutex: in its answer it may wait for tasks, and run those of this very call. Work is
+ * done in any floating-point environment, and counted in the library's.
+ */
+int mlrt_advance(struct mlrt_progress *progress, double work)
+{
+    double fraction;
+    if (!progress || !progress->callback) return 0;
+    pthread_mutex_lock(&progress->mutex);
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int tells = is_time_to_tell(progress, work, &fraction);
+    mlrt_leave_fp_environment(environment);
+    if (tells) {
+        pthread_mutex_unlock(&progress->mutex);
+        const int32_t answer = progress->callback(progress->user, fraction);
+        pthread_mutex_lock(&progress->mutex);
+        progress->telling = 0;
+        if (answer != 0) progress->cancelled = 1;
+    }
     const int32_t cancelled = progress->cancelled;
     pthread_mutex_unlock(&progress->mutex);
     return cancelled != 0;
@@ -62,7 +76,7 @@ int mlrt_is_cancelled(struct mlrt_progress *progress)
 int32_t mlrt_end_progress(struct mlrt_progress *progress, int32_t status)
 {
     if (!progress->callback) return status;
-    if (status == MLRT_OK) tell(progress, 0, 1);
+    if (status == MLRT_OK) (void)progress->callback(progress->user, 1);
     pthread_mutex_destroy(&progress->mutex);
     return status;
 }

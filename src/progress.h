@@ -18,6 +18,7 @@ struct mlrt_progress {
     double done;
     double told_at; /* seconds */
     int32_t cancelled;
+    int32_t telling; /* somebody tells the host just now */
 };
 
 /* Seconds since some time. */

@@ -660,7 +660,7 @@ static void tasks_do_the_work_however_they_run(void **state)
 static int32_t trace_inside(void *user, const mlrt_tile *tile)
 {
     void **both = user;
-    const mlrt_trace_options options = {.struct_size = sizeof options, .pool = both[1]};
+    const mlrt_trace_options options = {.struct_size = sizeof options, .pool = both[1], .initial_tile_size = 4};
     const struct scene *scene = both[0];
     uint32_t ids[16 * 16];
     mlrt_camera camera = scene->camera;
@@ -680,6 +680,73 @@ static void calls_within_jobs(void **state)
         const mlrt_trace_options options = {.struct_size = sizeof options, .pool = pool, .initial_tile_size = 32};
         assert_int_equal(mlrt_render_tiles(scene->tree, &scene->camera, &options, NULL, trace_inside, both), MLRT_OK);
         mlrt_destroy_pool(pool);
+    }
+}
+
+/* One thread and a queue, as in a small game: who waits for a task runs the oldest ones until that one is done. */
+struct queue {
+    struct {
+        mlrt_task_function function;
+        void *argument;
+        int done;
+    } tasks[64];
+    size_t first, end;
+    struct scene *scene;
+    mlrt_pool *pool;
+    int depth;
+    int inner_count;
+};
+
+static void *put_in_queue(void *user, mlrt_task_function function, void *argument)
+{
+    struct queue *queue = user;
+    assert_true(queue->end < 64);
+    queue->tasks[queue->end].function = function;
+    queue->tasks[queue->end].argument = argument;
+    queue->tasks[queue->end].done = 0;
+    return &queue->tasks[queue->end++].done;
+}
+
+static void work_on_queue(void *user, void *task)
+{
+    struct queue *queue = user;
+    while (!*(int *)task) {
+        const size_t next = queue->first++;
+        queue->tasks[next].function(queue->tasks[next].argument);
+        queue->tasks[next].done = 1;
+    }
+}
+
+static int32_t trace_in_progress(void *user, double fraction)
+{
+    struct queue *queue = user;
+    assert_int_equal(queue->depth, 0);
+    if (fraction == 1 || queue->inner_count == 3) return 0;
+    void *both[2] = {queue->scene, queue->pool};
+    queue->depth = 1;
+    assert_int_equal(trace_inside(both, NULL), 0);
+    queue->depth = 0;
+    ++queue->inner_count;
+    return 0;
+}
+
+/* Waiting there runs tasks of the call that tells, which tell in their turn what they have done. */
+static void progress_may_use_tasks(void **state)
+{
+    for (int kind = 0; kind < CALL_COUNT; kind++) {
+        static struct queue queue;
+        memset(&queue, 0, sizeof queue);
+        const mlrt_pool_options options = {.struct_size = sizeof options,
+                                           .thread_count = 2,
+                                           .user = &queue,
+                                           .enqueue = put_in_queue,
+                                           .finish = work_on_queue};
+        const mlrt_host host = {.struct_size = sizeof host, .user = &queue, .progress = trace_in_progress};
+        assert_int_equal(mlrt_create_pool_with_options(&options, &queue.pool), MLRT_OK);
+        queue.scene = *state;
+        assert_int_equal(make_call(*state, kind, &host, queue.pool), MLRT_OK);
+        assert_true(queue.inner_count > 0);
+        mlrt_destroy_pool(queue.pool);
     }
 }
 
@@ -733,6 +800,7 @@ int main(void)
         cmocka_unit_test(a_build_that_ends_stays_within_its_memory),
         cmocka_unit_test(tasks_do_the_work_however_they_run),
         cmocka_unit_test(calls_within_jobs),
+        cmocka_unit_test(progress_may_use_tasks),
         cmocka_unit_test(pool_options_are_checked),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
