@@ -192,6 +192,11 @@ static uint32_t trace_segment(const struct mlrt_job *job, const struct mlrt_ray_
     return mlrt_trace_segment(job->tree, segment, skip, job->any, counters);
 }
 
+static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
+{
+    return ray->t_max == 0 ? INFINITY : ray->t_max;
+}
+
 /* One ray: nothing to set up. */
 static MLRT_NOINLINE void trace_directly(const struct mlrt_job *job, const mlrt_ray *ray, mlrt_counters *counters,
                                          mlrt_hit *hit)
@@ -202,7 +207,7 @@ static MLRT_NOINLINE void trace_directly(const struct mlrt_job *job, const mlrt_
     const uint32_t skip =
         ray->flags & MLRT_RAY_SKIP ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
     if (counters) ++counters->ray_count;
-    if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, ray->t_max == 0 ? INFINITY : ray->t_max, &segment)) {
+    if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment)) {
         segment.mask = job->source.common_mask;
         if (counters) ++counters->packet_count;
         number = trace_segment(job, &segment, skip, counters);
@@ -214,7 +219,9 @@ static MLRT_NOINLINE void trace_directly(const struct mlrt_job *job, const mlrt_
 static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
                              mlrt_hit *hit)
 {
-    const float t_max = ray->t_max == 0 ? INFINITY : ray->t_max;
+    const uint64_t environment = mlrt_enter_fp_environment(); /* where what is denormal is not 0 */
+    const float t_max = resolve_t_max(ray);
+    mlrt_leave_fp_environment(environment);
     const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
     const mlrt_rays rays = {.struct_size = sizeof rays,
                             .count = 1,

@@ -19,7 +19,7 @@ struct call {
     struct mlrt_voice voice;
 };
 
-static int32_t check_options(const mlrt_build_options *options)
+static MLRT_NOINLINE int32_t check_options(const mlrt_build_options *options)
 {
     if (options->preset < MLRT_TREE_DEFAULT || options->preset > MLRT_TREE_BEST) return MLRT_ERROR_ARGUMENT;
     if (options->structures & ~3u || options->reserved != 0) return MLRT_ERROR_ARGUMENT;
@@ -48,7 +48,9 @@ static int32_t take_options(const mlrt_build_options *given, struct call *call)
     call->voice.message_size = call->options.message_size;
     mlrt_begin_message(&call->voice);
     call->options.structures = resolve_structures(&call->options);
+    const uint64_t environment = mlrt_enter_fp_environment();
     const int32_t status = check_options(&call->options);
+    mlrt_leave_fp_environment(environment);
     return status == MLRT_OK ? mlrt_take_host(call->options.host, &call->voice.host) : status;
 }
 

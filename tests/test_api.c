@@ -1133,6 +1133,75 @@ static void callers_that_trap_by_fenv(void **state)
 #endif
 }
 
+static int32_t go_on(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(int *)user;
+    return 0;
+}
+
+/* Counting what is done divides, and options are compared before anything is entered. */
+static void progress_and_options_under_traps(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    int tell_count = 0;
+    mlrt_tree *tree = some_tree(), *other = NULL;
+    const mlrt_camera camera = good_camera();
+    const mlrt_host host = {.struct_size = sizeof host, .user = &tell_count, .progress = go_on};
+    const mlrt_trace_options trace = {.struct_size = sizeof trace, .host = &host, .initial_tile_size = 4};
+    const mlrt_build_options build = {.struct_size = sizeof build, .traversal_cost = NAN};
+    mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+    uint32_t ids[16];
+    const mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {ids, 0, 0}};
+    fexcept_t flags;
+    fegetexceptflag(&flags, FE_ALL_EXCEPT);
+    feclearexcept(FE_ALL_EXCEPT);
+    if (feenableexcept(FE_ALL_EXCEPT) == -1) skip(); // a processor without traps
+    const int32_t rendered = mlrt_render_tiles(tree, &camera, &trace, &frame, NULL, NULL);
+    const int32_t built = mlrt_build_kdtree(NULL, 0, &build, &other);
+    const int32_t estimated = mlrt_estimate_memory(NULL, 0, &build, &estimate);
+    fedisableexcept(FE_ALL_EXCEPT);
+    fesetexceptflag(&flags, FE_ALL_EXCEPT);
+    assert_int_equal(rendered, MLRT_OK);
+    assert_int_equal(built, MLRT_ERROR_ARGUMENT);
+    assert_int_equal(estimated, MLRT_ERROR_ARGUMENT);
+    assert_true(tell_count > 1);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+/* A t_max of 0 is none, a denormal one is one, to callers too for whom it is 0. */
+static void a_denormal_limit_is_a_limit(void **state)
+{
+    (void)state;
+#if HAS_MXCSR
+    const float low[9] = {0, 0, 1e-39f, 1, 0, 1e-39f, 0, 1, 1e-39f};
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = low, .vertex_count = 3, .triangle_count = 1};
+    const mlrt_build_options build = {.struct_size = sizeof build,
+                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
+    const mlrt_ray ray = {
+        .struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}, .t_max = 5e-40f};
+    mlrt_tree *tree;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
+    for (int32_t method = MLRT_METHOD_DEFAULT; method <= MLRT_METHOD_TILE; method++) {
+        const mlrt_trace_options options = {.struct_size = sizeof options, .method = method};
+        mlrt_hit hit = {.struct_size = sizeof hit};
+        const unsigned int before = _mm_getcsr();
+        _mm_setcsr(before | FLUSH | DENORMALS_ARE_ZERO);
+        const int32_t status = mlrt_trace_ray(tree, &ray, &options, &hit);
+        _mm_setcsr(before);
+        assert_int_equal(status, MLRT_OK);
+        assert_int_equal(hit.triangle, MLRT_NONE);
+    }
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
 #if HAS_MXCSR
 struct control_seen {
     unsigned int expected;
@@ -1228,6 +1297,8 @@ int main(void)
         cmocka_unit_test(callers_with_unmasked_exceptions),
         cmocka_unit_test(callers_that_round_by_fenv),
         cmocka_unit_test(callers_that_trap_by_fenv),
+        cmocka_unit_test(progress_and_options_under_traps),
+        cmocka_unit_test(a_denormal_limit_is_a_limit),
         cmocka_unit_test(callbacks_run_in_the_callers_environment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
