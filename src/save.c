@@ -321,8 +321,9 @@ static int take_sections(const struct header *header, const unsigned char *data,
 static const char *check_meshes(const struct mlrt_tree *tree)
 {
     uint32_t first = 0;
+    if (tree->mesh_first[0] != 0) return "meshes are out of order"; // also where there are none
     for (uint32_t i = 0; i < tree->mesh_count; ++i) {
-        if (tree->mesh_first[i] < first || (i == 0 && tree->mesh_first[i] != 0)) return "meshes are out of order";
+        if (tree->mesh_first[i] < first) return "meshes are out of order";
         first = tree->mesh_first[i];
         if (tree->mesh_by_id[i] >= tree->mesh_count) return "a position is not that of a mesh";
         const uint32_t id = tree->mesh_ids[tree->mesh_by_id[i]];

@@ -1506,6 +1506,22 @@ static void test_leaves_may_not_name_what_was_left_out(void **state)
     }
 }
 
+/* Then a triangle that is hit would be one of no mesh. */
+static void test_triangles_need_meshes(void **state)
+{
+    (void)state;
+    for (uint32_t structures = 1; structures <= 3; structures++) {
+        mlrt_tree *tree = small_tree(40, structures);
+        const uint32_t mesh_count = tree->mesh_count;
+        assert_true(is_accepted(tree));
+        tree->mesh_count = 0;
+        tree->mesh_first[0] = tree->triangle_count;
+        assert_false(is_accepted(tree));
+        tree->mesh_count = mesh_count;
+        mlrt_destroy_tree(tree);
+    }
+}
+
 /* Files for fuzz_load.c to start from, where FUZZ_FILES says. */
 static void write_fuzz_files(const char *folder)
 {
@@ -1561,6 +1577,7 @@ int main(void)
         cmocka_unit_test(test_deep_kdtrees_are_refused),
         cmocka_unit_test(test_deep_boxes_are_refused),
         cmocka_unit_test(test_large_leaves_are_refused),
+        cmocka_unit_test(test_triangles_need_meshes),
         cmocka_unit_test(test_leaves_may_not_name_what_was_left_out),
     };
     if (getenv("FUZZ_FILES")) {
