@@ -570,6 +570,40 @@ static int32_t take_slow_progress(void *user, double fraction)
     return --left[1] == 0;
 }
 
+/* How often it is told the same fraction: what is one piece of work, and looks again and again. */
+struct repetitions {
+    double fraction;
+    int count;
+    int most;
+    int left;
+};
+
+static int32_t count_repetitions(void *user, double fraction)
+{
+    const struct timespec pause = {0, 1200000};
+    struct repetitions *repetitions = user;
+    nanosleep(&pause, NULL);
+    repetitions->count = fraction == repetitions->fraction ? repetitions->count + 1 : 1;
+    repetitions->fraction = fraction;
+    if (repetitions->count > repetitions->most) repetitions->most = repetitions->count;
+    return --repetitions->left == 0;
+}
+
+/* 12 chunks of 8192 triangles, and one of what is left. */
+static void one_thread_looks_up_from_large_sets(void **state)
+{
+    struct soup soup = some_soup(100000);
+    const mlrt_mesh mesh = soup_mesh(&soup);
+    struct repetitions repetitions = {.left = 70};
+    const mlrt_host host = {.struct_size = sizeof host, .user = &repetitions, .progress = count_repetitions};
+    const mlrt_build_options options = {.struct_size = sizeof options, .host = &host};
+    mlrt_tree *tree;
+    (void)state;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_CANCELLED);
+    assert_in_range(repetitions.most, 12, 70);
+    free_soup(&soup);
+}
+
 /* Small triangles first, then so many long ones that no plane could cut them: when only the first have been counted, it
  * looks as if one could. */
 static struct soup small_and_long(void)
@@ -798,6 +832,7 @@ int main(void)
         cmocka_unit_test(progress_ends_at_one),
         cmocka_unit_test(calls_end_when_told_to),
         cmocka_unit_test(a_build_that_ends_stays_within_its_memory),
+        cmocka_unit_test(one_thread_looks_up_from_large_sets),
         cmocka_unit_test(tasks_do_the_work_however_they_run),
         cmocka_unit_test(calls_within_jobs),
         cmocka_unit_test(progress_may_use_tasks),
