@@ -414,15 +414,18 @@ static int split_pays(const struct build *build, const struct mlrt_bvh_set *set,
     return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * mlrt_bvh_leaf_cost(costs, set->count);
 }
 
-/* Moves a set, whose order does not matter, to another first place. */
-static void move_set(struct mlrt_quad_box *references, struct mlrt_bvh_set *set, uint32_t first)
+/* Moves a set, whose order does not matter, to another first place. Not all of it, if the call is to end. */
+static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32_t first)
 {
-    uint32_t distance = first > set->first ? first - set->first : set->first - first;
-    uint32_t count = distance < set->count ? distance : set->count;
-    if (first > set->first)
-        memcpy(references + first + set->count - count, references + set->first, count * sizeof *references);
-    else if (first < set->first)
-        memcpy(references + first, references + set->first + set->count - count, count * sizeof *references);
+    const uint32_t distance = first > set->first ? first - set->first : set->first - first;
+    const uint32_t count = distance < set->count ? distance : set->count;
+    const uint32_t from = first > set->first ? set->first : set->first + set->count - count;
+    const uint32_t to = first > set->first ? first + set->count - count : first;
+    for (uint32_t chunk = 0; chunk < chunks_of(count) && !is_over(build, chunk); chunk++) {
+        const uint32_t begin = chunk * CHUNK_SIZE, left = count - begin;
+        memcpy(build->references + to + begin, build->references + from + begin,
+               (left < CHUNK_SIZE ? left : CHUNK_SIZE) * sizeof *build->references);
+    }
     set->first = first;
 }
 
@@ -447,8 +450,8 @@ static int apply(struct build *build, const struct portion *portion, const struc
     if (mlrt_is_cancelled(build->progress)) return 0;
     if (sets[0].count == 0 || sets[1].count == 0) halve(build, sets);
     share_out(build, portion, sets, sides);
-    move_set(build->references, &sides[0].set, portion->set.first);
-    move_set(build->references, &sides[1].set, portion->set.first + sides[0].set.count + sides[0].spare);
+    move_set(build, &sides[0].set, portion->set.first);
+    move_set(build, &sides[1].set, portion->set.first + sides[0].set.count + sides[0].spare);
     return 1;
 }
 

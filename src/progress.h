@@ -36,7 +36,7 @@ int mlrt_advance(struct mlrt_progress *progress, double work);
 int mlrt_is_cancelled(struct mlrt_progress *progress);
 
 /* For loops over large arrays: in every so many rounds, looks whether the call is to end. */
-#define MLRT_ROUNDS 32768
+#define MLRT_ROUNDS 8192
 
 static inline int mlrt_is_cancelled_in_round(struct mlrt_progress *progress, size_t round)
 {
