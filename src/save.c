@@ -436,6 +436,7 @@ static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_optio
     }
     voice->message = options->message;
     voice->message_size = options->message_size;
+    mlrt_begin_message(voice);
     if (options->flags & ~(uint32_t)MLRT_LOAD_IN_PLACE) return MLRT_ERROR_ARGUMENT;
     return mlrt_take_host(options->host, &voice->host);
 }
@@ -449,7 +450,6 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
     struct mlrt_voice voice;
     int32_t status = take_load_options(options, &own, &voice);
     if (status != MLRT_OK) return status;
-    mlrt_begin_message(&voice);
     const struct mlrt_memory memory = mlrt_host_memory(&voice.host, own.memory_limit);
     struct mlrt_tree *made = mlrt_allocate_tree(&memory);
     const char *wrong = NULL;

@@ -419,6 +419,10 @@ static void messages_are_emptied(void **state)
     mlrt_tree *tree;
     assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
     assert_string_equal(message, "");
+    const mlrt_load_options load = {
+        .struct_size = sizeof load, .flags = 99, .message = strcpy(message, "stale"), .message_size = sizeof message};
+    assert_int_equal(mlrt_load_tree(message, sizeof message, &load, &tree), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(message, "");
 }
 
 /* ---- progress ------------------------------------------------------------------------------------------------------
