@@ -150,7 +150,8 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
 {
     struct run run = {.tree = tree, .source = source, .counting = options->counters != NULL};
     int32_t status = resolve_arrays(lists, &run);
-    if (status != MLRT_OK || source->count == 0) return status;
+    if (status != MLRT_OK) return status;
+    if (source->count == 0) return mlrt_end_nothing(&options->host);
     const uint32_t worker_count = mlrt_worker_count(options->pool);
     const uint32_t item_count = (source->count - 1) / ITEM_RAYS + 1;
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);

@@ -46,4 +46,7 @@ static inline int mlrt_is_cancelled_in_round(struct mlrt_progress *progress, siz
 /* Tells the host that all is done, if it is: `status` is that of the call. Returns it. */
 int32_t mlrt_end_progress(struct mlrt_progress *progress, int32_t status);
 
+/* Likewise, of a call that has nothing to do. Returns MLRT_OK. */
+int32_t mlrt_end_nothing(const mlrt_host *host);
+
 #endif

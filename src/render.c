@@ -140,7 +140,7 @@ int32_t mlrt_run_job(const struct mlrt_job *job, const struct mlrt_run_options *
 {
     const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
     const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
-    if (item_count == 0) return MLRT_OK;
+    if (item_count == 0) return mlrt_end_nothing(&options->host);
 
     const uint32_t worker_count = mlrt_worker_count(options->pool);
     const size_t buffer_size = tile_buffer_size(job);

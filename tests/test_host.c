@@ -443,6 +443,24 @@ static void progress_ends_at_one(void **state)
     }
 }
 
+/* Where there is nothing to do that is done too. */
+static void progress_of_no_rays_ends_at_one(void **state)
+{
+    const struct scene *scene = *state;
+    struct books books;
+    open_books(&books);
+    const mlrt_host host = host_with(&books);
+    const mlrt_trace_options options = {.struct_size = sizeof options, .host = &host};
+    const mlrt_rays rays = {.struct_size = sizeof rays};
+    const mlrt_hits hits = {.struct_size = sizeof hits};
+    const mlrt_hit_lists lists = {.struct_size = sizeof lists};
+    assert_int_equal(mlrt_trace_packet(scene->tree, &rays, &options, &hits), MLRT_OK);
+    assert_int_equal(books.end_count, 1);
+    assert_int_equal(mlrt_trace_all_hits(scene->tree, &rays, &options, &lists), MLRT_OK);
+    assert_int_equal(books.end_count, 2);
+    assert_balanced(&books);
+}
+
 /* Told the n-th time, the host says stop: nothing is lost, nobody is told again, and all else still works. */
 static void calls_end_when_told_to(void **state)
 {
@@ -834,6 +852,7 @@ int main(void)
         cmocka_unit_test(the_log_tells_results_warnings_and_errors),
         cmocka_unit_test(messages_are_emptied),
         cmocka_unit_test(progress_ends_at_one),
+        cmocka_unit_test(progress_of_no_rays_ends_at_one),
         cmocka_unit_test(calls_end_when_told_to),
         cmocka_unit_test(a_build_that_ends_stays_within_its_memory),
         cmocka_unit_test(one_thread_looks_up_from_large_sets),
