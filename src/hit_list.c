@@ -5,8 +5,6 @@
  */
 #include "hit_list.h"
 
-#include <stdlib.h>
-
 #define FIRST_CAPACITY 64
 
 void mlrt_free_hit_list(struct mlrt_hit_list *list)
@@ -16,16 +14,39 @@ void mlrt_free_hit_list(struct mlrt_hit_list *list)
     list->count = list->capacity = 0;
 }
 
-static int compare_numbers(const void *a, const void *b)
+static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
 {
-    const struct mlrt_nearest *first = a, *second = b;
-    return (first->triangle > second->triangle) - (first->triangle < second->triangle);
+    const struct mlrt_nearest kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+/* A heap with the greatest number on top: lets hit i of `count` sink to its place. */
+static void sink_by_number(struct mlrt_nearest *heap, uint32_t i, uint32_t count)
+{
+    const struct mlrt_nearest sinking = heap[i];
+    for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
+        if (child + 1 < count && heap[child + 1].triangle > heap[child].triangle) ++child;
+        if (heap[child].triangle <= sinking.triangle) break;
+        heap[i] = heap[child];
+    }
+    heap[i] = sinking;
+}
+
+/* In place: qsort may take memory that is not the host's. */
+static void sort_by_number(struct mlrt_nearest *hits, uint32_t count)
+{
+    for (uint32_t i = count / 2; i-- > 0;) sink_by_number(hits, i, count);
+    while (count > 1) {
+        swap(&hits[0], &hits[--count]);
+        sink_by_number(hits, 0, count);
+    }
 }
 
 void mlrt_remove_repetitions(struct mlrt_hit_list *list)
 {
     if (list->count < 2) return;
-    qsort(list->hits, list->count, sizeof *list->hits, compare_numbers);
+    sort_by_number(list->hits, list->count);
     uint32_t kept = 1;
     for (uint32_t i = 1; i < list->count; ++i) {
         if (list->hits[i].triangle != list->hits[kept - 1].triangle) list->hits[kept++] = list->hits[i];
@@ -87,13 +108,6 @@ static void sink(const struct order *order, struct mlrt_nearest *heap, uint32_t 
         heap[i] = heap[child];
     }
     heap[i] = sinking;
-}
-
-static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
-{
-    const struct mlrt_nearest kept = *a;
-    *a = *b;
-    *b = kept;
 }
 
 void mlrt_order_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t wanted,

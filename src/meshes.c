@@ -4,7 +4,6 @@
  */
 #include "meshes.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "structs.h"
@@ -88,31 +87,35 @@ int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_trian
 
 /* ---- ids ---- */
 
-/* Not MLRT_NONE, and each once. Sorting by id makes equal ones neighbours. */
-struct id_and_position {
-    uint32_t id;
-    uint32_t position;
-};
-
-static int compare_ids(const void *a, const void *b)
+/* In a heap of positions with the greatest id on top. (Here, too: qsort may take memory that is not the host's.) */
+static void sink(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count)
 {
-    const struct id_and_position *first = a, *second = b;
-    return (first->id > second->id) - (first->id < second->id);
+    const uint32_t sinking = heap[i];
+    for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
+        if (child + 1 < count && ids[heap[child + 1]] > ids[heap[child]]) ++child;
+        if (ids[heap[child]] <= ids[sinking]) break;
+        heap[i] = heap[child];
+    }
+    heap[i] = sinking;
 }
 
+/* Not MLRT_NONE, and each once. Sorting by id makes equal ones neighbours. */
 int32_t mlrt_sort_mesh_ids(struct mlrt_tree *tree)
 {
-    struct id_and_position *sorted = mlrt_allocate(&tree->memory, tree->mesh_count, sizeof *sorted);
-    if (!sorted) return MLRT_ERROR_OUT_OF_MEMORY;
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) sorted[i] = (struct id_and_position){tree->mesh_ids[i], i};
-    qsort(sorted, tree->mesh_count, sizeof *sorted, compare_ids);
-    int32_t status = MLRT_OK;
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
-        tree->mesh_by_id[i] = sorted[i].position;
-        if (sorted[i].id == MLRT_NONE || (i > 0 && sorted[i].id == sorted[i - 1].id)) status = MLRT_ERROR_ARGUMENT;
+    const uint32_t *ids = tree->mesh_ids, count = tree->mesh_count;
+    uint32_t *sorted = tree->mesh_by_id;
+    for (uint32_t i = 0; i < count; ++i) sorted[i] = i;
+    for (uint32_t i = count / 2; i-- > 0;) sink(ids, sorted, i, count);
+    for (uint32_t left = count; left > 1;) {
+        const uint32_t greatest = sorted[0];
+        sorted[0] = sorted[--left];
+        sorted[left] = greatest;
+        sink(ids, sorted, 0, left);
     }
-    mlrt_free(&tree->memory, sorted, tree->mesh_count, sizeof *sorted);
-    return status;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (ids[sorted[i]] == MLRT_NONE || (i > 0 && ids[sorted[i]] == ids[sorted[i - 1]])) return MLRT_ERROR_ARGUMENT;
+    }
+    return MLRT_OK;
 }
 
 /* Ids as given, or positions if all are 0. */
