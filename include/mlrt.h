@@ -227,7 +227,8 @@ typedef void (*mlrt_log_callback)(void *user, int32_t level, const char *message
 /*
  * Told how much of a call is done, 0..1 and never less than before: every few milliseconds, and 1 at the end if it went
  * well. Return 0 to go on; anything else (but for the answer to 1) ends the call within some milliseconds, and it
- * returns MLRT_ERROR_CANCELLED.
+ * returns MLRT_ERROR_CANCELLED. Kd-trees of a million triangles, and their methods, can let a tenth of a second pass;
+ * so can a system that takes back much memory.
  */
 typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
 
@@ -377,8 +378,8 @@ typedef struct mlrt_memory_estimate {
  *   options     NULL = defaults.
  *   estimate    receives the answer (struct_size must be set).
  *
- * Of a hierarchy of boxes scenes of more than a few thousand triangles take 80 to 110 % of what is said; of a kd-tree it
- * is a guess, and can be off by two. What holds is a memory_limit.
+ * Of a hierarchy of boxes scenes of more than a few thousand triangles take 80 to 110 % of what is said; of a kd-tree
+ * it is a guess, and can be off by two. What holds is a memory_limit.
  */
 MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
                                       mlrt_memory_estimate *estimate);

@@ -321,10 +321,11 @@ static uint32_t chunks_of(uint32_t count)
     return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
 }
 
-/* Whether there is such a chunk, and it is to be looked at. Sets of one chunk are not worth a look at the time. */
-static int goes_on(const struct build *build, const struct portion *portion, uint32_t chunk)
+/* Whether so many references have such a chunk, and it is to be looked at. One chunk is not worth a look at the time.
+ */
+static int goes_on(const struct build *build, uint32_t count, uint32_t chunk)
 {
-    return chunk < chunks_of(portion->set.count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
+    return chunk < chunks_of(count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
 }
 
 static void fill_bins(struct build *build, const struct portion *portion, struct mlrt_bvh_bins *bins)
@@ -332,7 +333,7 @@ static void fill_bins(struct build *build, const struct portion *portion, struct
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_bins(bins);
     if (build->together != portion) {
-        for (uint32_t i = 0; goes_on(build, portion, i); i++)
+        for (uint32_t i = 0; goes_on(build, set->count, i); i++)
             mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, chunk_end(portion, i), &set->centres, bins);
         return;
     }
@@ -347,7 +348,7 @@ static void fill_slabs(struct build *build, const struct portion *portion, struc
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_spatial_bins(slabs);
     if (build->together != portion) {
-        for (uint32_t i = 0; goes_on(build, portion, i); i++)
+        for (uint32_t i = 0; goes_on(build, set->count, i); i++)
             mlrt_fill_spatial_bins(build->tree->triangles, build->references, set->first + i * CHUNK_SIZE,
                                    chunk_end(portion, i), &set->box, slabs);
         return;
@@ -421,7 +422,7 @@ static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32
     const uint32_t count = distance < set->count ? distance : set->count;
     const uint32_t from = first > set->first ? set->first : set->first + set->count - count;
     const uint32_t to = first > set->first ? first + set->count - count : first;
-    for (uint32_t chunk = 0; chunk < chunks_of(count) && !is_over(build, chunk); chunk++) {
+    for (uint32_t chunk = 0; goes_on(build, count, chunk); chunk++) {
         const uint32_t begin = chunk * CHUNK_SIZE, left = count - begin;
         memcpy(build->references + to + begin, build->references + from + begin,
                (left < CHUNK_SIZE ? left : CHUNK_SIZE) * sizeof *build->references);

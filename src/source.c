@@ -30,7 +30,8 @@ static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row
     if (count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
     source->count = (uint32_t)count;
     source->width = row_length ? row_length : 4;
-    if (source->width > source->count && source->count > 4) source->width = source->count;
+    const uint32_t widest = source->count > 4 ? source->count : 4;
+    if (source->width > widest) source->width = widest;
     source->height = source->count / source->width + (source->count % source->width != 0);
     return MLRT_OK;
 }

@@ -587,6 +587,17 @@ static void too_many_rays(void **state)
     assert_call(&call, MLRT_ERROR_TOO_LARGE);
 }
 
+/* A row is no wider than what there is to put into it. */
+static void rows_longer_than_the_list(void **state)
+{
+    (void)state;
+    struct call call;
+    make_call(&call);
+    call.rays.row_length = 0xFFFFFFFFu;
+    assert_call(&call, MLRT_OK);
+    assert_true(call.t > 0);
+}
+
 /* One field of the options at a time, out of its range. */
 static void assert_trace_options(mlrt_trace_options options, int32_t expected)
 {
@@ -1273,6 +1284,7 @@ int main(void)
         cmocka_unit_test(tracing_with_wrong_struct_sizes),
         cmocka_unit_test(reserved_fields_must_be_zero),
         cmocka_unit_test(too_many_rays),
+        cmocka_unit_test(rows_longer_than_the_list),
         cmocka_unit_test(trace_codes_out_of_range),
         cmocka_unit_test(tile_sizes_out_of_range),
         cmocka_unit_test(split_factors_out_of_range),
