@@ -123,8 +123,8 @@ static size_t count_differences(const struct task *task, const struct answers *a
     return count;
 }
 
-// Pictures may differ by rounding, and where the triangles do. Normals of slivers are nothing but rounding: of dragon_x9
-// five pixels in a million differ by more than a level.
+// Pictures may differ by rounding, and where the triangles do. Normals of slivers are nothing but rounding: of
+// dragon_x9 five pixels in a million differ by more than a level.
 #define SLIVERS 1e-5
 
 static int compare_pictures(const struct task *task, const struct answers *a, const struct answers *b, const char *who)
