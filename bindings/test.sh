@@ -82,7 +82,7 @@ test_java() {
     [ "$newest" -ge 22 ] || skip "no JDK 22 or later"
     rm -rf "$work/java"
     "$kit/bin/javac" -Xlint:all,-restricted -Werror -d "$work/java" "$source"/java/*.java
-    "$kit/bin/java" --enable-native-access=ALL-UNNAMED -Dmlrt.library="$MLRT_LIBRARY" -cp "$work/java" mlrt.Test
+    "$kit/bin/java" --enable-native-access=ALL-UNNAMED -Dmlrt.path="$MLRT_LIBRARY" -cp "$work/java" mlrt.Test
 }
 
 test_lua() {

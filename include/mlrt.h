@@ -227,8 +227,8 @@ typedef void (*mlrt_log_callback)(void *user, int32_t level, const char *message
 /*
  * Told how much of a call is done, 0..1 and never less than before: every few milliseconds, and 1 at the end if it went
  * well. Return 0 to go on; anything else (but for the answer to 1) ends the call within some milliseconds, and it
- * returns MLRT_ERROR_CANCELLED. Kd-trees of a million triangles, and their methods, can let a tenth of a second pass;
- * so can a system that takes back much memory.
+ * returns MLRT_ERROR_CANCELLED. Builders of kd-trees and their methods look less often, and a system that takes back
+ * much memory takes its time.
  */
 typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
 

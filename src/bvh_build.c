@@ -164,14 +164,6 @@ static float relative_area(const struct build *build, const struct mlrt_quad_box
 
 /* ---- references ---------------------------------------------------------------------------------------------- */
 
-static int is_finite(const struct mlrt_triangle *triangle)
-{
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (!isfinite(triangle->v[i][k])) return 0;
-    return 1;
-}
-
 /* + 0 turns -0 into 0. */
 static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_triangle *triangle, uint32_t number)
 {
@@ -195,7 +187,7 @@ static MLRT_NOINLINE void refer_to_chunk(struct build *build, uint32_t number)
     memset(chunk, 0, sizeof *chunk);
     for (uint32_t i = first; i < last; i++) {
         const struct mlrt_triangle *triangle = &build->tree->triangles[i];
-        if (!is_finite(triangle))
+        if (!mlrt_triangle_is_finite(triangle))
             chunk->non_finite_count++;
         else if (!mlrt_triangle_has_area(triangle))
             chunk->zero_area_count++;

@@ -12,7 +12,7 @@
 void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from)
 {
     const size_t known = to->struct_size < sizeof *from ? to->struct_size : sizeof *from;
-    const uint64_t *more = &from->ray_count;
-    uint64_t *sum = &to->ray_count;
+    const uint64_t *more = (const uint64_t *)(const void *)((const unsigned char *)from + FIRST_COUNTER);
+    uint64_t *sum = (uint64_t *)(void *)((unsigned char *)to + FIRST_COUNTER);
     for (size_t i = 0; i < (known - FIRST_COUNTER) / sizeof *sum; ++i) sum[i] += more[i];
 }

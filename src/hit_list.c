@@ -5,6 +5,8 @@
  */
 #include "hit_list.h"
 
+#include "platform.h"
+
 #define FIRST_CAPACITY 64
 
 void mlrt_free_hit_list(struct mlrt_hit_list *list)
@@ -21,26 +23,65 @@ static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
     *b = kept;
 }
 
-/* A heap with the greatest number on top: lets hit i of `count` sink to its place. */
-static void sink_by_number(struct mlrt_nearest *heap, uint32_t i, uint32_t count)
+/* What hits are compared with: the ray, and where its counts go. */
+struct order {
+    const struct mlrt_tree *tree;
+    const struct mlrt_ray_segment *ray;
+    mlrt_counters *counters;
+};
+
+static int is_before(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second)
+{
+    if (first->hi < second->lo) return 1;
+    if (second->hi < first->lo) return 0;
+    const struct mlrt_triangle *triangles = order->tree->triangles;
+    const int sign =
+        mlrt_compare_distance(order->ray, &triangles[first->triangle], &triangles[second->triangle], order->counters);
+    return sign < 0 || (sign == 0 && first->triangle < second->triangle);
+}
+
+static int has_greater_number(const struct order *order, const struct mlrt_nearest *first,
+                              const struct mlrt_nearest *second)
+{
+    (void)order;
+    return first->triangle > second->triangle;
+}
+
+typedef int comparison(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second);
+
+/*
+ * In a heap each hit comes before its two children, 2 i + 1 and 2 i + 2. Lets hit i of `count` sink to its place.
+ * Heaps are sorted in place: qsort may take memory that is not the host's.
+ */
+MLRT_INLINE void sink(comparison *is_first, const struct order *order, struct mlrt_nearest *heap, uint32_t i,
+                      uint32_t count)
 {
     const struct mlrt_nearest sinking = heap[i];
     for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
-        if (child + 1 < count && heap[child + 1].triangle > heap[child].triangle) ++child;
-        if (heap[child].triangle <= sinking.triangle) break;
+        if (child + 1 < count && is_first(order, &heap[child + 1], &heap[child])) ++child;
+        if (!is_first(order, &heap[child], &sinking)) break;
         heap[i] = heap[child];
     }
     heap[i] = sinking;
 }
 
-/* In place: qsort may take memory that is not the host's. */
-static void sort_by_number(struct mlrt_nearest *hits, uint32_t count)
+/*
+ * Makes a heap of `count` hits and moves the first `wanted` of it, one after the other, to its end: what came first is
+ * last then.
+ */
+MLRT_INLINE void move_to_end(comparison *is_first, const struct order *order, uint32_t wanted,
+                             struct mlrt_nearest *heap, uint32_t count)
 {
-    for (uint32_t i = count / 2; i-- > 0;) sink_by_number(hits, i, count);
-    while (count > 1) {
-        swap(&hits[0], &hits[--count]);
-        sink_by_number(hits, 0, count);
+    for (uint32_t i = count / 2; i-- > 0;) sink(is_first, order, heap, i, count);
+    for (; wanted > 0 && count > 1; --wanted) {
+        swap(&heap[0], &heap[--count]);
+        sink(is_first, order, heap, 0, count);
     }
+}
+
+static MLRT_NOINLINE void sort_by_number(struct mlrt_nearest *hits, uint32_t count)
+{
+    move_to_end(has_greater_number, NULL, count, hits, count);
 }
 
 void mlrt_remove_repetitions(struct mlrt_hit_list *list)
@@ -81,47 +122,12 @@ void mlrt_gather_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment
     mlrt_bound_distance(ray, &tree->triangles[number], &hit->lo, &hit->hi);
 }
 
-/* What hits are compared with: the ray, and where its counts go. */
-struct order {
-    const struct mlrt_tree *tree;
-    const struct mlrt_ray_segment *ray;
-    mlrt_counters *counters;
-};
-
-static int is_before(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second)
-{
-    if (first->hi < second->lo) return 1;
-    if (second->hi < first->lo) return 0;
-    const struct mlrt_triangle *triangles = order->tree->triangles;
-    const int sign =
-        mlrt_compare_distance(order->ray, &triangles[first->triangle], &triangles[second->triangle], order->counters);
-    return sign < 0 || (sign == 0 && first->triangle < second->triangle);
-}
-
-/* In a heap each hit comes before its two children, 2 i + 1 and 2 i + 2. Lets hit i of `count` sink to its place. */
-static void sink(const struct order *order, struct mlrt_nearest *heap, uint32_t i, uint32_t count)
-{
-    const struct mlrt_nearest sinking = heap[i];
-    for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
-        if (child + 1 < count && is_before(order, &heap[child + 1], &heap[child])) ++child;
-        if (!is_before(order, &heap[child], &sinking)) break;
-        heap[i] = heap[child];
-    }
-    heap[i] = sinking;
-}
-
 void mlrt_order_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t wanted,
                      struct mlrt_hit_list *list, mlrt_counters *counters)
 {
     const struct order order = {tree, ray, counters};
     if (wanted > list->count) wanted = list->count;
     if (wanted == 0) return;
-    for (uint32_t i = list->count / 2; i-- > 0;) sink(&order, list->hits, i, list->count);
-    // The nearest is swapped to the end, in front of those before it; so the wanted ones end up there, backwards.
-    uint32_t left = list->count;
-    for (uint32_t i = 0; i < wanted; ++i) {
-        swap(&list->hits[0], &list->hits[--left]);
-        if (left > 1) sink(&order, list->hits, 0, left);
-    }
+    move_to_end(is_before, &order, wanted, list->hits, list->count);
     for (uint32_t i = 0; i < list->count / 2; ++i) swap(&list->hits[i], &list->hits[list->count - 1 - i]);
 }

@@ -475,14 +475,6 @@ static int build_cell(struct build *build, struct cell *cell, double *cost)
 
 /* ---- the whole tree ------------------------------------------------------------------------------------------ */
 
-static int is_finite(const struct mlrt_triangle *triangle)
-{
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (!isfinite(triangle->v[i][k])) return 0;
-    return 1;
-}
-
 /* + 0 turns -0 into 0. */
 static struct mlrt_box triangle_bounds(const struct mlrt_triangle *triangle)
 {
@@ -502,7 +494,7 @@ static size_t refer_to_all(struct build *build, struct mlrt_tree *tree)
     size_t count = 0;
     for (uint32_t i = 0; i < tree->triangle_count && !mlrt_is_cancelled_in_round(build->progress, i + 1); i++) {
         const struct mlrt_triangle *triangle = &tree->triangles[i];
-        if (!is_finite(triangle)) {
+        if (!mlrt_triangle_is_finite(triangle)) {
             tree->info.non_finite_count++;
         } else if (!mlrt_triangle_has_area(triangle)) {
             tree->info.zero_area_count++;

@@ -128,11 +128,9 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
 {
-    const float *coordinate = tree->triangles[number].v[0];
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
     if (tree->info.non_finite_count + tree->info.zero_area_count == 0) return 0;
-    for (int i = 0; i < 9; i++)
-        if (!isfinite(coordinate[i])) return 1;
-    return !mlrt_triangle_has_area(&tree->triangles[number]);
+    return !mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle);
 }
 
 /* `next` is the number of the first entry of no leaf before. */

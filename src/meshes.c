@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "structs.h"
+#include "visibility.h"
 
 /* Triangles that are copied between two looks at whether the call goes on: less than a millisecond. */
 #define CHUNK_SIZE 8192
@@ -27,7 +28,7 @@ mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i)
     if (mesh.index_size == 0) mesh.index_size = 4;
     if (mesh.vertex_stride == 0) mesh.vertex_stride = 12;
     if (mesh.triangle_stride == 0) mesh.triangle_stride = 3 * (size_t)mesh.index_size;
-    if (mesh.mask == 0) mesh.mask = ~0u;
+    if (mesh.mask == 0) mesh.mask = MLRT_MASK_ALL;
     return mesh;
 }
 
@@ -100,7 +101,7 @@ static void sink(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count
 }
 
 /* Not MLRT_NONE, and each once. Sorting by id makes equal ones neighbours. */
-int32_t mlrt_sort_mesh_ids(struct mlrt_tree *tree)
+static int32_t sort_mesh_ids(struct mlrt_tree *tree)
 {
     const uint32_t *ids = tree->mesh_ids, count = tree->mesh_count;
     uint32_t *sorted = tree->mesh_by_id;
@@ -124,7 +125,7 @@ static int32_t set_mesh_ids(const mlrt_mesh *meshes, struct mlrt_tree *tree)
     uint32_t any = 0;
     for (uint32_t i = 0; i < tree->mesh_count; ++i) any |= tree->mesh_ids[i] = mlrt_mesh_at(meshes, i).id;
     for (uint32_t i = 0; i < tree->mesh_count && !any; ++i) tree->mesh_ids[i] = i;
-    return mlrt_sort_mesh_ids(tree);
+    return sort_mesh_ids(tree);
 }
 
 /* ---- triangles and masks ---- */
@@ -149,9 +150,9 @@ static int32_t copy_triangles(const mlrt_mesh *mesh, uint32_t position, const st
 
 int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count)
 {
-    uint32_t common = ~0u;
+    uint32_t common = MLRT_MASK_ALL;
     for (size_t i = 0; i < mesh_count; ++i) common &= mlrt_mesh_at(meshes, i).mask;
-    return common != ~0u;
+    return common != MLRT_MASK_ALL;
 }
 
 /* A word for each triangle, if some mesh has a mask. */
@@ -179,11 +180,9 @@ static int allocate_tables(struct mlrt_tree *tree)
 int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, const struct mlrt_voice *voice,
                          struct mlrt_progress *progress, struct mlrt_tree *tree)
 {
-    int32_t status = mlrt_check_meshes(meshes, mesh_count, &tree->triangle_count);
-    if (status != MLRT_OK) return status;
     tree->mesh_count = (uint32_t)mesh_count;
     if (!allocate_tables(tree)) return MLRT_ERROR_OUT_OF_MEMORY;
-    status = set_mesh_ids(meshes, tree);
+    int32_t status = set_mesh_ids(meshes, tree);
     tree->mesh_first[0] = 0;
     for (uint32_t i = 0; i < tree->mesh_count && status == MLRT_OK; ++i) {
         const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);

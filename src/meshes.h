@@ -27,18 +27,12 @@ int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_trian
 #define MLRT_COPY_WORK 1.0
 
 /*
- * Sets what a tree holds of meshes that were checked: triangles, and the tables of ids and masks, which
- * mlrt_free_meshes frees. On error some of that may be there.
+ * Sets what a tree holds of meshes that were checked, tree->triangle_count among it: triangles, and the tables of ids
+ * and masks, which mlrt_free_meshes frees. On error some of that may be there.
  */
 int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, const struct mlrt_voice *voice,
                          struct mlrt_progress *progress, struct mlrt_tree *tree);
 
 void mlrt_free_meshes(struct mlrt_tree *tree);
-
-/*
- * Sets tree->mesh_by_id, which has mesh_count places, of mesh_ids. MLRT_ERROR_ARGUMENT: two ids are the same, or one is
- * MLRT_NONE.
- */
-int32_t mlrt_sort_mesh_ids(struct mlrt_tree *tree);
 
 #endif

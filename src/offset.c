@@ -12,16 +12,6 @@
 #include "predicate.h"
 #include "rounding.h"
 
-static int has_finite_vertices(const struct mlrt_triangle *triangle)
-{
-    for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            if (!isfinite(triangle->v[i][k])) return 0;
-        }
-    }
-    return 1;
-}
-
 /* base moved by `step` along `direction`, rounded on in the same direction. 0 if that leaves the range of float. */
 static int move_point(const double base[3], const double direction[3], double step, float point[3])
 {
@@ -76,7 +66,7 @@ static int find_normal(const struct mlrt_triangle *triangle, int side, double di
 MLRT_NOINLINE int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side,
                                          float point[3])
 {
-    if (!has_finite_vertices(triangle) || !mlrt_triangle_has_area(triangle)) return 0;
+    if (!mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle)) return 0;
     double base[3], direction[3];
     for (int k = 0; k < 3; ++k) {
         const double a = triangle->v[0][k];

@@ -13,6 +13,7 @@
 #ifndef MLRT_PREDICATE_H
 #define MLRT_PREDICATE_H
 
+#include <math.h>
 #include <stdint.h>
 
 #include "kdtree.h"
@@ -25,6 +26,16 @@ struct mlrt_ray_segment {
     float t_max;   /* may be inf */
     uint32_t mask; /* visibility.h */
 };
+
+static inline int mlrt_triangle_is_finite(const struct mlrt_triangle *triangle)
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            if (!isfinite(triangle->v[i][k])) return 0;
+        }
+    }
+    return 1;
+}
 
 /* 1 if (b - a) x (c - a) is not exactly zero. The vertices must be finite. */
 int mlrt_triangle_has_area(const struct mlrt_triangle *triangle);

@@ -21,8 +21,10 @@
  *     5          8 node_count               kd-tree: nodes, see kdtree.h
  *     6          4 reference_count          kd-tree: entries of leaves
  *     7        448 box_node_count           hierarchy of boxes: nodes, see bvh.h
- *     8        144 quad_count + 64          hierarchy of boxes: corners, and 16 floats that may be read and mean
- * nothing 9         16 quad_count + 64          hierarchy of boxes: numbers, likewise. Without nodes 8 and 9 are empty
+ *     8        144 quad_count + 64          hierarchy of boxes: corners
+ *     9         16 quad_count + 64          hierarchy of boxes: numbers
+ *
+ * Sections 8 and 9 end with 16 elements that may be read and mean nothing. Without box_node_count both are empty.
  *
  * Both hashes are those of hash.h over 32-bit words. That of the file is over all of it, with 0 in place of the hash.
  * That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its mask
@@ -54,6 +56,7 @@
 #include "platform.h"
 #include "predicate.h"
 #include "structs.h"
+#include "visibility.h"
 
 #define SECTION_ALIGNMENT 64
 
@@ -148,11 +151,9 @@ static uint64_t hash_file(const struct header *header, const unsigned char *data
 
 /* ---- the hash of a geometry ---- */
 
-#define ALL_BITS 0xFFFFFFFFu
-
 static void add_mesh(struct mlrt_hash *hash, uint32_t id, uint32_t triangle_count, uint32_t mask)
 {
-    const uint32_t words[3] = {id, triangle_count, triangle_count > 0 ? mask : ALL_BITS};
+    const uint32_t words[3] = {id, triangle_count, triangle_count > 0 ? mask : MLRT_MASK_ALL};
     mlrt_add_words(hash, words, 3);
 }
 
@@ -163,7 +164,7 @@ static uint64_t hash_tree_geometry(const struct mlrt_tree *tree)
     mlrt_add_words(&hash, &tree->mesh_count, 1);
     for (uint32_t i = 0; i < tree->mesh_count; ++i) {
         const uint32_t first = tree->mesh_first[i], count = tree->mesh_first[i + 1] - first;
-        add_mesh(&hash, tree->mesh_ids[i], count, tree->masks && count > 0 ? tree->masks[first] : ALL_BITS);
+        add_mesh(&hash, tree->mesh_ids[i], count, tree->masks && count > 0 ? tree->masks[first] : MLRT_MASK_ALL);
     }
     mlrt_add_words(&hash, tree->triangles, 9 * (size_t)tree->triangle_count);
     return mlrt_finish_hash(&hash);
@@ -335,15 +336,6 @@ static const char *check_meshes(const struct mlrt_tree *tree)
     return last == tree->triangle_count && last >= first ? NULL : "meshes have not as many triangles as the tree";
 }
 
-static int is_finite_triangle(const struct mlrt_triangle *triangle)
-{
-    const float *coordinate = triangle->v[0];
-    for (int i = 0; i < 9; ++i) {
-        if (!isfinite(coordinate[i])) return 0;
-    }
-    return 1;
-}
-
 static void extend_box(struct mlrt_box *box, const struct mlrt_triangle *triangle)
 {
     const float *coordinate = triangle->v[0];
@@ -360,7 +352,7 @@ static const char *check_report(struct mlrt_tree *tree)
     uint64_t non_finite_count = 0, zero_area_count = 0;
     struct mlrt_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
-        if (!is_finite_triangle(&tree->triangles[i])) {
+        if (!mlrt_triangle_is_finite(&tree->triangles[i])) {
             ++non_finite_count;
         } else if (!mlrt_triangle_has_area(&tree->triangles[i])) {
             ++zero_area_count;

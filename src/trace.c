@@ -81,7 +81,7 @@ static int32_t take_options(const mlrt_trace_options *given, struct call *call)
     return mlrt_take_host(call->options.host, &call->run.host);
 }
 
-/* Checks options and puts what they say into a job whose source is set. */
+/* Checks options and puts what they say, and the tree, into a job whose source is set. */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     if (options->query != MLRT_QUERY_CLOSEST && options->query != MLRT_QUERY_ANY) return MLRT_ERROR_ARGUMENT;
@@ -94,6 +94,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
         return MLRT_ERROR_ARGUMENT;
     }
 
+    job->tree = tree;
     job->any = options->query == MLRT_QUERY_ANY;
     job->method = resolve_method(options->method, tree);
     if (job->method == MLRT_METHOD_DEFAULT) return MLRT_ERROR_UNSUPPORTED;
@@ -117,18 +118,11 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     return job->kernels ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
 }
 
-/* Whether the job can run: its source and options. */
-static int32_t ready_job(const mlrt_tree *tree, const struct call *call, struct mlrt_job *job)
-{
-    job->tree = tree;
-    return resolve_options(tree, &call->options, job);
-}
-
 static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
                                              const mlrt_hits *hits, struct mlrt_job *job)
 {
     int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
-    if (status == MLRT_OK) status = ready_job(tree, call, job);
+    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
     if (status == MLRT_OK) status = mlrt_make_sink(hits, job->any, job->source.width, 1, &job->frame);
     job->has_frame = 1;
     return status;
@@ -255,7 +249,7 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const s
     const int32_t method = call->options.method;
     mlrt_counters own = {.struct_size = sizeof own}, *counters = call->options.counters;
     struct mlrt_job job = {.callback = NULL};
-    const int32_t status = ready_job(tree, call, &job);
+    const int32_t status = resolve_options(tree, &call->options, &job);
     if (status != MLRT_OK) return status;
     if (method != MLRT_METHOD_DEFAULT && method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, &call->options, job.any, hit);
@@ -291,7 +285,7 @@ static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_ray
                                            struct mlrt_job *job)
 {
     const int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
-    return status == MLRT_OK ? ready_job(tree, call, job) : status;
+    return status == MLRT_OK ? resolve_options(tree, &call->options, job) : status;
 }
 
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
@@ -323,7 +317,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
                                              const mlrt_hits *frame, struct mlrt_job *job)
 {
     int32_t status = mlrt_make_view_source(camera, &job->source);
-    if (status == MLRT_OK) status = ready_job(tree, call, job);
+    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
     if (status == MLRT_OK && frame) {
         status = mlrt_make_sink(frame, job->any, job->source.width, 0, &job->frame);
         job->has_frame = !mlrt_sink_is_empty(&job->frame);
@@ -401,7 +395,7 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
 {
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     int32_t status = mlrt_make_light_source(tree, points, light, &job->source);
-    if (status == MLRT_OK) status = ready_job(tree, call, job);
+    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
     if (status == MLRT_OK) status = mlrt_make_sink(&hits, 1, job->source.width, 1, &job->frame);
     job->has_frame = 1;
     return status;

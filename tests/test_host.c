@@ -611,7 +611,7 @@ static int32_t count_repetitions(void *user, double fraction)
     return --repetitions->left == 0;
 }
 
-/* 12 chunks of 8192 triangles, and one of what is left: first to find a split, then to apply it. */
+/* More than 20 chunks of triangles: first to find a split, then to apply it. */
 static void one_thread_looks_up_from_large_sets(void **state)
 {
     struct soup soup = some_soup(100000);

@@ -33,7 +33,7 @@ import java.util.Map;
  * }</pre>
  *
  * Native segments, those of direct buffers too, go in without a copy; heap arrays are copied once. Results are native
- * segments. The library is that of the property {@code mlrt.library}, or else what the system finds as libmlrt.so.0.
+ * segments. The library is that of the property {@code mlrt.path}, or else what the system finds as libmlrt.so.0.
  * Run with {@code --enable-native-access}.
  */
 public final class Mlrt {
@@ -74,7 +74,7 @@ public final class Mlrt {
         CONST_ARRAY, "skip", CONST_ARRAY, "mask");
 
     private static final SymbolLookup LIBRARY =
-        SymbolLookup.libraryLookup(System.getProperty("mlrt.library", "libmlrt.so.0"), Arena.global());
+        SymbolLookup.libraryLookup(System.getProperty("mlrt.path", "libmlrt.so.0"), Arena.global());
 
     private static MethodHandle function(String name, MemoryLayout result, MemoryLayout... arguments) {
         var type = result == null ? FunctionDescriptor.ofVoid(arguments) : FunctionDescriptor.of(result, arguments);
