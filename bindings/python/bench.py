@@ -312,6 +312,26 @@ def print_calls(peers: list[str]) -> None:
         print(f"| {call} | {microseconds(ask):.1f} | {microseconds(many[call]):.0f} |", flush=True)
 
 
+def visits(tree: mlrt.Tree, any_hit: bool, origins: np.ndarray, directions: np.ndarray) -> tuple[float, float]:
+    """Nodes and leaves, and triangles tested, per ray."""
+    counters = mlrt.Counters()
+    if any_hit:
+        tree.occluded(origins, directions, counters=counters)
+    else:
+        tree.trace(origins, directions, outputs="triangle", counters=counters)
+    return counters.cell_count / counters.ray_count, counters.triangle_test_count / counters.ray_count
+
+
+def print_counts(found: list[Scene]) -> None:
+    print("\nWhat random rays look at, per ray\n\n| scene | question | nodes and leaves | triangles |\n| --- | --- | ---: | ---: |")
+    for scene in found:
+        tree = mlrt.Tree(scene.vertices, scene.faces)
+        rays = random_rays(scene, 1 << 16)
+        for question, any_hit in (("closest", False), ("any", True)):
+            cells, tests = visits(tree, any_hit, *rays)
+            print(f"| {scene.name} | {question} | {cells:.2f} | {tests:.2f} |", flush=True)
+
+
 def write_csv(path: str, rows: list[Row]) -> None:
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
@@ -328,7 +348,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--rays", type=int, default=1 << 20, help="how many; rounded down to a square (default: %(default)s)")
     parser.add_argument("--threads", type=lambda text: [int(one) for one in text.split(",")], default=[1], metavar="1,2")
     parser.add_argument("--rounds", type=int, default=7, help="turns that each takes (default: %(default)s)")
-    parser.add_argument("--only", choices=("arrays", "trimesh", "calls"), help="one of the tables")
+    parser.add_argument("--only", choices=("arrays", "trimesh", "calls", "counts"), help="one of the tables")
     parser.add_argument("--csv", metavar="FILE", help="write the speeds there as well")
     return parser.parse_args()
 
@@ -352,6 +372,8 @@ def main() -> None:
         rows += print_table("Mray/s through trimesh with embreex, and with mlrt.trimesh", ["mlrt.trimesh", "trimesh"], speeds)
     if options.only in (None, "calls"):
         print_calls(peers)
+    if options.only in (None, "counts"):
+        print_counts(found)
     if options.csv:
         write_csv(options.csv, rows)
 

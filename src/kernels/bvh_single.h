@@ -141,9 +141,9 @@ MLRT_INLINE uint64_t waiting_entry(float enter, uint32_t child)
 
 /*
  * The nearest child comes first. But who looks for any hit goes to leaves first, which may end the search, and then to
- * the box that the ray is in the longest. Nodes and leaves per random ray, by distance, leaves first, then longest:
- * erw6 2.54, 2.26, 2.25, conference 3.97, 3.63, 3.10, sponza 4.49, 4.18, 3.40, clinic 3.61, 3.50, 3.16, dragon 4.47,
- * 4.49, 4.12.
+ * the box that the ray is in the longest. Nodes and leaves per random ray (bindings/python/bench.py --only counts), by
+ * distance, leaves first, then longest: erw6 2.54, 2.26, 2.25, conference 3.96, 3.63, 3.10, sponza 4.48, 4.16, 3.40,
+ * clinic 3.59, 3.48, 3.15, dragon 4.49, 4.51, 4.14.
  */
 MLRT_INLINE uint64_t child_entry(float order, uint32_t child, int any)
 {
