@@ -66,7 +66,7 @@ LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
 KERNELS     := kdtree $(if $(IS_X86),sse avx2 avx512,scalar)
 COUNTING_KERNELS := scalar
-ISA_FLAGS_avx2   := -mavx2
+ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
 # gcc may forget to align the stack on Windows (bug 54412); an assembler that is new enough makes up for it.
 UNALIGNED := -Wa$(comma)-muse-unaligned-vector-move

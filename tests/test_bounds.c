@@ -510,7 +510,12 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     packet.t_min[0] = t_min;
     packet.lo[0] = lo;
     packet.hi[0] = hi;
-    if (filtered->leaf) return filter_leaf_vector(filtered->leaf, 0, filtered->reach, 1, &packet, 0, m_from_bits(1));
+    packet.triangle[0] = MLRT_NONE;
+    if (filtered->leaf) {
+        struct ray_vector rays;
+        load_ray_vector(&packet, 0, &rays);
+        return filter_leaf_vector(filtered->leaf, 0, filtered->reach, packet.t_min, 0, &rays, m_from_bits(1));
+    }
     return filter_vector(&filtered->terms, filtered->reach, &packet, 0, m_from_bits(1));
 }
 

@@ -91,69 +91,103 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
     return count;
 }
 
+/* A vector of a packet's rays, in registers while triangles of a leaf pass by. */
+struct ray_vector {
+    vf direction[3];
+    vf lo; /* of the nearest hit so far, as in the packet */
+    vf hi;
+    vi triangle;
+};
+
+MLRT_INLINE void load_ray_vector(const struct mlrt_packet *packet, int v, struct ray_vector *rays)
+{
+    for (int k = 0; k < 3; ++k) rays->direction[k] = v_load(packet->direction[k] + v);
+    rays->lo = v_load(packet->lo + v);
+    rays->hi = v_load(packet->hi + v);
+    rays->triangle = i_load(packet->triangle + v);
+}
+
+MLRT_INLINE void store_nearest(const struct ray_vector *rays, int v, struct mlrt_packet *packet)
+{
+    v_store(packet->lo + v, rays->lo);
+    v_store(packet->hi + v, rays->hi);
+    i_store(packet->triangle + v, rays->triangle);
+}
+
 /*
- * The float part of a test of a packet against the triangle at `place` of a leaf: filter_vector for triangles whose
- * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it.
+ * The float part of a test of rays against the triangle at `place` of a leaf: filter_vector for triangles whose
+ * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it. `t_min` is NULL if all are 0.
+ * Whether some ray passes inside can be foreseen of shadow rays only, which rarely do; of others a branch would cost
+ * more than it saves.
  */
 MLRT_INLINE struct verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf, uint32_t place, float reach,
-                                              int limits_below, const struct mlrt_packet *packet, int v, vm active)
+                                              const float *t_min, int any, const struct ray_vector *rays, vm active)
 {
-    const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
-                     v_load(packet->direction[2] + v)};
-    vf product[4];
+    vf product[3];
     for (int i = 0; i < 3; ++i) {
         const vf cross[3] = {v_set1(leaf->cross[i][0][place]), v_set1(leaf->cross[i][1][place]),
                              v_set1(leaf->cross[i][2][place])};
-        product[i] = dot_product(d, cross);
+        product[i] = dot_product(rays->direction, cross);
     }
-    const vf least = v_min(v_min(product[0], product[1]), product[2]);
+    const vf least = v_min(v_min(product[0], product[1]), product[2]), bound = v_set1(EDGE_BOUND * reach);
+    const vm candidates = m_and(active, v_ge(least, v_sub(v_set1(0), bound)));
     struct verdict verdict;
-    const vm candidates = m_and(active, v_ge(least, v_set1(-EDGE_BOUND * reach)));
     verdict.nearer = verdict.undecided = verdict.inside = candidates;
     verdict.lo = verdict.hi = v_set1(0);
-    if (!m_bits(candidates)) return verdict;
+    if (any && !m_bits(candidates)) return verdict;
 
     const vf normal[3] = {v_set1(leaf->cross[3][0][place]), v_set1(leaf->cross[3][1][place]),
                           v_set1(leaf->cross[3][2][place])};
-    const vf size = dot_product(d, normal), width = v_set1(PLANE_BOUND * reach);
+    const vf size = dot_product(rays->direction, normal), width = v_set1(PLANE_BOUND * reach);
     const vf least_d = v_sub(size, width), greatest_d = v_add(size, width);
     const vf least_n = v_set1(leaf->least_n[place]), greatest_n = v_set1(leaf->greatest_n[place]);
-    const vf lo = v_load(packet->lo + v), hi = v_load(packet->hi + v);
     const vm certain = m_and(candidates, v_gt(least_d, width));
-    vm farther = v_gt(least_n, v_mul(hi, greatest_d)), nearer = v_lt(greatest_n, v_mul(lo, least_d));
-    if (MLRT_UNLIKELY(limits_below)) {
-        const vf t_min = v_load(packet->t_min + v);
-        farther = m_or(farther, v_le(greatest_n, v_mul(t_min, least_d)));
-        nearer = m_and(nearer, m_or(v_gt(least_n, v_mul(t_min, greatest_d)), v_eq(t_min, v_set1(0))));
+    vm farther = v_gt(least_n, v_mul(rays->hi, greatest_d)), nearer = v_lt(greatest_n, v_mul(rays->lo, least_d));
+    if (MLRT_UNLIKELY(t_min != NULL)) {
+        const vf from = v_load(t_min);
+        farther = m_or(farther, v_le(greatest_n, v_mul(from, least_d)));
+        nearer = m_and(nearer, m_or(v_gt(least_n, v_mul(from, greatest_d)), v_eq(from, v_set1(0))));
     }
-    verdict.inside = m_and(certain, v_gt(least, v_set1(EDGE_BOUND * reach)));
+    verdict.inside = m_and(certain, v_gt(least, bound));
     if (MLRT_GUESS) verdict.inside = m_and(candidates, v_gt(size, v_set1(0)));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided =
         m_andnot(m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer), v_lt(greatest_d, v_set1(0)));
     if (MLRT_GUESS) verdict.undecided = m_andnot(candidates, candidates);
-    if (!m_bits(verdict.nearer)) return verdict;
+    if (!m_bits(m_or(verdict.nearer, verdict.undecided))) return verdict;
     bound_distance(least_n, greatest_n, size, width, &verdict);
     return verdict;
 }
 
-/* Tests a packet against one triangle of a leaf. Returns the lanes whose nearest hit changed. */
-MLRT_INLINE uint32_t test_leaf_triangle(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                        const struct mlrt_leaf_setup *leaf, uint32_t place, float reach,
-                                        int limits_below, struct mlrt_packet *packet)
+/* Tests a vector of a packet's rays against triangles of a leaf. Returns the lanes whose nearest hit changed. */
+MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                     const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
+                                     int limits_below, int v, struct mlrt_packet *packet)
 {
-    const uint32_t number = leaf->numbers[place];
-    struct outcome outcome = {0, 0, 0};
-    COUNT(&worker->counters, triangle_test_count, 1);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm active = concerned_rays(packet, packet->active, number, v);
-        if (!m_bits(active)) continue;
-        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
-        const struct verdict verdict = filter_leaf_vector(leaf, place, reach, limits_below, packet, v, active);
-        keep_verdict(&verdict, number, v, packet, &outcome);
+    const float *t_min = limits_below ? packet->t_min + v : NULL;
+    const vm active = m_from_bits(packet->active >> v);
+    struct ray_vector rays;
+    uint32_t changed = 0;
+    load_ray_vector(packet, v, &rays);
+    for (; triangles; triangles &= triangles - 1) {
+        const uint32_t place = mlrt_lowest_bit(triangles), number = leaf->numbers[place];
+        vm concerned = m_andnot(active, i_eq(rays.triangle, i_set1(number)));
+        if (packet->has_skip) concerned = m_andnot(concerned, i_eq(i_load(packet->skip + v), i_set1(number)));
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(concerned)));
+        const struct verdict verdict = filter_leaf_vector(leaf, place, reach, t_min, job->any, &rays, concerned);
+        if (!m_bits(m_or(verdict.nearer, verdict.undecided))) continue;
+        rays.lo = v_select(verdict.nearer, verdict.lo, rays.lo);
+        rays.hi = v_select(verdict.nearer, verdict.hi, rays.hi);
+        rays.triangle = i_select(verdict.nearer, i_set1(number), rays.triangle);
+        changed |= m_bits(verdict.nearer) << v;
+        if (MLRT_LIKELY(!m_bits(verdict.undecided))) continue;
+        const struct outcome outcome = {0, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v};
+        store_nearest(&rays, v, packet);
+        changed |= decide_lanes(job->tree, number, &outcome, packet, worker);
+        load_ray_vector(packet, v, &rays);
     }
-    if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
-    return outcome.nearer | decide_lanes(job->tree, number, &outcome, packet, worker);
+    if (changed) store_nearest(&rays, v, packet);
+    return changed;
 }
 
 /* Tests a packet against triangles of a leaf. */
@@ -162,9 +196,11 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
 {
     struct mlrt_packet *packet = &tile->packets[place];
     uint32_t changed = 0;
-    for (; triangles; triangles &= triangles - 1) {
-        changed |= test_leaf_triangle(job, worker, leaf, mlrt_lowest_bit(triangles), tile->reach[place],
-                                      tile->limits_below, packet);
+    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        if (!(packet->active >> v & ALL_LANES)) continue;
+        changed |=
+            test_ray_vector(job, worker, leaf, triangles, tile->reach[place], tile->limits_below, v, packet);
     }
     if (!changed) return;
     if (job->any) packet->active &= ~changed;

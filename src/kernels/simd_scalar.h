@@ -66,6 +66,10 @@ MLRT_INLINE vf v_mul(vf a, vf b)
 {
     return a * b;
 }
+MLRT_INLINE vf v_mul_add(vf a, vf b, vf c)
+{
+    return a * b + c;
+}
 MLRT_INLINE vf v_div(vf a, vf b)
 {
     return a / b;

@@ -68,7 +68,7 @@ MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3
 
 MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
 {
-    return v_add(v_add(v_mul(a[0], b[0]), v_mul(a[1], b[1])), v_mul(a[2], b[2]));
+    return v_mul_add(a[2], b[2], v_mul_add(a[1], b[1], v_mul(a[0], b[0])));
 }
 
 /* The cross product of what stands for a vertex and an edge, scaled by its size. */
