@@ -79,7 +79,12 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
 /* Gives all rays of a packet the mask that the source has for all. */
 void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
 
-/* Has the rays of up to 16 columns from (x, y), if there are such, brought into the cache if they lie in arrays. */
-void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height);
+/*
+ * Has the rays of up to 16 columns from (x, y), if there are such, brought into the cache if they lie in arrays: those
+ * of all rows into the second-level cache, or those of four into the first. (Rows of a picture are often a multiple of
+ * the page size apart. Then lines of sixteen rows drive each other out of the first-level cache.)
+ */
+void mlrt_prefetch_rows_early(const struct mlrt_source *source, uint32_t x, uint32_t y);
+void mlrt_prefetch_block_rows(const struct mlrt_source *source, uint32_t x, uint32_t y);
 
 #endif

@@ -31,6 +31,9 @@
  * with 2, 45 and 107 with 3, 43 and 110 with 4, 35 and 110 with 8, 19 and 116 without. */
 #define WIDE_FACTOR 3.0f
 
+/* Parts of a packet that cannot go as one are so wide at most. */
+#define WIDEST_PART 0.03f
+
 /* What slopes of cells without rays are moved apart at least: see gather_camera_cells. */
 #define SLOPE_FLOOR 0x1p-100f
 

@@ -115,7 +115,7 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
  * Of the packets `gathered`, those far wider than most, which lie across an edge of what the tile is about: they would
  * meet all that lies between their rays. Most is a quarter of them, so that edges may be many.
  */
-static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered)
+static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered, float *limit)
 {
     float widths[CELL_COUNT], sorted[CELL_COUNT];
     uint32_t count = 0, wide = 0;
@@ -127,18 +127,35 @@ static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered)
         for (; at > 0 && sorted[at - 1] > width; --at) sorted[at] = sorted[at - 1];
         sorted[at] = widths[place] = width;
     }
+    *limit = count ? WIDE_FACTOR * sorted[count / 4] : WIDEST_PART;
     for (uint32_t left = gathered; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        if (widths[place] > WIDE_FACTOR * sorted[count / 4]) wide |= 1u << place;
+        if (widths[place] > *limit) wide |= 1u << place;
     }
     return wide;
 }
 
+/* Of `lanes`, those whose slopes are at most half of `width` from those of the first. */
+static uint32_t lanes_near_first(const struct mlrt_packet *packet, uint32_t lanes, int main_axis, float width)
+{
+    const uint32_t first = mlrt_lowest_bit(lanes);
+    uint32_t near = lanes;
+    for (int side = 1; side < 3; ++side) {
+        const float *direction = packet->direction[(main_axis + side) % 3], *depth = packet->direction[main_axis];
+        const vf slope = v_set1(direction[first] / depth[first]);
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vf distance = v_abs(v_sub(v_div(v_load(direction + v), v_load(depth + v)), slope));
+            near &= ~((~m_bits(v_le(distance, v_set1(0.5f * width))) & ALL_LANES) << v);
+        }
+    }
+    return near | 1u << first;
+}
+
 /*
  * Makes cells of the packets of `waiting` (bit per place) that can go together with the first of them, and returns
- * which: none if not even that one can. *wide receives those whose rays should go alone.
+ * which. *wide receives those that are wider than *width, which is too much; or the first, if not even that can go.
  */
-static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting, uint32_t *wide)
+static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting, uint32_t *wide, float *width)
 {
     struct cells *cells = &tile->cells;
     const struct mlrt_packet *first = &tile->packets[mlrt_lowest_bit(waiting)];
@@ -158,9 +175,9 @@ static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting, uint32_t
             leave_out_cell(cells, place);
         }
     }
-    *wide = find_wide_packets(cells, gathered);
+    *wide = find_wide_packets(cells, gathered, width);
     for (uint32_t left = *wide; left; left &= left - 1) leave_out_cell(cells, mlrt_lowest_bit(left));
     cells->closed &= ~*wide;
-    sum_up_cells(cells);
+    if (!gathered) *wide = waiting & (0u - waiting);
     return gathered & ~*wide;
 }

@@ -50,22 +50,61 @@ static void close_packets(struct ray_tile *tile)
     tile->cells.closed = 0;
 }
 
+/* Fewer rays than this go alone, when their packet is cut. */
+#define LEAST_PART 5
+
+/*
+ * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
+ * off. Where either are too few they go alone. Returns the new cells.
+ */
+static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+                                 uint32_t wide, float width, uint32_t put_off[CELL_COUNT])
+{
+    uint32_t cells = 0;
+    for (; wide; wide &= wide - 1) {
+        const uint32_t place = mlrt_lowest_bit(wide);
+        struct mlrt_packet *packet = &tile->packets[place];
+        const uint32_t near = lanes_near_first(packet, packet->active, tile->cells.main_axis, width);
+        const uint32_t others = packet->active & ~near;
+        uint32_t alone = mlrt_count_bits(others) < LEAST_PART ? others : 0;
+        put_off[place] = others & ~alone;
+        packet->active = near;
+        if (mlrt_count_bits(near) >= LEAST_PART && add_packet(tile, place)) {
+            cells |= 1u << place;
+        } else {
+            alone |= near;
+        }
+        if (alone) trace_singles(job, alone, packet, worker);
+    }
+    return cells;
+}
+
 /* Traces packets down the hierarchy of boxes: together, as far as they can go together. */
 static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
                           uint32_t waiting)
 {
+    uint32_t put_off[CELL_COUNT] = {0}, cut = 0;
     while (waiting) {
-        uint32_t alone, gathered = gather_packets(tile, waiting, &alone);
+        uint32_t wide;
+        float width;
+        uint32_t gathered = gather_packets(tile, waiting, &wide, &width);
+        waiting &= ~(gathered | wide);
+        for (uint32_t again = wide & cut; again; again &= again - 1) {
+            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(again)];
+            trace_singles(job, packet->active, packet, worker);
+        }
+        wide &= ~cut;
+        cut |= wide;
+        gathered |= cut_wide_packets(job, worker, tile, wide, width, put_off);
         if (gathered) {
+            sum_up_cells(&tile->cells);
             traverse_bvh(job, worker, &tile->cells);
             close_packets(tile);
-        } else {
-            alone = waiting & (0u - waiting);
         }
-        waiting &= ~(gathered | alone);
-        for (; alone; alone &= alone - 1) {
-            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(alone)];
-            trace_singles(job, packet->active, packet, worker);
+        for (; wide; wide &= wide - 1) {
+            const uint32_t place = mlrt_lowest_bit(wide);
+            tile->packets[place].active = put_off[place];
+            waiting |= (put_off[place] != 0u) << place;
         }
     }
 }
@@ -77,6 +116,7 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         const struct rectangle block = block_of_tile(tile, place);
+        if (place % 4 == 0 && place < 12) mlrt_prefetch_block_rows(&job->source, block.x, block.y + 4);
         lanes[place] = existing_lanes(&job->source, &block);
         fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
     }
@@ -115,27 +155,24 @@ static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
-/*
- * Has the rays of what comes after a tile brought into the cache while the tile is traced: rows of a picture are often
- * a multiple of the page size apart, which is too much for the processor to foresee. `tile` is one of rows of tiles
- * that are 64 wide at most.
- */
-static void prefetch_next(const struct mlrt_source *source, const struct rectangle *tile)
+/* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
+static void find_next_tile(const struct mlrt_source *source, const struct rectangle *tile, uint32_t *x, uint32_t *y)
 {
     const uint32_t first = tile->x & ~63u;
-    if (tile->x % 64 < 48 && tile->x + 16 < source->width) {
-        mlrt_prefetch_rays(source, tile->x + 16, tile->y, tile->height);
-    } else if (tile->y % 64 < 48) {
-        mlrt_prefetch_rays(source, first, tile->y + 16, 16);
-    } else {
-        mlrt_prefetch_rays(source, first + 64, tile->y & ~63u, 16);
-    }
+    const int is_last = tile->x % 64 == 48 || tile->x + 16 >= source->width, is_lowest = tile->y % 64 == 48;
+    *x = !is_last ? tile->x + 16 : is_lowest ? first + 64 : first;
+    *y = !is_last ? tile->y : is_lowest ? tile->y & ~63u : tile->y + 16;
 }
 
-/* What comes after a tile, and where its own results go. Lists are read and written in order: that is foreseen. */
+/*
+ * What comes after a tile, and where its own results go. Rows of a picture lie too far apart for the processor to
+ * foresee; lists are read and written in order.
+ */
 static void prefetch_around(const struct mlrt_job *job, const struct rectangle *tile)
 {
-    prefetch_next(&job->source, tile);
+    uint32_t x, y;
+    find_next_tile(&job->source, tile, &x, &y);
+    mlrt_prefetch_rows_early(&job->source, x, y);
     if (job->has_frame) mlrt_prefetch_sink(tile->x, tile->y, tile->width, tile->height, &job->frame);
 }
 
