@@ -94,15 +94,9 @@ static const float *float_at(const mlrt_const_array *array, uint32_t i)
     return (const float *)(const void *)((const unsigned char *)array->data + (size_t)i * array->stride);
 }
 
-/* The triangles of the mesh with this id; none if there is no such mesh. */
-struct mesh_range {
-    uint32_t mesh_id;
-    uint32_t first;
-    uint32_t count;
-};
-
-static struct mesh_range find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
+struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
 {
+    const struct mlrt_mesh_range none = {0, 0};
     uint32_t below = 0, above = tree->mesh_count;
     while (below < above) {
         uint32_t middle = below + (above - below) / 2;
@@ -112,20 +106,16 @@ static struct mesh_range find_mesh(const struct mlrt_tree *tree, uint32_t mesh_i
             above = middle;
         }
     }
-    if (below == tree->mesh_count) return (struct mesh_range){mesh_id, 0, 0};
+    if (below == tree->mesh_count) return none;
     const uint32_t mesh = tree->mesh_by_id[below];
-    if (tree->mesh_ids[mesh] != mesh_id) return (struct mesh_range){mesh_id, 0, 0};
-    return (struct mesh_range){mesh_id, tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
-}
-
-MLRT_INLINE uint32_t number_in_mesh(struct mesh_range mesh, uint32_t triangle)
-{
-    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
+    if (tree->mesh_ids[mesh] != mesh_id) return none;
+    return (struct mlrt_mesh_range){tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
 }
 
 uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle)
 {
-    return number_in_mesh(find_mesh(tree, mesh_id), triangle);
+    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, mesh_id);
+    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
 }
 
 static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
@@ -278,15 +268,14 @@ MLRT_INLINE void load_pairs(const mlrt_const_array *array, uint32_t first, f4 *m
     *triangles = f4_odds(low, high);
 }
 
-/* The pairs of mesh and triangle that a block skips. */
-static void fetch_pairs(const mlrt_const_array *array, const struct block *block, uint32_t meshes[MLRT_PACKET_RAYS],
-                        uint32_t triangles[MLRT_PACKET_RAYS])
+/* The pairs of mesh and triangle that a block passes. */
+static void fetch_skips(const mlrt_const_array *array, const struct block *block, struct mlrt_packet *packet)
 {
     if (MLRT_UNLIKELY(!is_whole(block))) {
         for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
             const float *pair = float_at(array, element_of_lane(block, lane));
-            memcpy(meshes + lane, pair, 4);
-            memcpy(triangles + lane, pair + 1, 4);
+            memcpy(packet->skip_mesh + lane, pair, 4);
+            memcpy(packet->skip + lane, pair + 1, 4);
         }
         return;
     }
@@ -294,25 +283,8 @@ static void fetch_pairs(const mlrt_const_array *array, const struct block *block
         f4 even[2], odd[2];
         load_pairs(array, block->first + row * block->row_length, &even[0], &even[1]);
         load_pairs(array, block->first + (row + 1) * block->row_length, &odd[0], &odd[1]);
-        put_rows(even[0], odd[0], meshes + 4 * row);
-        put_rows(even[1], odd[1], triangles + 4 * row);
-    }
-}
-
-/* Neighbours mostly skip triangles of one mesh, or nothing. Then one search is enough; else, one per change of mesh. */
-static void fetch_skips(const struct mlrt_source *source, const struct block *block, uint32_t skip[MLRT_PACKET_RAYS])
-{
-    uint32_t meshes[MLRT_PACKET_RAYS], triangles[MLRT_PACKET_RAYS], elsewhere = 0;
-    fetch_pairs(&source->skip, block, meshes, triangles);
-    struct mesh_range mesh = find_mesh(source->tree, meshes[0]);
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        skip[lane] = number_in_mesh(mesh, triangles[lane]);
-        elsewhere |= meshes[lane] ^ mesh.mesh_id;
-    }
-    if (MLRT_LIKELY(!elsewhere)) return;
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        if (meshes[lane] != mesh.mesh_id) mesh = find_mesh(source->tree, meshes[lane]);
-        skip[lane] = number_in_mesh(mesh, triangles[lane]);
+        put_rows(even[0], odd[0], packet->skip_mesh + 4 * row);
+        put_rows(even[1], odd[1], packet->skip + 4 * row);
     }
 }
 
@@ -366,14 +338,16 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
                        struct mlrt_packet *packet)
 {
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
-    packet->has_apex = packet->has_skip = 0;
+    packet->has_apex = packet->has_skip = packet->has_limits = 0;
     packet->has_masks = 0;
     if (MLRT_UNLIKELY(source->has_masks)) fetch_masks(source, &block, packet);
     if (source->kind == MLRT_SOURCE_CAMERA) {
+        packet->has_limits = source->view.t_min > 0;
         fetch_camera_rays(&source->view, x, y, packet);
         return;
     }
     if (source->kind == MLRT_SOURCE_RAYS) {
+        packet->has_limits = source->t_min.data || source->t_max.data;
         fetch_vectors(&source->points, &block, packet->origin);
         fetch_vectors(&source->directions, &block, packet->direction);
         fetch_numbers(&source->t_min, &block, 0, packet->t_min);
@@ -382,7 +356,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         fetch_light_rays(source, &block, packet);
     }
     packet->has_skip = source->skip.data != NULL;
-    if (packet->has_skip) fetch_skips(source, &block, packet->skip);
+    if (packet->has_skip) fetch_skips(&source->skip, &block, packet);
 }
 
 /* ---- ahead of time ---- */

@@ -51,6 +51,14 @@ int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays
 int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                struct mlrt_source *source);
 
+/* The triangles of a mesh: none if there is no such mesh. */
+struct mlrt_mesh_range {
+    uint32_t first;
+    uint32_t count;
+};
+
+struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id);
+
 /* Number of triangle `triangle` of the mesh with this id; MLRT_NONE if there is none. */
 uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle);
 
@@ -68,8 +76,8 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
 }
 
 /*
- * The numbers of a block of at most 4x4 rays at (x, y), for any kind of source: direction, origin, t_min, t_max, and
- * has_skip and skip of a packet, as they are given. A point light's packets have its apex instead of origins. `lanes`
+ * The numbers of a block of at most 4x4 rays at (x, y), for any kind of source: direction, origin, t_min, t_max,
+ * has_limits, has_skip, skip_mesh and skip of a packet, as they are given. A point light's packets have its apex instead of origins. `lanes`
  * are those that exist, the first among them, or none. Nothing is checked (kernels/packet_check.h does), and the other
  * lanes hold anything.
  */

@@ -196,11 +196,11 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
 {
     struct mlrt_packet *packet = &tile->packets[place];
     uint32_t changed = 0;
+    const float reach = packet_reach(tile, place);
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(packet->active >> v & ALL_LANES)) continue;
-        changed |=
-            test_ray_vector(job, worker, leaf, triangles, tile->reach[place], tile->limits_below, v, packet);
+        changed |= test_ray_vector(job, worker, leaf, triangles, reach, tile->limits_below, v, packet);
     }
     if (!changed) return;
     if (job->any) packet->active &= ~changed;
@@ -217,7 +217,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
         const struct rectangle block = block_of_tile(tile, place);
         get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
         tile->made |= 1u << place;
-        tile->reach[place] = packet_reach(packet, cells->main_axis);
+        tile->greatest_depth[place] = greatest_depth(packet, cells->main_axis);
     }
     cells->closed &= ~(1u << place);
     if (cells->cover[place] != MLRT_NONE) {

@@ -54,6 +54,7 @@ MLRT_INLINE void fetch_block(const struct mlrt_source *source, const struct rect
 static void check_block(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet)
 {
     if (is_pinhole(source)) return;
+    if (packet->has_skip) number_skips(source->tree, packet);
     check_packet(lanes, packet);
     if (!packet->has_apex && !packet->has_masks) find_apex(packet); /* rays with masks go alone (bvh_tile.h) */
 }

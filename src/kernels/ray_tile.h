@@ -6,22 +6,25 @@
 struct ray_tile {
     struct cells cells;
     struct rectangle area;
-    uint32_t columns; /* of packets: 4, or 1 for a list */
+    uint32_t column_bits; /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
     struct mlrt_packet packets[CELL_COUNT];
-    float reach[CELL_COUNT]; /* triangle_filter.h's R of a packet */
+    float greatest_depth[CELL_COUNT]; /* of the directions of a packet, along the main axis */
     int limits_below;        /* some t_min is not 0 */
     uint32_t made;           /* packets that have their rays */
 };
 
+/* The part of a tile that is at a place, if there is one. */
+MLRT_INLINE struct rectangle block_of_tile(const struct ray_tile *tile, uint32_t place)
+{
+    const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
+    return cut_piece(&tile->area, 4 * column, 4 * row, 4);
+}
+
 /* Is there a packet at this place? */
 MLRT_INLINE int has_block(const struct ray_tile *tile, uint32_t place)
 {
-    return place % tile->columns * 4 < tile->area.width && place / tile->columns * 4 < tile->area.height;
-}
-
-MLRT_INLINE struct rectangle block_of_tile(const struct ray_tile *tile, uint32_t place)
-{
-    return cut_piece(&tile->area, place % tile->columns * 4, place / tile->columns * 4, 4);
+    const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
+    return 4 * column < tile->area.width && 4 * row < tile->area.height;
 }
 
 /* The greatest depth at which rays of a packet still look. */
@@ -52,25 +55,29 @@ MLRT_INLINE int can_be_closed(const struct mlrt_packet *packet, uint32_t *skip)
     *skip = packet->has_skip ? packet->skip[mlrt_lowest_bit(packet->active)] : MLRT_NONE;
     uint32_t others = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vm same = v_eq(v_load(packet->t_min + v), v_set1(0));
+        vm same = m_from_bits(ALL_LANES);
+        if (packet->has_limits) same = v_eq(v_load(packet->t_min + v), v_set1(0));
         if (packet->has_skip) same = m_and(same, i_eq(i_load(packet->skip + v), i_set1(*skip)));
         others |= (~m_bits(same) & ALL_LANES) << v;
     }
     return !(others & packet->active);
 }
 
-/* triangle_filter.h's R of a packet. */
-static float packet_reach(const struct mlrt_packet *packet, int main_axis)
+/* The greatest depth of a packet's directions. */
+MLRT_INLINE float greatest_depth(const struct mlrt_packet *packet, int main_axis)
 {
-    vf reach = v_set1(0);
+    vf greatest = v_set1(0);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf size = v_abs(v_load(packet->direction[main_axis] + v));
-        for (int side = 1; side < 3; ++side) {
-            size = v_max(size, v_mul(v_abs(v_load(packet->direction[(main_axis + side) % 3] + v)), v_set1(2)));
-        }
-        reach = v_max(v_select(m_from_bits(packet->active >> v), size, v_set1(0)), reach);
+        const vf depth = v_abs(v_load(packet->direction[main_axis] + v));
+        greatest = v_max(v_select(m_from_bits(packet->active >> v), depth, v_set1(0)), greatest);
     }
-    return v_hmax(reach);
+    return v_hmax(greatest);
+}
+
+/* triangle_filter.h's R of a packet: no |d_j| is more than the steepest slope times the greatest |d_main|. */
+MLRT_INLINE float packet_reach(const struct ray_tile *tile, uint32_t place)
+{
+    return tile->greatest_depth[place] * tile->cells.slope_bound;
 }
 
 /* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. */
@@ -84,9 +91,10 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
         const vf depth = v_flip(v_load(packet->direction[a] + v), v_set1(cells->sign));
+        const vf inverse = v_div(v_set1(1), depth);
         forward |= m_bits(v_gt(depth, v_set1(0))) << v;
         for (int side = 0; side < 2; ++side) {
-            const vf slope = v_div(v_load(packet->direction[(a + 1 + side) % 3] + v), depth);
+            const vf slope = v_mul(v_load(packet->direction[(a + 1 + side) % 3] + v), inverse);
             lo[side] = v_min(v_select(active, slope, v_set1(INFINITY)), lo[side]);
             hi[side] = v_max(v_select(active, slope, v_set1(-INFINITY)), hi[side]);
         }
@@ -103,11 +111,17 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
         set_cell_slopes(cells, place, side, least[side] - fabsf(least[side]) * SLOPE_SLACK,
                         greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK);
     }
-    tile->reach[place] = packet_reach(packet, a);
-    cells->farthest[place] = farthest_depth(packet, a);
-    cells->shortest[place] = shortest_depth(packet, a);
+    tile->greatest_depth[place] = greatest_depth(packet, a);
+    if (packet->has_limits) {
+        cells->farthest[place] = farthest_depth(packet, a);
+        cells->shortest[place] = shortest_depth(packet, a);
+        tile->limits_below |= highest(packet->t_min, packet->active) > 0;
+    } else {
+        const float t_max = packet->t_max[mlrt_lowest_bit(packet->active)];
+        cells->farthest[place] = t_max * tile->greatest_depth[place] * (1 + SLOPE_SLACK);
+        cells->shortest[place] = t_max < INFINITY ? shortest_depth(packet, a) : INFINITY;
+    }
     cells->closed |= (uint32_t)can_be_closed(packet, &cells->skip[place]) << place;
-    tile->limits_below |= highest(packet->t_min, packet->active) > 0;
     return 1;
 }
 
@@ -117,17 +131,26 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
  */
 static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered, float *limit)
 {
-    float widths[CELL_COUNT], sorted[CELL_COUNT];
+    MLRT_ALIGNED(64) float widths[CELL_COUNT];
+    float sorted[CELL_COUNT] = {0};
     uint32_t count = 0, wide = 0;
+    vf least = v_set1(INFINITY), greatest = v_set1(0);
+    for (int v = 0; v < CELL_COUNT; v += VW) {
+        const vf columns = v_sub(v_load(cells->slopes[0].hi + v), v_load(cells->slopes[0].lo + v));
+        const vf rows = v_sub(v_load(cells->slopes[1].hi + v), v_load(cells->slopes[1].lo + v));
+        const vf width = v_max(columns, rows);
+        v_store(widths + v, width);
+        least = v_min(v_select(m_from_bits(gathered >> v), width, v_set1(INFINITY)), least);
+        greatest = v_max(width, greatest);
+    }
+    if (MLRT_LIKELY(v_hmax(greatest) <= WIDE_FACTOR * v_hmin(least))) return 0;
     for (uint32_t left = gathered; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        const float width = larger_of(cells->slopes[0].hi[place] - cells->slopes[0].lo[place],
-                                      cells->slopes[1].hi[place] - cells->slopes[1].lo[place]);
+        const float width = widths[mlrt_lowest_bit(left)];
         uint32_t at = count++;
         for (; at > 0 && sorted[at - 1] > width; --at) sorted[at] = sorted[at - 1];
-        sorted[at] = widths[place] = width;
+        sorted[at] = width;
     }
-    *limit = count ? WIDE_FACTOR * sorted[count / 4] : WIDEST_PART;
+    *limit = WIDE_FACTOR * sorted[count / 4];
     for (uint32_t left = gathered; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         if (widths[place] > *limit) wide |= 1u << place;
@@ -175,6 +198,7 @@ static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting, uint32_t
             leave_out_cell(cells, place);
         }
     }
+    *width = WIDEST_PART;
     *wide = find_wide_packets(cells, gathered, width);
     for (uint32_t left = *wide; left; left &= left - 1) leave_out_cell(cells, mlrt_lowest_bit(left));
     cells->closed &= ~*wide;

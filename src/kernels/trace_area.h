@@ -195,7 +195,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 {
     struct ray_tile tile;
     tile.area = *area;
-    tile.columns = is_list(&job->source) ? 1 : 4;
+    tile.column_bits = is_list(&job->source) ? 0 : 2;
     if (gather_picture_cells(job, area, 4, &tile.cells)) {
         tile.limits_below = 0;
         tile.made = 0;
