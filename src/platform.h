@@ -31,15 +31,24 @@
 #if defined(__GNUC__)
 #define MLRT_INLINE              static inline __attribute__((always_inline, unused))
 #define MLRT_NOINLINE            __attribute__((noinline))
+#define MLRT_SMALL               __attribute__((noinline, cold)) /* seldom runs: size counts */
 #define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
 #define MLRT_LIKELY(condition)   __builtin_expect(!!(condition), 1)
 #define MLRT_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
 #else
 #define MLRT_INLINE static inline
 #define MLRT_NOINLINE
+#define MLRT_SMALL
 #define MLRT_ALIGNED(bytes)
 #define MLRT_LIKELY(condition)   (condition)
 #define MLRT_UNLIKELY(condition) (condition)
+#endif
+
+/* Before a loop that should stay one: it is long, or seldom runs. */
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
+#define MLRT_KEEP_LOOP _Pragma("GCC unroll 1")
+#else
+#define MLRT_KEEP_LOOP
 #endif
 
 /* Tells the processor that a cache line will be read soon. */

@@ -48,7 +48,7 @@ int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *sou
     return MLRT_OK;
 }
 
-int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
+MLRT_SMALL int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
@@ -62,8 +62,8 @@ int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays
     return set_extent(source, rays->count, rays->row_length);
 }
 
-int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
-                               struct mlrt_source *source)
+MLRT_SMALL int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points,
+                                          const mlrt_light *light, struct mlrt_source *source)
 {
     if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
     source->directions.data = source->mask.data = NULL;
@@ -156,7 +156,8 @@ static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct ml
     return mlrt_make_segment(source->light, direction, 0, 1, ray);
 }
 
-int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
+MLRT_SMALL int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
+                            uint32_t *skip)
 {
     if (skip) *skip = MLRT_NONE;
     if (source->kind == MLRT_SOURCE_CAMERA) {
@@ -218,13 +219,20 @@ MLRT_INLINE void load_vectors(const mlrt_const_array *array, uint32_t first, f4 
     }
 }
 
+/* Words of elements, lane by lane: word k of lane l goes to words[k][l]. */
+static MLRT_NOINLINE void fetch_lanes(const mlrt_const_array *array, const struct block *block, int word_count,
+                                      void *const *words)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const float *element = float_at(array, element_of_lane(block, lane));
+        for (int k = 0; k < word_count; ++k) memcpy((unsigned char *)words[k] + 4 * lane, element + k, 4);
+    }
+}
+
 static void fetch_vectors(const mlrt_const_array *array, const struct block *block, float vectors[3][MLRT_PACKET_RAYS])
 {
     if (MLRT_UNLIKELY(!is_whole(block))) {
-        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-            const float *vector = float_at(array, element_of_lane(block, lane));
-            for (int k = 0; k < 3; ++k) vectors[k][lane] = vector[k];
-        }
+        fetch_lanes(array, block, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
         return;
     }
     for (uint32_t row = 0; row < 4; row += 2) {
@@ -250,9 +258,7 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
         fill(standard, numbers);
         return;
     }
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        numbers[lane] = *float_at(array, element_of_lane(block, lane));
-    }
+    fetch_lanes(array, block, 1, (void *const[]){numbers});
 }
 
 MLRT_INLINE void load_pairs(const mlrt_const_array *array, uint32_t first, f4 *meshes, f4 *triangles)
@@ -272,11 +278,7 @@ MLRT_INLINE void load_pairs(const mlrt_const_array *array, uint32_t first, f4 *m
 static void fetch_skips(const mlrt_const_array *array, const struct block *block, struct mlrt_packet *packet)
 {
     if (MLRT_UNLIKELY(!is_whole(block))) {
-        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-            const float *pair = float_at(array, element_of_lane(block, lane));
-            memcpy(packet->skip_mesh + lane, pair, 4);
-            memcpy(packet->skip + lane, pair + 1, 4);
-        }
+        fetch_lanes(array, block, 2, (void *const[]){packet->skip_mesh, packet->skip});
         return;
     }
     for (uint32_t row = 0; row < 4; row += 2) {
@@ -359,11 +361,22 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
     if (packet->has_skip) fetch_skips(&source->skip, &block, packet);
 }
 
+void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
+{
+    uint32_t id = packet->skip_mesh[0];
+    struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        if (packet->skip_mesh[lane] != id) mesh = mlrt_find_mesh(tree, id = packet->skip_mesh[lane]);
+        const uint32_t triangle = packet->skip[lane];
+        packet->skip[lane] = triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
+    }
+}
+
 /* ---- ahead of time ---- */
 
 /* Always inlined: to the compiler a function that only prefetches does nothing, and a call of it is dropped. */
-MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, const struct mlrt_source *source,
-                               size_t first, uint32_t columns, uint32_t rows, int early)
+MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, const struct mlrt_source *source, size_t first,
+                               uint32_t columns, uint32_t rows, int early)
 {
     if (!array->data) return;
     const char *row = (const char *)array->data + first * array->stride;
@@ -380,23 +393,12 @@ MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, const struct mlrt_
     }
 }
 
-MLRT_INLINE void prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height, int early)
+void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height, int early)
 {
     if (source->kind == MLRT_SOURCE_CAMERA || x >= source->width || y >= source->height) return;
     const uint32_t columns = source->width - x < 16 ? source->width - x : 16;
     const uint32_t rows = source->height - y < height ? source->height - y : height;
     const size_t first = (size_t)y * source->width + x;
-    prefetch_rows(&source->points, source, first, columns, rows, early);
-    prefetch_rows(&source->directions, source, first, columns, rows, early);
-    prefetch_rows(&source->skip, source, first, columns, rows, early);
-}
-
-void mlrt_prefetch_rows_early(const struct mlrt_source *source, uint32_t x, uint32_t y)
-{
-    prefetch_rays(source, x, y, 16, 1);
-}
-
-void mlrt_prefetch_block_rows(const struct mlrt_source *source, uint32_t x, uint32_t y)
-{
-    prefetch_rays(source, x, y, 4, 0);
+    const mlrt_const_array *const arrays[3] = {&source->points, &source->directions, &source->skip};
+    for (int i = 0; i < 3; ++i) prefetch_rows(arrays[i], source, first, columns, rows, early);
 }

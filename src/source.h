@@ -77,22 +77,24 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
 
 /*
  * The numbers of a block of at most 4x4 rays at (x, y), for any kind of source: direction, origin, t_min, t_max,
- * has_limits, has_skip, skip_mesh and skip of a packet, as they are given. A point light's packets have its apex instead of origins. `lanes`
- * are those that exist, the first among them, or none. Nothing is checked (kernels/packet_check.h does), and the other
- * lanes hold anything.
+ * has_limits, has_skip, skip_mesh and skip of a packet, as they are given. A point light's packets have its apex
+ * instead of origins. `lanes` are those that exist, the first among them, or none. Nothing is checked
+ * (kernels/packet_check.h does), and the other lanes hold anything.
  */
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
+
+/* Turns the pairs of mesh and triangle that the rays of a packet pass into triangle numbers. */
+void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet);
 
 /* Gives all rays of a packet the mask that the source has for all. */
 void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
 
 /*
- * Has the rays of up to 16 columns from (x, y), if there are such, brought into the cache if they lie in arrays: those
- * of all rows into the second-level cache, or those of four into the first. (Rows of a picture are often a multiple of
- * the page size apart. Then lines of sixteen rows drive each other out of the first-level cache.)
+ * Has the rays of up to 16 columns and `height` rows from (x, y), if there are such, brought into the cache if they lie
+ * in arrays: `early` into the second-level cache, else into the first. (Rows of a picture are often a multiple of the
+ * page size apart. Then lines of sixteen rows drive each other out of the first.)
  */
-void mlrt_prefetch_rows_early(const struct mlrt_source *source, uint32_t x, uint32_t y);
-void mlrt_prefetch_block_rows(const struct mlrt_source *source, uint32_t x, uint32_t y);
+void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height, int early);
 
 #endif

@@ -514,7 +514,13 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     if (filtered->leaf) {
         struct ray_vector rays;
         load_ray_vector(&packet, 0, &rays);
-        return filter_leaf_vector(filtered->leaf, 0, filtered->reach, packet.t_min, 0, &rays, m_from_bits(1));
+        const vf least = least_leaf_edge(filtered->leaf, 0, &rays);
+        const vm candidates = v_ge(least, v_set1(-EDGE_BOUND * filtered->reach));
+        const struct leaf_verdict of_leaf =
+            filter_leaf_vector(filtered->leaf, 0, filtered->reach, packet.t_min, &rays, least, candidates);
+        keep_leaf_verdict(&of_leaf, filtered->leaf, 0, &rays);
+        store_ray_vector(&rays, of_leaf.nearer, 0, &packet);
+        return (struct verdict){of_leaf.nearer, of_leaf.undecided, of_leaf.inside, packet.lo[0], packet.hi[0]};
     }
     return filter_vector(&filtered->terms, filtered->reach, &packet, 0, m_from_bits(1));
 }

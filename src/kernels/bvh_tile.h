@@ -91,37 +91,53 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
     return count;
 }
 
-/* A vector of a packet's rays, in registers while triangles of a leaf pass by. */
+/*
+ * A vector of a packet's rays, in registers while triangles of a leaf pass by. What is nearest stays a quotient, since
+ * of two quotients products say which is less: rounded, they are in the order of the exact ones, or equal.
+ */
 struct ray_vector {
     vf direction[3];
-    vf lo; /* of the nearest hit so far, as in the packet */
-    vf hi;
+    vf least_n; /* t of the nearest hit so far is between least_n / greatest_d and greatest_n / least_d */
+    vf greatest_n;
+    vf least_d;
+    vf greatest_d;
     vi triangle;
 };
 
 MLRT_INLINE void load_ray_vector(const struct mlrt_packet *packet, int v, struct ray_vector *rays)
 {
     for (int k = 0; k < 3; ++k) rays->direction[k] = v_load(packet->direction[k] + v);
-    rays->lo = v_load(packet->lo + v);
-    rays->hi = v_load(packet->hi + v);
+    rays->least_n = v_load(packet->lo + v);
+    rays->greatest_n = v_load(packet->hi + v);
+    rays->least_d = rays->greatest_d = v_set1(1);
     rays->triangle = i_load(packet->triangle + v);
 }
 
-MLRT_INLINE void store_nearest(const struct ray_vector *rays, int v, struct mlrt_packet *packet)
+/* Stores the nearest hits of the lanes where they changed. A quotient and the product that moves it have a rounding. */
+MLRT_INLINE void store_ray_vector(const struct ray_vector *rays, vm changed, int v, struct mlrt_packet *packet)
 {
-    v_store(packet->lo + v, rays->lo);
-    v_store(packet->hi + v, rays->hi);
+    const vf lo = v_mul(v_div(rays->least_n, rays->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
+    const vf hi = v_mul(v_div(rays->greatest_n, rays->least_d), v_set1(1 + RECIPROCAL_SLACK));
+    v_store(packet->lo + v, v_select(changed, lo, v_load(packet->lo + v)));
+    v_store(packet->hi + v, v_select(changed, hi, v_load(packet->hi + v)));
     i_store(packet->triangle + v, rays->triangle);
 }
 
+/* What the filter says of a triangle of a leaf. */
+struct leaf_verdict {
+    vm nearer; /* as in struct verdict */
+    vm undecided;
+    vm inside;
+    vf least_d; /* bounds of D */
+    vf greatest_d;
+};
+
 /*
  * The float part of a test of rays against the triangle at `place` of a leaf: filter_vector for triangles whose
- * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it. `t_min` is NULL if all are 0.
- * Whether some ray passes inside can be foreseen of shadow rays only, which rarely do; of others a branch would cost
- * more than it saves.
+ * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it. First the edges: the least of the
+ * edge functions,
  */
-MLRT_INLINE struct verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf, uint32_t place, float reach,
-                                              const float *t_min, int any, const struct ray_vector *rays, vm active)
+MLRT_INLINE vf least_leaf_edge(const struct mlrt_leaf_setup *leaf, uint32_t place, const struct ray_vector *rays)
 {
     vf product[3];
     for (int i = 0; i < 3; ++i) {
@@ -129,65 +145,86 @@ MLRT_INLINE struct verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf
                              v_set1(leaf->cross[i][2][place])};
         product[i] = dot_product(rays->direction, cross);
     }
-    const vf least = v_min(v_min(product[0], product[1]), product[2]), bound = v_set1(EDGE_BOUND * reach);
-    const vm candidates = m_and(active, v_ge(least, v_sub(v_set1(0), bound)));
-    struct verdict verdict;
-    verdict.nearer = verdict.undecided = verdict.inside = candidates;
-    verdict.lo = verdict.hi = v_set1(0);
-    if (any && !m_bits(candidates)) return verdict;
+    return v_min(v_min(product[0], product[1]), product[2]);
+}
 
+/* and then the distances, of rays that are not surely outside. `t_min` is NULL if all are 0. */
+MLRT_INLINE struct leaf_verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf, uint32_t place, float reach,
+                                                   const float *t_min, const struct ray_vector *rays, vf least,
+                                                   vm candidates)
+{
+    struct leaf_verdict verdict;
     const vf normal[3] = {v_set1(leaf->cross[3][0][place]), v_set1(leaf->cross[3][1][place]),
                           v_set1(leaf->cross[3][2][place])};
     const vf size = dot_product(rays->direction, normal), width = v_set1(PLANE_BOUND * reach);
     const vf least_d = v_sub(size, width), greatest_d = v_add(size, width);
     const vf least_n = v_set1(leaf->least_n[place]), greatest_n = v_set1(leaf->greatest_n[place]);
     const vm certain = m_and(candidates, v_gt(least_d, width));
-    vm farther = v_gt(least_n, v_mul(rays->hi, greatest_d)), nearer = v_lt(greatest_n, v_mul(rays->lo, least_d));
+    vm farther = v_gt(v_mul(least_n, rays->least_d), v_mul(rays->greatest_n, greatest_d));
+    vm nearer = v_lt(v_mul(greatest_n, rays->greatest_d), v_mul(rays->least_n, least_d));
     if (MLRT_UNLIKELY(t_min != NULL)) {
         const vf from = v_load(t_min);
         farther = m_or(farther, v_le(greatest_n, v_mul(from, least_d)));
         nearer = m_and(nearer, m_or(v_gt(least_n, v_mul(from, greatest_d)), v_eq(from, v_set1(0))));
     }
-    verdict.inside = m_and(certain, v_gt(least, bound));
+    verdict.inside = m_and(certain, v_gt(least, v_set1(EDGE_BOUND * reach)));
     if (MLRT_GUESS) verdict.inside = m_and(candidates, v_gt(size, v_set1(0)));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided =
         m_andnot(m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer), v_lt(greatest_d, v_set1(0)));
     if (MLRT_GUESS) verdict.undecided = m_andnot(candidates, candidates);
-    if (!m_bits(m_or(verdict.nearer, verdict.undecided))) return verdict;
-    bound_distance(least_n, greatest_n, size, width, &verdict);
+    verdict.least_d = least_d;
+    verdict.greatest_d = greatest_d;
     return verdict;
 }
 
-/* Tests a vector of a packet's rays against triangles of a leaf. Returns the lanes whose nearest hit changed. */
+/* Makes a triangle of a leaf the nearest hit where it is. */
+MLRT_INLINE void keep_leaf_verdict(const struct leaf_verdict *verdict, const struct mlrt_leaf_setup *leaf,
+                                   uint32_t place, struct ray_vector *rays)
+{
+    rays->least_n = v_select(verdict->nearer, v_set1(leaf->least_n[place]), rays->least_n);
+    rays->greatest_n = v_select(verdict->nearer, v_set1(leaf->greatest_n[place]), rays->greatest_n);
+    rays->least_d = v_select(verdict->nearer, verdict->least_d, rays->least_d);
+    rays->greatest_d = v_select(verdict->nearer, verdict->greatest_d, rays->greatest_d);
+    rays->triangle = i_select(verdict->nearer, i_set1(leaf->numbers[place]), rays->triangle);
+}
+
+/*
+ * Tests a vector of a packet's rays against triangles of a leaf. Whether some ray passes inside can be foreseen of
+ * shadow rays only, which rarely do; of others a branch costs more than it saves. Returns the lanes whose nearest hit
+ * changed.
+ */
 MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                      const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
                                      int limits_below, int v, struct mlrt_packet *packet)
 {
     const float *t_min = limits_below ? packet->t_min + v : NULL;
     const vm active = m_from_bits(packet->active >> v);
+    const uint32_t in_any_case = !job->any;
     struct ray_vector rays;
-    uint32_t changed = 0;
+    uint32_t decided = 0;
+    vm changed = m_from_bits(0);
     load_ray_vector(packet, v, &rays);
     for (; triangles; triangles &= triangles - 1) {
         const uint32_t place = mlrt_lowest_bit(triangles), number = leaf->numbers[place];
         vm concerned = m_andnot(active, i_eq(rays.triangle, i_set1(number)));
         if (packet->has_skip) concerned = m_andnot(concerned, i_eq(i_load(packet->skip + v), i_set1(number)));
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(concerned)));
-        const struct verdict verdict = filter_leaf_vector(leaf, place, reach, t_min, job->any, &rays, concerned);
-        if (!m_bits(m_or(verdict.nearer, verdict.undecided))) continue;
-        rays.lo = v_select(verdict.nearer, verdict.lo, rays.lo);
-        rays.hi = v_select(verdict.nearer, verdict.hi, rays.hi);
-        rays.triangle = i_select(verdict.nearer, i_set1(number), rays.triangle);
-        changed |= m_bits(verdict.nearer) << v;
+        const vf least = least_leaf_edge(leaf, place, &rays);
+        const vm candidates = m_and(concerned, v_ge(least, v_set1(-EDGE_BOUND * reach)));
+        if (!(m_bits(candidates) | in_any_case)) continue;
+        const struct leaf_verdict verdict = filter_leaf_vector(leaf, place, reach, t_min, &rays, least, candidates);
+        keep_leaf_verdict(&verdict, leaf, place, &rays);
+        changed = m_or(changed, verdict.nearer);
         if (MLRT_LIKELY(!m_bits(verdict.undecided))) continue;
         const struct outcome outcome = {0, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v};
-        store_nearest(&rays, v, packet);
-        changed |= decide_lanes(job->tree, number, &outcome, packet, worker);
+        store_ray_vector(&rays, changed, v, packet);
+        decided |= decide_lanes(job->tree, number, &outcome, packet, worker) | m_bits(changed) << v;
+        changed = m_from_bits(0);
         load_ray_vector(packet, v, &rays);
     }
-    if (changed) store_nearest(&rays, v, packet);
-    return changed;
+    if (m_bits(changed)) store_ray_vector(&rays, changed, v, packet);
+    return decided | m_bits(changed) << v;
 }
 
 /* Tests a packet against triangles of a leaf. */

@@ -171,6 +171,7 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
         larger_of(fabsf(columns[0][0]), fabsf(mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)));
     const float y_max =
         larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
+    MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
         if (!(whole <= MLRT_SAFE_MAX) || !mlrt_is_float_safe(view->eye[k])) return 0;
@@ -183,6 +184,7 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
     const int a = cells->main_axis;
     MLRT_ALIGNED(64) float samples[4][CELL_COUNT];
     cells->closed = 0;
+    MLRT_KEEP_LOOP
     for (uint32_t i = 0; i < CELL_COUNT; ++i) {
         const uint32_t column = i % 4, row = i / 4;
         cells->closed |= (uint32_t)(column * side < width && row * side < height) << i;
@@ -191,9 +193,11 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
             samples[2 + end][i] = rows[end][row];
         }
     }
+    MLRT_KEEP_LOOP
     for (int v = 0; v < CELL_COUNT; v += VW) {
         struct corner_slopes of = {
             v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)}, {v_set1(-INFINITY), v_set1(-INFINITY)}};
+        MLRT_KEEP_LOOP
         for (int corner = 0; corner < 4; ++corner) {
             add_corner(view, cells, samples[corner & 1] + v, samples[2 + (corner >> 1)] + v, &of);
         }
@@ -201,6 +205,7 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
         const vm there = m_from_bits(cells->closed >> v);
         if (m_bits(m_andnot(there, forward))) return 0;
         const vf inverse = v_div(v_set1(2), of.least_depth);
+        MLRT_KEEP_LOOP
         for (int j = 0; j < 2; ++j) {
             const vf steepest = v_max(v_abs(of.lo[j]), v_abs(of.hi[j]));
             if (m_bits(m_andnot(there, v_le(steepest, v_set1(STEEPEST_SLOPE))))) return 0;

@@ -56,19 +56,16 @@ MLRT_INLINE void find_apex(struct mlrt_packet *packet)
  */
 MLRT_INLINE void number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 {
-    uint32_t id = packet->skip_mesh[0], same = 0;
-    struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
+    const uint32_t id = packet->skip_mesh[0];
+    uint32_t same = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         same |= m_bits(i_eq(i_load(packet->skip_mesh + v), i_set1(id))) << v;
     }
     if (MLRT_UNLIKELY(same != 0xFFFF)) {
-        for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-            if (packet->skip_mesh[lane] != id) mesh = mlrt_find_mesh(tree, id = packet->skip_mesh[lane]);
-            const uint32_t triangle = packet->skip[lane];
-            packet->skip[lane] = triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
-        }
+        mlrt_number_skips(tree, packet);
         return;
     }
+    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi triangle = i_load(packet->skip + v), number = i_sub(triangle, i_set1(0u - mesh.first));
         i_store(packet->skip + v, i_select(i_lt(triangle, i_set1(mesh.count)), number, i_set1(MLRT_NONE)));

@@ -9,8 +9,8 @@ struct ray_tile {
     uint32_t column_bits; /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
     struct mlrt_packet packets[CELL_COUNT];
     float greatest_depth[CELL_COUNT]; /* of the directions of a packet, along the main axis */
-    int limits_below;        /* some t_min is not 0 */
-    uint32_t made;           /* packets that have their rays */
+    int limits_below;                 /* some t_min is not 0 */
+    uint32_t made;                    /* packets that have their rays */
 };
 
 /* The part of a tile that is at a place, if there is one. */
@@ -81,7 +81,7 @@ MLRT_INLINE float packet_reach(const struct ray_tile *tile, uint32_t place)
 }
 
 /* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. */
-MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
+static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
 {
     struct cells *cells = &tile->cells;
     const struct mlrt_packet *packet = &tile->packets[place];
@@ -125,25 +125,11 @@ MLRT_INLINE int add_packet(struct ray_tile *tile, uint32_t place)
     return 1;
 }
 
-/*
- * Of the packets `gathered`, those far wider than most, which lie across an edge of what the tile is about: they would
- * meet all that lies between their rays. Most is a quarter of them, so that edges may be many.
- */
-static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered, float *limit)
+/* Of packets of these widths, those wider than WIDE_FACTOR times most: than a quarter of them, as edges may be many. */
+static MLRT_SMALL uint32_t find_widest(const float widths[CELL_COUNT], uint32_t gathered, float *limit)
 {
-    MLRT_ALIGNED(64) float widths[CELL_COUNT];
     float sorted[CELL_COUNT] = {0};
     uint32_t count = 0, wide = 0;
-    vf least = v_set1(INFINITY), greatest = v_set1(0);
-    for (int v = 0; v < CELL_COUNT; v += VW) {
-        const vf columns = v_sub(v_load(cells->slopes[0].hi + v), v_load(cells->slopes[0].lo + v));
-        const vf rows = v_sub(v_load(cells->slopes[1].hi + v), v_load(cells->slopes[1].lo + v));
-        const vf width = v_max(columns, rows);
-        v_store(widths + v, width);
-        least = v_min(v_select(m_from_bits(gathered >> v), width, v_set1(INFINITY)), least);
-        greatest = v_max(width, greatest);
-    }
-    if (MLRT_LIKELY(v_hmax(greatest) <= WIDE_FACTOR * v_hmin(least))) return 0;
     for (uint32_t left = gathered; left; left &= left - 1) {
         const float width = widths[mlrt_lowest_bit(left)];
         uint32_t at = count++;
@@ -156,6 +142,26 @@ static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered, 
         if (widths[place] > *limit) wide |= 1u << place;
     }
     return wide;
+}
+
+/*
+ * Of the packets `gathered`, those far wider than most, which lie across an edge of what the tile is about: they would
+ * meet all that lies between their rays. If there are any, *limit receives how wide the others are at most.
+ */
+static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered, float *limit)
+{
+    MLRT_ALIGNED(64) float widths[CELL_COUNT];
+    vf least = v_set1(INFINITY), greatest = v_set1(0);
+    for (int v = 0; v < CELL_COUNT; v += VW) {
+        const vf columns = v_sub(v_load(cells->slopes[0].hi + v), v_load(cells->slopes[0].lo + v));
+        const vf rows = v_sub(v_load(cells->slopes[1].hi + v), v_load(cells->slopes[1].lo + v));
+        const vf width = v_max(columns, rows);
+        v_store(widths + v, width);
+        least = v_min(v_select(m_from_bits(gathered >> v), width, v_set1(INFINITY)), least);
+        greatest = v_max(width, greatest);
+    }
+    if (MLRT_LIKELY(v_hmax(greatest) <= WIDE_FACTOR * v_hmin(least))) return 0;
+    return find_widest(widths, gathered, limit);
 }
 
 /* Of `lanes`, those whose slopes are at most half of `width` from those of the first. */

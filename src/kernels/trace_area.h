@@ -57,8 +57,9 @@ static void close_packets(struct ray_tile *tile)
  * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
  * off. Where either are too few they go alone. Returns the new cells.
  */
-static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
-                                 uint32_t wide, float width, uint32_t put_off[CELL_COUNT])
+static MLRT_SMALL uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                            struct ray_tile *tile, uint32_t wide, float width,
+                                            uint32_t put_off[CELL_COUNT])
 {
     uint32_t cells = 0;
     for (; wide; wide &= wide - 1) {
@@ -89,13 +90,15 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
         float width;
         uint32_t gathered = gather_packets(tile, waiting, &wide, &width);
         waiting &= ~(gathered | wide);
-        for (uint32_t again = wide & cut; again; again &= again - 1) {
-            struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(again)];
-            trace_singles(job, packet->active, packet, worker);
+        if (MLRT_UNLIKELY(wide)) {
+            for (uint32_t again = wide & cut; again; again &= again - 1) {
+                struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(again)];
+                trace_singles(job, packet->active, packet, worker);
+            }
+            wide &= ~cut;
+            cut |= wide;
+            gathered |= cut_wide_packets(job, worker, tile, wide, width, put_off);
         }
-        wide &= ~cut;
-        cut |= wide;
-        gathered |= cut_wide_packets(job, worker, tile, wide, width, put_off);
         if (gathered) {
             sum_up_cells(&tile->cells);
             traverse_bvh(job, worker, &tile->cells);
@@ -116,7 +119,7 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         const struct rectangle block = block_of_tile(tile, place);
-        if (place % 4 == 0 && place < 12) mlrt_prefetch_block_rows(&job->source, block.x, block.y + 4);
+        if (place % 4 == 0 && place < 12) mlrt_prefetch_rays(&job->source, block.x, block.y + 4, 4, 0);
         lanes[place] = existing_lanes(&job->source, &block);
         fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
     }
@@ -172,7 +175,7 @@ static void prefetch_around(const struct mlrt_job *job, const struct rectangle *
 {
     uint32_t x, y;
     find_next_tile(&job->source, tile, &x, &y);
-    mlrt_prefetch_rows_early(&job->source, x, y);
+    mlrt_prefetch_rays(&job->source, x, y, 16, 1);
     if (job->has_frame) mlrt_prefetch_sink(tile->x, tile->y, tile->width, tile->height, &job->frame);
 }
 

@@ -57,8 +57,8 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
 }
 
 /* What the filter leaves of a test: exact ties, and then the judge. Returns the lanes whose nearest hit changed. */
-static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, const struct outcome *outcome,
-                                           struct mlrt_packet *packet, struct mlrt_worker *worker)
+static MLRT_SMALL uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, const struct outcome *outcome,
+                                        struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const uint32_t tied = settle_ties(tree, number, outcome->undecided, outcome->inside, packet, worker);
     const uint32_t undecided = outcome->undecided & ~tied;
