@@ -552,7 +552,7 @@ enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
     MLRT_ISA_SCALAR = 1, /* plain C, always there */
     MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 boxes, triangles, packets or rays at a time */
-    MLRT_ISA_AVX2 = 3,   /* 8 at a time */
+    MLRT_ISA_AVX2 = 3,   /* AVX2 and FMA: 8 at a time */
     MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 at a time */
 };
 

@@ -30,7 +30,7 @@ KERNELS = [
     Kernel("counting", "scalar.c", None, None, True),
     Kernel("scalar", "scalar.c", "!MLRT_HAVE_SSE", None, False),
     Kernel("sse", "sse.c", "MLRT_HAVE_SSE", None, False),
-    Kernel("avx2", "avx2.c", "MLRT_HAVE_SSE", "avx2", False),
+    Kernel("avx2", "avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
     Kernel("avx512", "avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
 ]
 

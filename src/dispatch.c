@@ -18,7 +18,7 @@ static int is_supported(int32_t isa)
     case MLRT_ISA_SSE:
         return 1;
     case MLRT_ISA_AVX2:
-        return __builtin_cpu_supports("avx2");
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case MLRT_ISA_AVX512:
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
 #endif

@@ -369,12 +369,16 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
                        mlrt_counters *counters)
 {
     struct operands operands = load_operands(ray, triangle);
+    struct crossing crossing = measure_crossing(&operands);
+    /* Most rays that come here start beside a surface, and leave it. */
+    if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0) {
+        return 0;
+    }
     struct two_edges edges = measure_edges(&operands);
     int sign_ab = certain_sign(edges.ab, SIGN_ERROR);
     int sign_ca = certain_sign(edges.ca, SIGN_ERROR);
     if (sign_ab * sign_ca < 0) return 0;
 
-    struct crossing crossing = measure_crossing(&operands);
     int sign_bc = certain_sign(measure_third_edge(&edges, crossing.d), SIGN_ERROR);
     if (sign_bc * (sign_ab + sign_ca) < 0) return 0;
 

@@ -188,13 +188,13 @@ MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], float r
     if (MLRT_GUESS) return;
     const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
     const vf plane_size = v_mul(size_f, size_g), floor = v_set1(DISTANCE_FLOOR);
-    const vf edge_size = v_add(v_mul(size_s, v_add(size_f, size_g)), plane_size);
-    test->above = v_add(v_mul(v_mul(edge_size, v_set1(reach)), v_set1(EDGE_BOUND / 4)), floor);
+    const vf edge_size = v_mul_add(size_s, v_add(size_f, size_g), plane_size);
+    test->above = v_mul_add(v_mul(edge_size, v_set1(reach)), v_set1(EDGE_BOUND / 4), floor);
     test->below = v_sub(v_set1(0), test->above);
-    test->plane_bound = v_add(v_mul(v_mul(plane_size, v_set1(reach)), v_set1(PLANE_BOUND / 4)), floor);
-    const vf distance_floor = v_add(v_mul(test->plane_bound, v_set1(QUOTIENT_FLOOR)), floor);
+    test->plane_bound = v_mul_add(v_mul(plane_size, v_set1(reach)), v_set1(PLANE_BOUND / 4), floor);
+    const vf distance_floor = v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor);
     test->distance_bound =
-        v_add(v_mul(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4)), distance_floor);
+        v_mul_add(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4), distance_floor);
 }
 
 /* What the filter needs of one ray and triangles in a row. `corners` is where the lanes begin, rows are `stride` apart.

@@ -92,8 +92,9 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
 }
 
 /*
- * A vector of a packet's rays, in registers while triangles of a leaf pass by. What is nearest stays a quotient, since
- * of two quotients products say which is less: rounded, they are in the order of the exact ones, or equal.
+ * A vector of a packet's rays, in registers while triangles of a leaf pass by. What is nearest stays a quotient of
+ * bounds (triangle_filter.h, "DISTANCES"), since products say which of two quotients is less: where a product of floats
+ * is less than another after rounding, it is so before.
  */
 struct ray_vector {
     vf direction[3];
@@ -113,7 +114,10 @@ MLRT_INLINE void load_ray_vector(const struct mlrt_packet *packet, int v, struct
     rays->triangle = i_load(packet->triangle + v);
 }
 
-/* Stores the nearest hits of the lanes where they changed. A quotient and the product that moves it have a rounding. */
+/*
+ * Stores the nearest hits of the lanes where they changed. A quotient has a rounding, and so has the product that moves
+ * it; where they lose 2^-149, N's bounds have 2^-83 / D to spare.
+ */
 MLRT_INLINE void store_ray_vector(const struct ray_vector *rays, vm changed, int v, struct mlrt_packet *packet)
 {
     const vf lo = v_mul(v_div(rays->least_n, rays->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
@@ -254,7 +258,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
         const struct rectangle block = block_of_tile(tile, place);
         get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
         tile->made |= 1u << place;
-        tile->greatest_depth[place] = greatest_depth(packet, cells->main_axis);
+        tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
     }
     cells->closed &= ~(1u << place);
     if (cells->cover[place] != MLRT_NONE) {

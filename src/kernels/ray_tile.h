@@ -64,7 +64,7 @@ MLRT_INLINE int can_be_closed(const struct mlrt_packet *packet, uint32_t *skip)
 }
 
 /* The greatest depth of a packet's directions. */
-MLRT_INLINE float greatest_depth(const struct mlrt_packet *packet, int main_axis)
+MLRT_INLINE float greatest_direction(const struct mlrt_packet *packet, int main_axis)
 {
     vf greatest = v_set1(0);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -111,7 +111,7 @@ static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
         set_cell_slopes(cells, place, side, least[side] - fabsf(least[side]) * SLOPE_SLACK,
                         greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK);
     }
-    tile->greatest_depth[place] = greatest_depth(packet, a);
+    tile->greatest_depth[place] = greatest_direction(packet, a);
     if (packet->has_limits) {
         cells->farthest[place] = farthest_depth(packet, a);
         cells->shortest[place] = shortest_depth(packet, a);

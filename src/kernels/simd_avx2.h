@@ -50,6 +50,10 @@ MLRT_INLINE vf v_mul_add(vf a, vf b, vf c)
 {
     return _mm256_fmadd_ps(a, b, c);
 }
+MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c)
+{
+    return _mm256_fmsub_ps(a, b, c);
+}
 MLRT_INLINE vf v_div(vf a, vf b)
 {
     return _mm256_div_ps(a, b);

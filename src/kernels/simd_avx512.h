@@ -50,6 +50,10 @@ MLRT_INLINE vf v_mul_add(vf a, vf b, vf c)
 {
     return _mm512_fmadd_ps(a, b, c);
 }
+MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c)
+{
+    return _mm512_fmsub_ps(a, b, c);
+}
 MLRT_INLINE vf v_div(vf a, vf b)
 {
     return _mm512_div_ps(a, b);

@@ -5,6 +5,7 @@
  *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to
  * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN;
  * comparisons with a NaN are false. A mask lane is all ones or all zeros; m_bits has lane i in bit i.
+ *   v_mul_add is a b + c and v_mul_sub a b - c, with one rounding or two: only what has bounds for both may use them.
  *   vd doubles; DW lanes, which are loaded from floats and rounded to floats.
  */
 #ifndef MLRT_SIMD_SCALAR_H
@@ -69,6 +70,10 @@ MLRT_INLINE vf v_mul(vf a, vf b)
 MLRT_INLINE vf v_mul_add(vf a, vf b, vf c)
 {
     return a * b + c;
+}
+MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c)
+{
+    return a * b - c;
 }
 MLRT_INLINE vf v_div(vf a, vf b)
 {

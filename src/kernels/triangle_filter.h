@@ -17,12 +17,15 @@
  * does not: its error shrinks with the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled,
  * and scaled like this they have one bound for all triangles.
  *
- * EDGES, with u = 2^-24 and R the largest of |d_main|, 2 |d_j|, 2 |d_l| of the rays at hand. Roundings of a component
+ * EDGES, with u = 2^-24 and R no less than |d_main|, 2 |d_j|, 2 |d_l| of the rays at hand. Roundings of a component
  * of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be
  * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, 1 / size 1, the product with
  * it 1; in the dot product the products have 1 and the sums 2. That makes 10, relative to the sum of |d_k| M_k / size,
  * which is at most R for the size without rounding. As computed it is less by at most 8 roundings. So
  * |e' - exact| <= 10.001 u R.
+ *
+ * Where a processor multiplies and adds at once, in cross and dot products, there is one rounding in place of the
+ * product's and the sum's: less than is counted here.
  *
  * Underflow: float sums have none. A product in the cross product may lose 2^-150; since size is made at least 2^-100,
  * the three components lose no more than 2^-47 R in all. The product with 1 / size may lose 2^-150 and so may those
@@ -62,7 +65,7 @@ MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3
 {
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        cross[k] = v_sub(v_mul(first[i], second[j]), v_mul(first[j], second[i]));
+        cross[k] = v_mul_sub(first[i], second[j], v_mul(first[j], second[i]));
     }
 }
 
