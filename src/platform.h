@@ -61,16 +61,6 @@ MLRT_INLINE void mlrt_prefetch(const void *address)
 #endif
 }
 
-/* Likewise, of one that will be read later: into the second-level cache. */
-MLRT_INLINE void mlrt_prefetch_early(const void *address)
-{
-#if defined(__GNUC__)
-    __builtin_prefetch(address, 0, 2);
-#else
-    (void)address;
-#endif
-}
-
 /* Likewise, of one that will be written. */
 MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
 {

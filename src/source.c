@@ -375,30 +375,23 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 /* ---- ahead of time ---- */
 
 /* Always inlined: to the compiler a function that only prefetches does nothing, and a call of it is dropped. */
-MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, const struct mlrt_source *source, size_t first,
-                               uint32_t columns, uint32_t rows, int early)
+MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, size_t first, uint32_t row_length, uint32_t width,
+                               uint32_t height)
 {
     if (!array->data) return;
     const char *row = (const char *)array->data + first * array->stride;
-    const size_t size = columns * array->stride;
-    for (uint32_t j = 0; j < rows; ++j, row += source->width * array->stride) {
-        for (size_t i = 0; i < size + 63; i += 64) {
-            const char *at = row + (i < size ? i : size - 1);
-            if (early) {
-                mlrt_prefetch_early(at);
-            } else {
-                mlrt_prefetch(at);
-            }
-        }
+    for (uint32_t j = 0; j < height; ++j, row += row_length * array->stride) {
+        for (size_t i = 0; i < width * array->stride; i += 64) mlrt_prefetch(row + i);
+        mlrt_prefetch(row + width * array->stride - 1);
     }
 }
 
-void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height, int early)
+void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height)
 {
     if (source->kind == MLRT_SOURCE_CAMERA || x >= source->width || y >= source->height) return;
-    const uint32_t columns = source->width - x < 16 ? source->width - x : 16;
-    const uint32_t rows = source->height - y < height ? source->height - y : height;
-    const size_t first = (size_t)y * source->width + x;
     const mlrt_const_array *const arrays[3] = {&source->points, &source->directions, &source->skip};
-    for (int i = 0; i < 3; ++i) prefetch_rows(arrays[i], source, first, columns, rows, early);
+    const uint32_t width = source->width - x < 16 ? source->width - x : 16;
+    if (height > source->height - y) height = source->height - y;
+    const size_t first = (size_t)y * source->width + x;
+    for (int i = 0; i < 3; ++i) prefetch_rows(arrays[i], first, source->width, width, height);
 }

@@ -92,9 +92,9 @@ void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *
 
 /*
  * Has the rays of up to 16 columns and `height` rows from (x, y), if there are such, brought into the cache if they lie
- * in arrays: `early` into the second-level cache, else into the first. (Rows of a picture are often a multiple of the
- * page size apart. Then lines of sixteen rows drive each other out of the first.)
+ * in arrays. Rows of a picture are often a multiple of the page size apart: then lines of sixteen rows drive each other
+ * out of the first-level cache, and four rows are better fetched once more before they are read.
  */
-void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height, int early);
+void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height);
 
 #endif

@@ -1325,18 +1325,25 @@ static double attack_packet_slope(const float *input)
                 slack_used(truth, tile.cells.slopes[0].hi[0], SLOPE_SLACK, 1));
 }
 
-/* Inputs: |d|, t. Nothing up to the depth of the nearest hit may be passed over. */
+/* Inputs: |d|, t. Nothing up to the depth of the nearest hit may be passed over, nor up to where all rays end. */
 static double attack_farthest_depth(const float *input)
 {
-    static struct mlrt_packet packet;
+    static struct ray_tile tile;
+    struct mlrt_packet *packet = &tile.packets[0];
+    double worst = 0;
     if (input[0] == 0) return -1;
-    packet.active = 1;
-    packet.direction[0][0] = input[0];
-    packet.hi[0] = fabsf(input[1]);
-    const float farthest = farthest_depth(&packet, 0);
+    tile.cells.sign = 1;
+    packet->active = 1;
+    packet->direction[0][0] = fabsf(input[0]);
+    packet->t_max[0] = packet->hi[0] = fabsf(input[1]);
+    if (!add_packet(&tile, 0)) return INFINITY;
     mpf_set_d(truth, fabs((double)input[0] * input[1]));
-    if (farthest < round_down_exactly(truth)) return INFINITY;
-    return is_normal(truth) ? slack_used(truth, farthest, SLOPE_SLACK, 1) : 0;
+    for (int found_hit = 0; found_hit < 2; ++found_hit) {
+        const float farthest = found_hit ? farthest_depth(packet, 0) : tile.cells.farthest[0];
+        if (farthest < round_down_exactly(truth)) return INFINITY;
+        if (is_normal(truth)) worst = fmax(worst, slack_used(truth, farthest, SLOPE_SLACK, 1));
+    }
+    return worst;
 }
 
 /*
@@ -1359,7 +1366,7 @@ static double attack_cell_box(const float *input)
     cells->apex[1] = input[5];
     packet->direction[0][0] = input[6];
     packet->direction[1][0] = input[7];
-    packet->hi[0] = INFINITY;
+    packet->t_max[0] = packet->hi[0] = INFINITY;
     packet->active = 1;
     for (uint32_t i = 1; i < CELL_COUNT; ++i) leave_out_cell(cells, i);
     if (!add_packet(&tile, 0)) return -1;

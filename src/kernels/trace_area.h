@@ -119,7 +119,7 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         const struct rectangle block = block_of_tile(tile, place);
-        if (place % 4 == 0 && place < 12) mlrt_prefetch_rays(&job->source, block.x, block.y + 4, 4, 0);
+        if (place % 4 == 0 && place < 12) mlrt_prefetch_rays(&job->source, block.x, block.y + 4, 4);
         lanes[place] = existing_lanes(&job->source, &block);
         fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
     }
@@ -175,7 +175,7 @@ static void prefetch_around(const struct mlrt_job *job, const struct rectangle *
 {
     uint32_t x, y;
     find_next_tile(&job->source, tile, &x, &y);
-    mlrt_prefetch_rays(&job->source, x, y, 16, 1);
+    mlrt_prefetch_rays(&job->source, x, y, 16);
     if (job->has_frame) mlrt_prefetch_sink(tile->x, tile->y, tile->width, tile->height, &job->frame);
 }
 
