@@ -128,7 +128,7 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := library tree save trace meshes host structs memory progress scheduler render camera beam offset grid exact \
+COLD := library tree save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
         bvh_build bvh_check bvh_collapse kdtree_build kdtree_check split clip all_hits hit_list
 
 # What is as fast if it is small, or faster: counted in instructions of examples/render.

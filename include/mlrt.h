@@ -686,12 +686,13 @@ typedef struct mlrt_const_array {
 } mlrt_const_array;
 
 /*
- * Rays. Neighbours should be alike: rays are grouped in the order given, 16 at a time and then more. Rows of pixels in
- * `row_length` let groups be squares instead. Any rays give right answers; alike ones are faster.
+ * Rays. Neighbours should be alike: rays are grouped in the order given, 16 at a time and then more. Rows of pixels let
+ * groups be squares instead: say how long they are in `row_length`; without it, mlrt_trace_packet looks for them. Any
+ * rays give right answers; alike ones are faster.
  */
 typedef struct mlrt_rays {
     uint32_t struct_size;        /* sizeof(mlrt_rays) */
-    uint32_t row_length;         /* rays per row of a picture; 0 = a plain list. A hint for speed only */
+    uint32_t row_length;         /* rays per row of a picture; 0 = not known. A hint for speed only */
     size_t count;                /* at most 2^31 - 1 */
     mlrt_const_array origins;    /* float[3] */
     mlrt_const_array directions; /* float[3], of any length */
@@ -915,7 +916,7 @@ typedef struct mlrt_light {
 /* Points that may be in shadow. */
 typedef struct mlrt_points {
     uint32_t struct_size;       /* sizeof(mlrt_points) */
-    uint32_t row_length;        /* as in mlrt_rays */
+    uint32_t row_length;        /* points per row of a picture; 0 = a plain list. A hint for speed only */
     size_t count;               /* at most 2^31 - 1 */
     mlrt_const_array positions; /* float[3] */
     mlrt_const_array

@@ -25,14 +25,19 @@ static int resolve_array(const mlrt_const_array *array, size_t element_size, int
     return resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
 }
 
-static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
+void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
 {
-    if (count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
-    source->count = (uint32_t)count;
     source->width = row_length ? row_length : 4;
     const uint32_t widest = source->count > 4 ? source->count : 4;
     if (source->width > widest) source->width = widest;
     source->height = source->count / source->width + (source->count % source->width != 0);
+}
+
+static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
+{
+    if (count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
+    source->count = (uint32_t)count;
+    mlrt_set_rows(row_length, source);
     return MLRT_OK;
 }
 
@@ -220,8 +225,8 @@ MLRT_INLINE void load_vectors(const mlrt_const_array *array, uint32_t first, f4 
 }
 
 /* Words of elements, lane by lane: word k of lane l goes to words[k][l]. */
-static MLRT_NOINLINE void fetch_lanes(const mlrt_const_array *array, const struct block *block, int word_count,
-                                      void *const *words)
+static MLRT_SMALL void fetch_lanes(const mlrt_const_array *array, const struct block *block, int word_count,
+                                   void *const *words)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const float *element = float_at(array, element_of_lane(block, lane));
@@ -290,7 +295,8 @@ static void fetch_skips(const mlrt_const_array *array, const struct block *block
     }
 }
 
-static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
+static MLRT_SMALL void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y,
+                                         struct mlrt_packet *packet)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         float p[3];
@@ -322,7 +328,8 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
 }
 
 /* Those of lanes that do not exist are anything. */
-static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
+static MLRT_SMALL void fetch_masks(const struct mlrt_source *source, const struct block *block,
+                                   struct mlrt_packet *packet)
 {
     mlrt_set_common_mask(source, packet);
     for (uint32_t lane = 0; source->mask.data && lane < MLRT_PACKET_RAYS; ++lane) {

@@ -51,6 +51,9 @@ int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays
 int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                struct mlrt_source *source);
 
+/* Gives the arrays of a source rows of this length; 0 makes them a list. */
+void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source);
+
 /* The triangles of a mesh: none if there is no such mesh. */
 struct mlrt_mesh_range {
     uint32_t first;

@@ -12,6 +12,7 @@
 #include "host.h"
 #include "offset.h"
 #include "render.h"
+#include "rows.h"
 #include "structs.h"
 #include "trace_ray.h"
 
@@ -122,6 +123,7 @@ static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_r
                                              const mlrt_hits *hits, struct mlrt_job *job)
 {
     int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
+    if (status == MLRT_OK && !rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
     if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
     if (status == MLRT_OK) status = mlrt_make_sink(hits, job->any, job->source.width, 1, &job->frame);
     job->has_frame = 1;

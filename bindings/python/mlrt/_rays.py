@@ -47,7 +47,8 @@ class Rays:
         self.count = shape[0] if len(shape) == 1 else prod(shape)
         self._alive: list[np.ndarray] = []
         self.packed = pack_rays(
-            row_length or _row_length(shape, origins, directions),
+            # Rays of an array with two axes or more come in rows, as pixels do. Of a list, the library finds them.
+            row_length or (shape[-1] if len(shape) >= 2 and shape[-1] >= 4 else 0),
             self.count,
             *self._array(origins, 3),
             *self._array(directions, 3),
@@ -74,39 +75,3 @@ def _common_shape(
     shapes += [array.shape for array in (t_min, t_max, mask) if array is not None]
     shapes += [skip.shape[:-1]] if skip is not None else []
     return np.broadcast_shapes(*shapes)
-
-
-# A flat list is looked at for rows only if it is so long that this takes less than a hundredth of tracing it.
-_FLAT_ROWS_COUNT = 1 << 16
-_FLAT_ROW_LENGTH = 8192  # the longest row found
-
-
-def _row_length(shape: tuple[int, ...], origins: np.ndarray, directions: np.ndarray) -> int:
-    """Rays of an array with two axes or more come in rows, as pixels do; groups are squares of 4x4 at least.
-
-    Long flat lists of pixels are rows as well, if they look so. Wrong guesses cost time, never answers.
-    """
-    if len(shape) >= 2:
-        return shape[-1] if shape[-1] >= 4 else 0
-    if len(shape) == 0 or shape[0] < _FLAT_ROWS_COUNT:
-        return 0
-    return _period(directions, shape[0]) or _period(origins, shape[0])
-
-
-def _period(vectors: np.ndarray, count: int) -> int:
-    """The distance of the jumps in a list of vectors, if they come at even distances that divide `count`, else 0.
-
-    A jump is a step of more than half of the largest one, which is that from the end of a row to the start of the next.
-    """
-    if vectors.ndim != 2 or len(vectors) != count:
-        return 0
-    with np.errstate(all="ignore"):
-        steps = np.diff(vectors[: 2 * _FLAT_ROW_LENGTH + 1], axis=0)
-        np.abs(steps, out=steps)
-        lengths = steps[:, 0] + steps[:, 1]
-        lengths += steps[:, 2]
-        jumps = np.flatnonzero(lengths > lengths.max() / 2) + 1
-    period = int(jumps[0]) if len(jumps) else 0
-    if period < 4 or len(jumps) < 2 or count % period:
-        return 0
-    return period if np.array_equal(jumps, np.arange(period, len(lengths) + 1, period)) else 0

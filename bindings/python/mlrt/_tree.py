@@ -234,7 +234,7 @@ class Tree:
         (...), broadcast as well: rays with masks of their own go alone, and slower, where meshes have masks.
 
         outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead.
-        row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes, or for long flat
+        row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes, or for flat
         lists what they look like. float32 arrays whose numbers are packed and whose strides are positive are read where they are,
         others are copied once. Without the GIL.
         method, isa: how to trace. They never change the results. A method that needs a structure the tree does not have is an
