@@ -101,7 +101,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: deps deps-study deps-docs deps-bindings
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn test-wheel test-trimesh
 .PHONY: install install-strip uninstall
-.PHONY: bench charts charts-accuracy charts-speed
+.PHONY: bench charts charts-accuracy charts-speed sweep
 .SECONDARY:
 
 all: library examples
@@ -299,6 +299,10 @@ charts-speed: | $(AFTER_DEPS)
 	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
 	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
+
+# What the library decides while it traces, against fixed choices; some 20 minutes with three scenes.
+sweep: | $(AFTER_DEPS)
+	$(PYTHON) examples/bench/sweep.py $(BENCH_ALL) > docs/data/sweep.csv
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 

@@ -31,6 +31,7 @@
 #include "platform.h"
 #include "predicate.h"
 #include "scheduler.h"
+#include "tuning.h"
 
 /* ---- settings ------------------------------------------------------------------------------------------------ */
 
@@ -68,7 +69,7 @@ static const struct preset PRESETS[] = {
  *
  * So small leaves save quads, by a third at most, but not visits. `quad` is there to be tried with other kernels.
  */
-static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, 0.0f, 0.02f};
+static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, 0.0f, MLRT_TRIANGLE_COST};
 
 /*
  * A plane must be this much better than the best other split. In scenes of regular parts both are often about the same,

@@ -7,6 +7,7 @@
 
 #include "output.h"
 #include "source.h"
+#include "tuning.h"
 
 /* One call of the interface, as all workers see it. */
 struct mlrt_job {
@@ -76,8 +77,6 @@ struct mlrt_leaf_setup {
     MLRT_ALIGNED(64) float least_n[MLRT_BVH_LEAF_LIMIT];     /* bounds of |N| */
     MLRT_ALIGNED(64) float greatest_n[MLRT_BVH_LEAF_LIMIT];
 };
-
-#define MLRT_LEAF_SETUP_BITS 5 /* 45 KiB */
 
 /* Two triangles, and whether they lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
 struct mlrt_plane_pair {

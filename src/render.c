@@ -122,7 +122,9 @@ static void begin_worker(const struct mlrt_job *job, struct mlrt_worker *worker)
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) worker->apex[k] = worker->leaf_apex[k] = NAN;
     worker->mask = job->source.common_mask;
-    worker->open_tiles = worker->open_squares = worker->mesh = 0;
+    worker->open_tiles = MLRT_FIRST_OPEN_TILES;
+    worker->open_squares = MLRT_FIRST_OPEN_SQUARES;
+    worker->mesh = 0;
 }
 
 static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,

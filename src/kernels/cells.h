@@ -27,10 +27,6 @@
 /* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
 #define WIDEST_PACKET 0.25f
 
-/* Nor does one that is so many times as wide as most of its tile. Shadows of cruiser_mgf and erw6, Mray/s: 41 and 94
- * with 2, 45 and 107 with 3, 43 and 110 with 4, 35 and 110 with 8, 19 and 116 without. */
-#define WIDE_FACTOR 3.0f
-
 /* Parts of a packet that cannot go as one are so wide at most. */
 #define WIDEST_PART 0.03f
 

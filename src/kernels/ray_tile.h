@@ -125,7 +125,7 @@ static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
     return 1;
 }
 
-/* Of packets of these widths, those wider than WIDE_FACTOR times most: than a quarter of them, as edges may be many. */
+/* Of packets of these widths, those wider than MLRT_WIDE_FACTOR times most: than a quarter of them, as edges may be many. */
 static MLRT_SMALL uint32_t find_widest(const float widths[CELL_COUNT], uint32_t gathered, float *limit)
 {
     float sorted[CELL_COUNT] = {0};
@@ -136,7 +136,7 @@ static MLRT_SMALL uint32_t find_widest(const float widths[CELL_COUNT], uint32_t 
         for (; at > 0 && sorted[at - 1] > width; --at) sorted[at] = sorted[at - 1];
         sorted[at] = width;
     }
-    *limit = WIDE_FACTOR * sorted[count / 4];
+    *limit = MLRT_WIDE_FACTOR * sorted[count / 4];
     for (uint32_t left = gathered; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         if (widths[place] > *limit) wide |= 1u << place;
@@ -160,7 +160,7 @@ static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered, 
         least = v_min(v_select(m_from_bits(gathered >> v), width, v_set1(INFINITY)), least);
         greatest = v_max(width, greatest);
     }
-    if (MLRT_LIKELY(v_hmax(greatest) <= WIDE_FACTOR * v_hmin(least))) return 0;
+    if (MLRT_LIKELY(v_hmax(greatest) <= MLRT_WIDE_FACTOR * v_hmin(least))) return 0;
     return find_widest(widths, gathered, limit);
 }
 

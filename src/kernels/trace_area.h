@@ -50,9 +50,6 @@ static void close_packets(struct ray_tile *tile)
     tile->cells.closed = 0;
 }
 
-/* Fewer rays than this go alone, when their packet is cut. */
-#define LEAST_PART 5
-
 /*
  * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
  * off. Where either are too few they go alone. Returns the new cells.
@@ -67,10 +64,10 @@ static MLRT_SMALL uint32_t cut_wide_packets(const struct mlrt_job *job, struct m
         struct mlrt_packet *packet = &tile->packets[place];
         const uint32_t near = lanes_near_first(packet, packet->active, tile->cells.main_axis, width);
         const uint32_t others = packet->active & ~near;
-        uint32_t alone = mlrt_count_bits(others) < LEAST_PART ? others : 0;
+        uint32_t alone = mlrt_count_bits(others) < MLRT_LEAST_PART ? others : 0;
         put_off[place] = others & ~alone;
         packet->active = near;
-        if (mlrt_count_bits(near) >= LEAST_PART && add_packet(tile, place)) {
+        if (mlrt_count_bits(near) >= MLRT_LEAST_PART && add_packet(tile, place)) {
             cells |= 1u << place;
         } else {
             alone |= near;
@@ -148,9 +145,6 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
     write_packet(job, worker, packet, existing_lanes(&job->source, &block), &block);
 }
 
-/* Where all cells of one area had to be opened, so have those of the next ones, mostly: these begin with open cells. */
-#define OPEN_RUN 3
-
 static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
 {
     for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
@@ -205,7 +199,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         tile.cells.tile = &tile;
         if (worker->open_tiles) open_packets(job, worker, &tile);
         traverse_bvh(job, worker, &tile.cells);
-        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? OPEN_RUN : 0;
+        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? MLRT_TILE_RUN : 0;
     } else {
         tile.made = 0xFFFF;
         const uint32_t waiting = make_packets(job, worker, &tile);
@@ -238,7 +232,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     } else if (gather_picture_cells(job, area, 16, &cells)) {
         cells.tile = NULL;
         traverse_bvh(job, worker, &cells);
-        if (!cells.closed) worker->open_squares = OPEN_RUN;
+        if (!cells.closed) worker->open_squares = MLRT_SQUARE_RUN;
     }
     for (uint32_t j = 0; j < area->height; j += 16) {
         for (uint32_t i = 0; i < area->width; i += 16) {

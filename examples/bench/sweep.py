@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""sweep.py - what the library decides while it traces, against fixed choices
+
+    sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 3] [--jobs N]
+
+builds the bench program once for every setting of src/tuning.h listed here (in build/sweep/), runs all of them in turn, and
+prints CSV: scene, kind, setting, Mray/s, and the rate over that of the settings as they are. Every run also times Embree on the
+same rays, and rates are compared as multiples of Embree's, so that a machine that slows down does so for both. Medians of
+all rounds.
+"""
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+
+# Name -> macros. The first is what is compared with.
+SETTINGS = {
+    "as it is": {},
+    "never squares": {"FIRST_OPEN_SQUARES": "0xFFFFFFFFu"},
+    "always squares": {"SQUARE_RUN": "0"},
+    "tiles always open": {"FIRST_OPEN_TILES": "0xFFFFFFFFu"},
+    "tiles always closed": {"TILE_RUN": "0"},
+    "runs of 1": {"TILE_RUN": "1", "SQUARE_RUN": "1"},
+    "runs of 8": {"TILE_RUN": "8", "SQUARE_RUN": "8"},
+    "wide packets stay": {"WIDE_FACTOR": "1e30f"},
+    "wide packets go alone": {"LEAST_PART": "17"},
+    "wide from 2": {"WIDE_FACTOR": "2.0f"},
+    "wide from 5": {"WIDE_FACTOR": "5.0f"},
+    "8 set-ups kept": {"LEAF_SETUP_BITS": "3"},
+    "128 set-ups kept": {"LEAF_SETUP_BITS": "7"},
+    "small leaves": {"TRIANGLE_COST": "0.08f"},
+    "large leaves": {"TRIANGLE_COST": "0.005f"},
+}
+
+
+def program(name, jobs):
+    """Builds the bench program with a setting, and returns where it is."""
+    folder = os.path.join("build", "sweep", name.replace(" ", "-"))
+    flags = " ".join(f"-DMLRT_{macro}={value}" for macro, value in SETTINGS[name].items())
+    path = os.path.join(folder, "bin", "bench")
+    make = ["make", "--no-print-directory", f"-j{jobs}", f"BUILD={folder}", f"CPPFLAGS={flags}", path]
+    subprocess.run(make, check=True, stdout=sys.stderr)
+    return path
+
+
+def run(path, scene, options):
+    """kind -> (Mray/s, the same over Embree's)"""
+    command = [path, "--scene", scene, "--kind", options.kinds, "--runs", "5", "--csv"]
+    command += ["--views", options.views] if options.views else []
+    lines = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()[1:]
+    rows = [line.split(",") for line in lines]
+    return rows[0][0], {row[1]: (float(row[5]), float(row[5]) / float(row[6])) for row in rows}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--scene", action="append")
+    parser.add_argument("--views")
+    parser.add_argument("--kinds", default="primary,shadow")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    options = parser.parse_args()
+    programs = {name: program(name, options.jobs) for name in SETTINGS}
+    print("scene,kind,setting,mrays,over_as_it_is")
+    for scene in options.scene or ["room", "office", "building", "scan"]:
+        results = {}
+        for _ in range(options.rounds):
+            for name, path in programs.items():
+                title, of_kinds = run(path, scene, options)
+                for kind, result in of_kinds.items():
+                    results.setdefault((title, kind), {}).setdefault(name, []).append(result)
+        for (title, kind), of_settings in results.items():
+            middle = {name: [statistics.median(numbers) for numbers in zip(*runs)] for name, runs in of_settings.items()}
+            base = middle["as it is"][1]
+            for name, (rate, ratio) in middle.items():
+                print(f"{title},{kind},{name},{rate:.2f},{ratio / base:.3f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What method tile decides by itself while it traces, and the numbers it does so with. They are here, and can be set by
+ * the compiler's command line, so that a sweep (examples/bench/sweep.py) can compare each with fixed choices;
+ * docs/performance.md has what it found.
+ */
+#ifndef MLRT_TUNING_H
+#define MLRT_TUNING_H
+
+/*
+ * Where all cells of one area had to be opened, so have those of the next ones, mostly: so many tiles of 16x16 begin
+ * with open cells, and so many squares of 64x64 with their tiles. 0: all areas begin with closed cells.
+ */
+#ifndef MLRT_TILE_RUN
+#define MLRT_TILE_RUN 3
+#endif
+#ifndef MLRT_SQUARE_RUN
+#define MLRT_SQUARE_RUN 3
+#endif
+
+/* How many begin so at first. 0xFFFFFFFF: all. */
+#ifndef MLRT_FIRST_OPEN_TILES
+#define MLRT_FIRST_OPEN_TILES 0
+#endif
+#ifndef MLRT_FIRST_OPEN_SQUARES
+#define MLRT_FIRST_OPEN_SQUARES 0
+#endif
+
+/* A packet so many times as wide as most of its tile does not go with it: it is cut in two, and what is still too wide
+ * goes ray by ray. */
+#ifndef MLRT_WIDE_FACTOR
+#define MLRT_WIDE_FACTOR 3.0f
+#endif
+
+/* Parts of packets with fewer rays than this go ray by ray. 17: none is cut. */
+#ifndef MLRT_LEAST_PART
+#define MLRT_LEAST_PART 5
+#endif
+
+/* A worker keeps 1 << this set-ups of leaves, of 1.4 KiB. */
+#ifndef MLRT_LEAF_SETUP_BITS
+#define MLRT_LEAF_SETUP_BITS 5
+#endif
+
+/* What a triangle more in a leaf costs the builder, where a node costs 1: less makes larger leaves. */
+#ifndef MLRT_TRIANGLE_COST
+#define MLRT_TRIANGLE_COST 0.02f
+#endif
+
+#endif
