@@ -125,7 +125,8 @@ static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
     return 1;
 }
 
-/* Of packets of these widths, those wider than MLRT_WIDE_FACTOR times most: than a quarter of them, as edges may be many. */
+/* Of packets of these widths, those wider than MLRT_WIDE_FACTOR times most: than a quarter of them, as edges may be
+ * many. */
 static MLRT_SMALL uint32_t find_widest(const float widths[CELL_COUNT], uint32_t gathered, float *limit)
 {
     float sorted[CELL_COUNT] = {0};

@@ -6,8 +6,8 @@
 static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                               mlrt_counters *counters)
 {
-    for (uint32_t lane = 0; lanes >> lane; ++lane) {
-        if (!(lanes >> lane & 1)) continue;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;
         mlrt_get_segment(packet, lane, &ray);
         if (!packet->has_masks) ray.mask = job->source.common_mask;

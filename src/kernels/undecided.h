@@ -25,9 +25,9 @@ static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint3
                             struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t settled = 0;
-    for (uint32_t lane = 0; lanes >> lane; ++lane) {
-        const uint32_t nearest = packet->triangle[lane];
-        if (!(lanes >> lane & 1) || nearest == MLRT_NONE) continue;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes), nearest = packet->triangle[lane];
+        if (nearest == MLRT_NONE) continue;
         const int earlier = number < nearest;
         if (earlier && !(inside >> lane & 1)) continue;
         if (!share_plane(tree, number, nearest, worker)) continue;
@@ -42,8 +42,8 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
                             struct mlrt_worker *worker)
 {
     uint32_t hit = 0;
-    for (uint32_t lane = 0; lanes >> lane; ++lane) {
-        if (!(lanes >> lane & 1)) continue;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;
         mlrt_get_segment(packet, lane, &ray);
         struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
