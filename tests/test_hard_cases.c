@@ -174,6 +174,28 @@ static void short_segments_far_before_a_triangle(void **state)
     finish(&fixture, &list);
 }
 
+/* Where coordinates are large, N overflows in float, and so does t_min D, though t_min is less than t by far. */
+static void ranges_that_begin_far_away(void **state)
+{
+    (void)state;
+    struct random random = {46};
+    for (int exponent = 30; exponent <= 59; exponent++) {
+        const float size = ldexpf(1, exponent), a[3] = {0, 0, 0}, b[3] = {size, 0, 0}, c[3] = {0, size, 0};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        soup_add_triangle(&soup, a, b, c);
+        struct fixture fixture = fixture_of_soup("far away", (uint64_t)exponent, &soup);
+        for (size_t i = 0; i < scaled(64); i++) {
+            const float origin[3] = {0.25f * size, 0.25f * size, draw_range(&random, 0.5f, 1) * size};
+            const float length = ldexpf(1, -(int)draw_below(&random, 56));
+            float direction[3] = {0.1f * length, 0.2f * length, -length};
+            struct reference_ray *ray = add_ray(&list, origin, direction);
+            ray->t_min = ldexpf(origin[2] / length, -(int)draw_below(&random, 40));
+        }
+        finish_quickly(&fixture, &list);
+    }
+}
+
 static void coplanar_rays(void **state)
 {
     (void)state;
@@ -899,6 +921,7 @@ int main(void)
         cmocka_unit_test(needles_that_share_edges),
         cmocka_unit_test(grazing_rays_at_skinny_triangles),
         cmocka_unit_test(short_segments_far_before_a_triangle),
+        cmocka_unit_test(ranges_that_begin_far_away),
         cmocka_unit_test(coplanar_rays),
         cmocka_unit_test(origins_within_an_ulp_of_a_triangle),
         cmocka_unit_test(t_exactly_at_both_ends),

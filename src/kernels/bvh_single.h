@@ -35,8 +35,9 @@
  * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
  * quotients that become t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
  * Overflow: p and q are finite, magnitudes being 2^60 at most. What is more than 2^126 in the rest has a bound that
- * overflows when it is multiplied by 4 on the way: then everything is undecided. So scenes much smaller than 2^-20 or
- * larger than 2^40 are slow here, not wrong.
+ * overflows when it is multiplied by 4 on the way: then everything is undecided, since nothing is compared with <= or
+ * >=, which would say that infinities are in order. So scenes much smaller than 2^-20 or larger than 2^40 are slow
+ * here, not wrong.
  *
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
  * Rid of Packets", 2008 (one ray, wide nodes).

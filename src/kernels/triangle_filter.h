@@ -135,7 +135,7 @@ MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm c
     const vf least_d = v_sub(size, test->plane_bound), greatest_d = v_add(size, test->plane_bound);
     const vf least_n = v_sub(distance, test->distance_bound), greatest_n = v_add(distance, test->distance_bound);
     const vm certain = m_and(candidates, v_gt(least_d, test->plane_bound));
-    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_le(greatest_n, v_mul(t_min, least_d)));
+    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_lt(greatest_n, v_mul(t_min, least_d)));
     const vm nearer = m_and(v_lt(greatest_n, v_mul(lo, least_d)), v_gt(least_n, v_mul(t_min, greatest_d)));
     verdict.inside = m_and(certain, m_or(v_gt(test->least, test->above), v_lt(test->greatest, test->below)));
     verdict.nearer = m_and(verdict.inside, nearer);
