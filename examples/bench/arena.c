@@ -50,10 +50,10 @@ static int build_own_tree(const struct bench_settings *settings, struct arena *a
     return status != MLRT_ERROR_UNSUPPORTED;
 }
 
-static int build_peers(struct arena *arena)
+static int build_peers(const struct bench_settings *settings, struct arena *arena)
 {
     const struct peer_settings fast = {.quality = PEER_HIGH_QUALITY}, robust = {1, PEER_HIGH_QUALITY, 0};
-    if (!have_peer() || !arena->tree) return 0;
+    if (settings->alone || !have_peer() || !arena->tree) return 0;
     arena->fast = create_peer(&arena->subject.scene, &fast, NULL);
     arena->robust = create_peer(&arena->subject.scene, &robust, NULL);
     return !arena->fast || !arena->robust;
@@ -68,7 +68,7 @@ int open_arena(const struct bench_settings *settings, const char *word, struct a
         if (!arena->crew) return 1;
     }
     return load_subject(word, settings->views, settings->view, &arena->subject) || build_own_tree(settings, arena) ||
-           build_peers(arena);
+           build_peers(settings, arena);
 }
 
 void close_arena(struct arena *arena)

@@ -15,6 +15,7 @@ struct bench_settings {
     uint32_t kinds, methods, isas; /* a bit for each */
     int32_t structure, preset, study;
     int csv;
+    int alone; /* without Embree */
 };
 
 extern const char *const method_names[6], *const isa_names[5];

@@ -4,10 +4,10 @@
 
     sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 3] [--jobs N]
 
-builds the bench program once for every setting of src/tuning.h listed here (in build/sweep/), runs all of them in turn, and
-prints CSV: scene, kind, setting, Mray/s, and the rate over that of the settings as they are. Every run also times Embree on the
-same rays, and rates are compared as multiples of Embree's, so that a machine that slows down does so for both. Medians of
-all rounds.
+builds the bench program once for every setting of src/tuning.h listed here (in build/sweep/), and prints CSV: scene, kind, setting,
+Mray/s, and the rate over that of the settings as they are. Each run of a setting is between two of the settings as they are, and
+compared with the mean of both, so that a machine that slows down does so for all three. Medians of all rounds; the settings
+as they are are among those that are compared, which shows how far chance goes.
 """
 import argparse
 import os
@@ -15,7 +15,7 @@ import statistics
 import subprocess
 import sys
 
-# Name -> macros. The first is what is compared with.
+# Name -> macros. The first is what all are compared with.
 SETTINGS = {
     "as it is": {},
     "never squares": {"FIRST_OPEN_SQUARES": "0xFFFFFFFFu"},
@@ -46,12 +46,12 @@ def program(name, jobs):
 
 
 def run(path, scene, options):
-    """kind -> (Mray/s, the same over Embree's)"""
-    command = [path, "--scene", scene, "--kind", options.kinds, "--runs", "5", "--csv"]
+    """The scene's name, and kind -> Mray/s"""
+    command = [path, "--alone", "--scene", scene, "--kind", options.kinds, "--runs", "9", "--csv"]
     command += ["--views", options.views] if options.views else []
     lines = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()[1:]
     rows = [line.split(",") for line in lines]
-    return rows[0][0], {row[1]: (float(row[5]), float(row[5]) / float(row[6])) for row in rows}
+    return rows[0][0], {row[1]: float(row[5]) for row in rows}
 
 
 def main():
@@ -63,19 +63,21 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
     programs = {name: program(name, options.jobs) for name in SETTINGS}
+    base = programs[next(iter(SETTINGS))]
     print("scene,kind,setting,mrays,over_as_it_is")
     for scene in options.scene or ["room", "office", "building", "scan"]:
         results = {}
+        title, before = run(base, scene, options)
         for _ in range(options.rounds):
             for name, path in programs.items():
-                title, of_kinds = run(path, scene, options)
-                for kind, result in of_kinds.items():
-                    results.setdefault((title, kind), {}).setdefault(name, []).append(result)
-        for (title, kind), of_settings in results.items():
-            middle = {name: [statistics.median(numbers) for numbers in zip(*runs)] for name, runs in of_settings.items()}
-            base = middle["as it is"][1]
-            for name, (rate, ratio) in middle.items():
-                print(f"{title},{kind},{name},{rate:.2f},{ratio / base:.3f}", flush=True)
+                rates, (_, after) = run(path, scene, options)[1], run(base, scene, options)
+                for kind, rate in rates.items():
+                    ratio = 2 * rate / (before[kind] + after[kind])
+                    results.setdefault((kind, name), []).append((rate, ratio))
+                before = after
+        for (kind, name), of_rounds in sorted(results.items(), key=lambda item: item[0][0]):
+            rate, ratio = (statistics.median(numbers) for numbers in zip(*of_rounds))
+            print(f"{title},{kind},{name},{rate:.2f},{ratio:.3f}", flush=True)
 
 
 if __name__ == "__main__":
