@@ -8,7 +8,7 @@
  * slopes, and a depth behind which none of its rays looks any more; arrays have a place for each cell, so that one
  * step compares something with all of them.
  *
- * Slopes of rays have two roundings, and are moved apart by SLOPE_SLACK, 2^-20 of themselves. A depth or an offset
+ * Slopes of rays have three roundings, and are moved apart by SLOPE_SLACK, 2^-20 of themselves. A depth or an offset
  * p - apex has one, the product of a slope and a depth one more. So where a ray meets a box between depths near and
  * far, its x_j = s_j z has x_j <= max(S near, S far), S the upper slope, also as computed: the slack of S pays for the
  * roundings, or, where products are denormal, x_j is a multiple of 2^-149 and rounding keeps the order of it and S z. S
