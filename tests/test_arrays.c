@@ -243,6 +243,43 @@ static void rays_of_many_origins(void **state)
     free_fixture(&fixture);
 }
 
+/* Neighbours whose ranges differ: without an array, all begin at 0, or go on for ever. */
+static void ranges_of_one_origin(void **state)
+{
+    (void)state;
+    struct random random = {1907};
+    struct fixture fixture = three_meshes();
+    for (int given = 0; given < 4; given++) {
+        struct ray_list list = {0};
+        struct reference_hit expected[COUNT], got[COUNT];
+        uint8_t occluded[COUNT];
+        add_picture(&list);
+        for (size_t i = 0; i < list.count; i++) {
+            if (given & 1 && draw_below(&random, 2)) list.rays[i].t_min = draw_range(&random, 1.5f, 3.5f);
+            if (given & 2 && draw_below(&random, 2)) list.rays[i].t_max = draw_range(&random, 1.5f, 3.5f);
+        }
+        trace_reference(&fixture, &list, expected);
+        mlrt_rays rays = public_rays(&list);
+        if (!(given & 1)) rays.t_min.data = NULL;
+        if (!(given & 2)) rays.t_max.data = NULL;
+        for (size_t v = 0; v < variant_count(); v++) {
+            mlrt_trace_options options = variant_at(v)->options;
+            const mlrt_tree *tree = variant_tree(variant_at(v), &fixture);
+            mlrt_hits hits = public_hits(got, 0);
+            assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+            hits = (mlrt_hits){.struct_size = sizeof hits, .occluded = {occluded, 0, 0}};
+            options.query = MLRT_QUERY_ANY;
+            assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+            for (size_t i = 0; i < list.count; i++) {
+                check_hit(&fixture, "ranges", i, &list.rays[i], &expected[i], &got[i]);
+                assert_int_equal(occluded[i], expected[i].mesh != MLRT_NONE);
+            }
+        }
+        free_rays(&list);
+    }
+    free_fixture(&fixture);
+}
+
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
 static void trace_points(const struct fixture *fixture, const struct ray_list *list, const mlrt_light *light,
@@ -392,9 +429,13 @@ static void frames_of_a_box(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rays_of_one_origin),      cmocka_unit_test(rays_of_many_origins),
-        cmocka_unit_test(points_of_a_point_light), cmocka_unit_test(points_of_a_directional_light),
-        cmocka_unit_test(frames_of_a_torus),       cmocka_unit_test(frames_of_a_box),
+        cmocka_unit_test(rays_of_one_origin),
+        cmocka_unit_test(rays_of_many_origins),
+        cmocka_unit_test(ranges_of_one_origin),
+        cmocka_unit_test(points_of_a_point_light),
+        cmocka_unit_test(points_of_a_directional_light),
+        cmocka_unit_test(frames_of_a_torus),
+        cmocka_unit_test(frames_of_a_box),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
