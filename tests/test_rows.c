@@ -112,6 +112,26 @@ static void test_other_lists_have_none(void **state)
     free_list(&list);
 }
 
+/* Pieces of lines, all of one length, from anywhere. */
+static void test_pieces_are_no_rows(void **state)
+{
+    (void)state;
+    struct random random = {14};
+    for (uint32_t round = 0; round < scaled(300); round++) {
+        const uint32_t length = 8 + draw_below(&random, 60);
+        struct list list;
+        make_list(length * (4 + draw_below(&random, 40)), &list);
+        float step[3];
+        for (uint32_t i = 0; i < list.count; i++) {
+            if (i % length == 0) draw_point(&random, -0.001f, 0.001f, step);
+            if (i % length == 0) draw_point(&random, -1, 1, list.directions[i]);
+            for (int k = 0; k < 3 && i % length; k++) list.directions[i][k] = list.directions[i - 1][k] + step[k];
+        }
+        assert_int_equal(found(&list), 0);
+        free_list(&list);
+    }
+}
+
 /* No list is too strange, or read beyond its end. */
 static void test_any_numbers_will_do(void **state)
 {
@@ -179,9 +199,8 @@ static void test_answers_stay_the_same(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pictures_have_rows),
-        cmocka_unit_test(test_other_lists_have_none),
-        cmocka_unit_test(test_any_numbers_will_do),
+        cmocka_unit_test(test_pictures_have_rows),    cmocka_unit_test(test_other_lists_have_none),
+        cmocka_unit_test(test_pieces_are_no_rows),    cmocka_unit_test(test_any_numbers_will_do),
         cmocka_unit_test(test_answers_stay_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
