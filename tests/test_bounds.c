@@ -1768,6 +1768,43 @@ static void cell_bounds_hold(void **state)
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
 }
 
+/* R of a packet is no less than triangle_filter.h asks for, whatever the other packets of its tile are. */
+static void packets_have_their_reach(void **state)
+{
+    (void)state;
+    static struct ray_tile tile;
+    struct random random = {15};
+    for (size_t round = 0; round < scaled(20000); ++round) {
+        const int a = (int)draw_below(&random, 3);
+        const float scale = ldexpf(1, (int)draw_below(&random, 116) - 57);
+        tile.cells.main_axis = a;
+        tile.cells.sign = draw_below(&random, 2) ? 1.0f : -1.0f;
+        for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+            struct mlrt_packet *packet = &tile.packets[place];
+            leave_out_cell(&tile.cells, place);
+            packet->active = draw_below(&random, 2) ? draw_bits(&random) & 0xFFFF : 0;
+            const float slopes[2] = {draw_range(&random, -2, 2), draw_below(&random, 2) ? 0 : 0.3f};
+            for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+                const float depth = scale * draw_range(&random, 0.25f, 1);
+                packet->direction[a][lane] = depth * tile.cells.sign;
+                packet->direction[(a + 1) % 3][lane] = depth * (slopes[0] + draw_range(&random, -0.1f, 0.1f));
+                packet->direction[(a + 2) % 3][lane] = depth * (slopes[1] + draw_range(&random, -0.1f, 0.1f));
+            }
+            if (packet->active && !add_packet(&tile, place)) packet->active = 0;
+        }
+        sum_up_cells(&tile.cells);
+        for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+            const struct mlrt_packet *packet = &tile.packets[place];
+            for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+                if (!(packet->active >> lane & 1)) continue;
+                assert_true(packet_reach(&tile, place) >= fabsf(packet->direction[a][lane]));
+                assert_true(packet_reach(&tile, place) >= 2 * fabsf(packet->direction[(a + 1) % 3][lane]));
+                assert_true(packet_reach(&tile, place) >= 2 * fabsf(packet->direction[(a + 2) % 3][lane]));
+            }
+        }
+    }
+}
+
 /* Those of docs/accuracy.md. */
 static void tempting_bounds_do_not_hold(void **state)
 {
@@ -1992,6 +2029,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(filter_bounds_hold),
         cmocka_unit_test(single_ray_bounds_hold),
         cmocka_unit_test(cell_bounds_hold),
+        cmocka_unit_test(packets_have_their_reach),
         cmocka_unit_test(tempting_bounds_do_not_hold),
         cmocka_unit_test(plane_bounds_hold),
         cmocka_unit_test(outline_bounds_hold),
