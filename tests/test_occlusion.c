@@ -308,6 +308,28 @@ static void points_behind_and_before_a_depth_step(void **state)
     free_fixture(&fixture);
 }
 
+/* A triangle covers whole packets as seen from the light, but only some of their points are behind it. */
+static void points_on_both_sides_of_one_triangle(void **state)
+{
+    (void)state;
+    const float a[3] = {-9, -9, 1}, b[3] = {9, -9, 1}, c[3] = {0, 18, 1};
+    struct random random = {7};
+    struct soup soup = {0};
+    soup_add_triangle(&soup, a, b, c);
+    struct fixture fixture = fixture_of_soup("one triangle", 7, &soup);
+    struct points points = make_points(32 * 32);
+    points.row_length = 32;
+    for (size_t i = 0; i < points.count; i++) {
+        points.positions[3 * i] = 0.01f * (float)(i % 32);
+        points.positions[3 * i + 1] = 0.01f * (float)(i / 32);
+        points.positions[3 * i + 2] = draw_below(&random, 3) ? draw_range(&random, 0.99f, 1.01f) : 1.01f;
+    }
+    const mlrt_light light = light_at(0.1f, 0.2f, 0);
+    check(&fixture, &points, &light);
+    free_points(&points);
+    free_fixture(&fixture);
+}
+
 static void scenes_of_every_scale(void **state)
 {
     (void)state;
@@ -433,6 +455,7 @@ int main(void)
         cmocka_unit_test(a_surface_at_the_point_shades_it_unless_skipped),
         cmocka_unit_test(a_surface_at_the_light_does_not_shade),
         cmocka_unit_test(points_behind_and_before_a_depth_step),
+        cmocka_unit_test(points_on_both_sides_of_one_triangle),
         cmocka_unit_test(scenes_of_every_scale),
         cmocka_unit_test(every_count_up_to_40),
         cmocka_unit_test(the_room_with_its_light),
