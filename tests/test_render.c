@@ -301,6 +301,23 @@ static void ranges_of_t(void **state)
     free_fixture(&fixture);
 }
 
+/* In the corner of a picture is a packet of one ray, which has an origin of its own even if the rays are parallel. */
+static void ranges_of_parallel_rays(void **state)
+{
+    (void)state;
+    static const float ranges[] = {0, 0.2f, 1.5f, 3};
+    const float centre[3] = {0.7f, -3, 0}, direction[3] = {0, 1, 0};
+    struct fixture fixture = torus();
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        for (uint32_t size = 1; size <= 13; size += 4) {
+            mlrt_camera camera = look_along(centre, direction, 0.4f, size, size);
+            camera.t_min = ranges[i] ? 2 + ranges[i] : 0;
+            check_camera_quickly(&fixture, &camera);
+        }
+    }
+    free_fixture(&fixture);
+}
+
 /* Pixel vectors of any length, up to where they overflow or vanish. */
 static void lengths_of_pixel_vectors(void **state)
 {
@@ -614,6 +631,7 @@ int main(void)
         cmocka_unit_test(parallel_cameras_along_axes),
         cmocka_unit_test(oblique_parallel_cameras),
         cmocka_unit_test(ranges_of_t),
+        cmocka_unit_test(ranges_of_parallel_rays),
         cmocka_unit_test(lengths_of_pixel_vectors),
         cmocka_unit_test(scenes_of_every_scale),
         cmocka_unit_test(a_scene_far_from_the_origin),
