@@ -8,24 +8,17 @@
 MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
 {
     uint32_t valid = 0, safe = 0;
-    int apex_is_safe = 1, apex_is_finite = 1;
-    for (int k = 0; packet->has_apex && k < 3; ++k) {
-        apex_is_safe &= mlrt_is_float_safe(packet->apex[k]);
-        apex_is_finite &= fabsf(packet->apex[k]) <= FLT_MAX;
-    }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf size = v_set1(0), difference = v_set1(0);
         vm is_safe = m_from_bits(0xFFFFFFFFu);
         for (int k = 0; k < 3; ++k) {
+            const vf o = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
             const vf d = v_load(packet->direction[k] + v);
             v_store(packet->direction[k] + v, v_add(d, v_set1(0))); /* -0 becomes 0 */
-            is_safe = m_and(is_safe, safe_lanes(d));
+            is_safe = m_and(is_safe, m_and(safe_lanes(o), safe_lanes(d)));
             size = v_max(size, v_abs(d));
-            difference = v_add(difference, v_sub(d, d)); /* 0, or NaN where a number is not finite */
-            if (packet->has_apex) continue;
-            const vf o = v_load(packet->origin[k] + v);
-            is_safe = m_and(is_safe, safe_lanes(o));
-            difference = v_add(difference, v_sub(o, o));
+            /* 0, or NaN where a number is not finite */
+            difference = v_add(difference, v_add(v_sub(d, d), v_sub(o, o)));
         }
         const vf given = v_load(packet->t_min + v), t_max = v_load(packet->t_max + v);
         const vf t_min = v_select(v_lt(given, v_set1(0)), v_set1(0), given);
@@ -37,8 +30,6 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
         valid |= m_bits(can_hit) << v;
         safe |= m_bits(is_safe) << v;
     }
-    if (!apex_is_finite) valid = 0;
-    if (!apex_is_safe) safe = 0;
     packet->active = lanes & valid & safe;
     packet->single = lanes & valid & ~safe;
 }

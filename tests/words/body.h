@@ -25,6 +25,8 @@ static void run_vector(const struct word_input *in, int v, struct word_output *o
     v_store(out->values[WORD_MUL] + v, v_mul(a, b));
     v_store(out->values[WORD_DIV] + v, v_div(a, b));
     v_store(out->values[WORD_MUL_ADD] + v, v_add(v_mul(a, b), a));
+    v_store(out->values[WORD_AT_ONCE_ADD] + v, v_mul_add(a, b, a));
+    v_store(out->values[WORD_AT_ONCE_SUB] + v, v_mul_sub(a, b, a));
     v_store(out->values[WORD_MIN] + v, v_min(a, b));
     v_store(out->values[WORD_MAX] + v, v_max(a, b));
     v_store(out->values[WORD_ABS] + v, v_abs(a));

@@ -27,7 +27,9 @@ enum {
     WORD_SUB,
     WORD_MUL,
     WORD_DIV,
-    WORD_MUL_ADD, /* two roundings */
+    WORD_MUL_ADD,     /* two roundings */
+    WORD_AT_ONCE_ADD, /* one rounding, or two */
+    WORD_AT_ONCE_SUB,
     WORD_MIN,
     WORD_MAX,
     WORD_ABS,
