@@ -14,6 +14,7 @@
 #                        files with SCENES=folder VIEWS=cameras.json; all that build/bin/bench can with BENCH='--threads 2'
 #   make charts          docs/*.png, on the same scenes: accuracy-* of charts-accuracy (speed against wrong decisions,
 #                        stability, stages) and speed-* of charts-speed (beside Embree; some 20 minutes)
+#   make sweep           what tiles decide by themselves against fixed choices, on the same scenes: docs/data/sweep.csv
 #   make deps-study      installs what they need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
 #                        doxygen for it
@@ -300,7 +301,7 @@ charts-speed: | $(AFTER_DEPS)
 	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
 
-# What the library decides while it traces, against fixed choices; some 20 minutes with three scenes.
+# What the library decides while it traces, against fixed choices; some ten minutes with three scenes.
 sweep: | $(AFTER_DEPS)
 	$(PYTHON) examples/bench/sweep.py $(BENCH_ALL) > docs/data/sweep.csv
 

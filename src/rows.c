@@ -9,8 +9,8 @@
 
 #include <math.h>
 
-/* A step so many times as long as the one before it, or after it, is a jump. Corners of a wide view have steps that
- * differ by 1.5 from the middle's, but hardly from their neighbours'. */
+/* A step so many times as long as the one before it, or after it, is a jump. Steps of a wide view differ between its
+ * middle and its corners, but hardly from their neighbours. */
 #define JUMP_FACTOR 4
 
 /* So many rows confirm a guess, or all if there are fewer. There must be at least FEWEST_ROWS. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rows of pixels in a list of rays whose caller did not say how long they are. Squares of neighbours are faster than
- * pieces of rows, up to twice.
+ * pieces of rows.
  */
 #ifndef MLRT_ROWS_H
 #define MLRT_ROWS_H

@@ -117,10 +117,14 @@ struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mes
     return (struct mlrt_mesh_range){tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
 }
 
+MLRT_INLINE uint32_t number_in_mesh(struct mlrt_mesh_range mesh, uint32_t triangle)
+{
+    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
+}
+
 uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle)
 {
-    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, mesh_id);
-    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
+    return number_in_mesh(mlrt_find_mesh(tree, mesh_id), triangle);
 }
 
 static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
@@ -374,8 +378,7 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
     struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         if (packet->skip_mesh[lane] != id) mesh = mlrt_find_mesh(tree, id = packet->skip_mesh[lane]);
-        const uint32_t triangle = packet->skip[lane];
-        packet->skip[lane] = triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
+        packet->skip[lane] = number_in_mesh(mesh, packet->skip[lane]);
     }
 }
 

@@ -287,6 +287,18 @@ static void a_surface_at_the_light_does_not_shade(void **state)
     free_fixture(&fixture);
 }
 
+/* A square of points over x and y, `step` apart, in rows. */
+static struct points make_square(uint32_t side, float step)
+{
+    struct points points = make_points((size_t)side * side);
+    points.row_length = side;
+    for (size_t i = 0; i < points.count; i++) {
+        points.positions[3 * i] = step * (float)(i % side);
+        points.positions[3 * i + 1] = step * (float)(i / side);
+    }
+    return points;
+}
+
 static void points_behind_and_before_a_depth_step(void **state)
 {
     (void)state;
@@ -294,11 +306,8 @@ static void points_behind_and_before_a_depth_step(void **state)
     soup_add_grid(&soup, 2, 0, 8);
     soup_add_grid(&soup, 2, 4, 3);
     struct fixture fixture = fixture_of_soup("a step", 0, &soup);
-    struct points points = make_points(40 * 40);
-    points.row_length = 40;
+    struct points points = make_square(40, 0.2f);
     for (size_t i = 0; i < points.count; i++) {
-        points.positions[3 * i] = 0.2f * (float)(i % 40);
-        points.positions[3 * i + 1] = 0.2f * (float)(i / 40);
         points.positions[3 * i + 2] = (i % 40 + i / 40) % 3 ? 0 : 4;
         if (i % 4 == 0) points.positions[3 * i + 2] = next_float(points.positions[3 * i + 2], 1);
     }
@@ -317,11 +326,8 @@ static void points_on_both_sides_of_one_triangle(void **state)
     struct soup soup = {0};
     soup_add_triangle(&soup, a, b, c);
     struct fixture fixture = fixture_of_soup("one triangle", 7, &soup);
-    struct points points = make_points(32 * 32);
-    points.row_length = 32;
+    struct points points = make_square(32, 0.01f);
     for (size_t i = 0; i < points.count; i++) {
-        points.positions[3 * i] = 0.01f * (float)(i % 32);
-        points.positions[3 * i + 1] = 0.01f * (float)(i / 32);
         points.positions[3 * i + 2] = draw_below(&random, 3) ? draw_range(&random, 0.99f, 1.01f) : 1.01f;
     }
     const mlrt_light light = light_at(0.1f, 0.2f, 0);

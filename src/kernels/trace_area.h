@@ -116,7 +116,8 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         const struct rectangle block = block_of_tile(tile, place);
-        if (place % 4 == 0 && place < 12) mlrt_prefetch_rays(&job->source, block.x, block.y + 4, 4);
+        if (tile->column_bits && place % 4 == 0 && place < 12)
+            mlrt_prefetch_rays(&job->source, block.x, block.y + 4, 4);
         lanes[place] = existing_lanes(&job->source, &block);
         fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
     }
