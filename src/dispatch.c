@@ -1,13 +1,49 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which processor gets which kernels. What it can do is asked of the compiler's runtime, which looks once per process,
- * also at whether the operating system saves the wide registers.
+ * Which processor gets which kernels. What it can do is asked once per process: CPUID takes long in a virtual machine.
  *
  * Who counts gets the kernels in plain C, which do the same work in more steps: one that counts for each instruction
  * set is not worth its size. Where there is SSE nobody is in a hurry with plain C, and it always counts. So do the
  * kernels of the kd-tree.
  */
 #include "dispatch.h"
+
+#if MLRT_HAVE_SSE
+#include <cpuid.h>
+
+/* What of the wide registers the operating system saves. */
+static uint32_t saved_registers(void)
+{
+    uint32_t low, high;
+    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    return low;
+}
+
+/*
+ * The widest instruction set that there is. The bits: Intel, "Intel 64 and IA-32 Architectures Software Developer's
+ * Manual", volume 1, sections 14.3 and 15.2-15.4: OSXSAVE and FMA; AVX2, AVX512F and AVX512DQ; the registers.
+ */
+static int32_t find_widest(void)
+{
+    const uint32_t avx2 = bit_AVX2, avx512 = bit_AVX512F | bit_AVX512DQ, needed = bit_OSXSAVE | bit_FMA;
+    uint32_t a, b, c, d;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || (c & needed) != needed) return MLRT_ISA_SSE;
+    const uint32_t saved = saved_registers();
+    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & avx2) || (saved & 0x06) != 0x06) return MLRT_ISA_SSE;
+    return (b & avx512) == avx512 && (saved & 0xE6) == 0xE6 ? MLRT_ISA_AVX512 : MLRT_ISA_AVX2;
+}
+
+/* The same, looked up once: all that the library ever writes down for itself. Threads that come together find the same.
+ */
+static int32_t known_isa; /* 0: not yet */
+
+static int32_t widest_isa(void)
+{
+    int32_t isa = __atomic_load_n(&known_isa, __ATOMIC_RELAXED);
+    if (!isa) __atomic_store_n(&known_isa, isa = find_widest(), __ATOMIC_RELAXED);
+    return isa;
+}
+#endif
 
 static int is_supported(int32_t isa)
 {
@@ -16,11 +52,9 @@ static int is_supported(int32_t isa)
         return 1;
 #if MLRT_HAVE_SSE
     case MLRT_ISA_SSE:
-        return 1;
     case MLRT_ISA_AVX2:
-        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case MLRT_ISA_AVX512:
-        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
+        return isa <= widest_isa();
 #endif
     default:
         return 0;

@@ -83,9 +83,9 @@ grep -q 'GNU_STACK.* RW ' "$folder/segments.txt" || fail "has an executable stac
 if grep -E 'LOAD.* RWE ' "$folder/segments.txt"; then fail "has a segment to write and to execute"; fi
 grep -q 'GNU_EH_FRAME' "$folder/segments.txt" || fail "has no tables for unwinding"
 
-# No state: what can be written holds nothing but what the compiler puts there (its record of the processor among it).
+# No state: what can be written holds nothing but what the compiler puts there, and what the processor can do.
 state=$(nm "$library" | awk '$2 ~ /^[dDbBsSgGC]$/ {print $3}' |
-    grep -vE '^(_DYNAMIC|_GLOBAL_OFFSET_TABLE_|__TMC_END__|__cpu_features2|__cpu_model|__dso_handle|completed\.[0-9]+|__.*_array_entry|_edata|_end|__bss_start)$')
+    grep -vE '^(_DYNAMIC|_GLOBAL_OFFSET_TABLE_|__TMC_END__|known_isa|__dso_handle|completed\.[0-9]+|__.*_array_entry|_edata|_end|__bss_start)$')
 for name in $state; do
     # Tables of addresses are constant once the library is loaded: they lie in .data.rel.ro.
     section=$(objdump -t "$library" | awk -v name="$name" '$NF == name {for (i = 1; i <= NF; i++) if ($i ~ /^\./) {print $i; exit}}')
