@@ -6,6 +6,7 @@
 #define MLRT_KERNELS_H
 
 #include "output.h"
+#include "shear.h"
 #include "source.h"
 #include "tuning.h"
 
@@ -97,6 +98,7 @@ struct mlrt_worker {
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
     struct mlrt_leaf_setup leaves[1u << MLRT_LEAF_SETUP_BITS]; /* by a hash of the first quad, seen from `leaf_apex` */
     float leaf_apex[3];
+    struct mlrt_shear leaf_shear;
     uint32_t mask;       /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
     uint32_t open_squares;

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "shear.h"
 #include "kernels/quad.h"
 
 size_t mlrt_channel_size(enum mlrt_channel channel)
@@ -71,7 +72,7 @@ void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct ml
 {
     for (int k = 0; k < 3; ++k) {
         ray->origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
-        ray->direction[k] = packet->direction[k][lane];
+        ray->direction[k] = packet->shear ? packet->shear->given[k] : packet->direction[k][lane];
     }
     ray->t_min = packet->t_min[lane];
     ray->t_max = packet->t_max[lane];

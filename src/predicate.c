@@ -296,6 +296,12 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
     return size > 0 && has_area_exactly(triangle);
 }
 
+/* 1 if the triangle lies in a plane across the axis. */
+static int is_across(const struct mlrt_triangle *triangle, int axis)
+{
+    return triangle->v[0][axis] == triangle->v[1][axis] && triangle->v[0][axis] == triangle->v[2][axis];
+}
+
 static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *triangle, const float point[3])
 {
     int sign;
@@ -316,6 +322,31 @@ int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3
     struct measured height = {dot(from_a, cross(ab, ac)), size_of(from_a) * size_of(ab) * size_of(ac)};
     int side = certain_sign(height, SIGN_ERROR);
     return side != 0 ? side : side_of_plane_exactly(triangle, point);
+}
+
+static MLRT_NOINLINE int facing_of_normal_exactly(const struct mlrt_triangle *triangle, const float direction[3])
+{
+    struct exact_vector normal, along;
+    struct mlrt_exact d;
+    exact_normal(triangle, &normal);
+    exact_vector_of(direction, &along);
+    exact_dot(&along, &normal, &d);
+    return d.sign;
+}
+
+int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
+{
+    struct vector a = vector_of(triangle->v[0]);
+    struct vector ab = subtract(vector_of(triangle->v[1]), a);
+    struct vector ac = subtract(vector_of(triangle->v[2]), a);
+    struct vector along = vector_of(direction);
+    struct measured d = {dot(along, cross(ab, ac)), size_of(along) * size_of(ab) * size_of(ac)};
+    int sign = certain_sign(d, SIGN_ERROR);
+    if (sign != 0) return sign;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (direction[axis] == 0 && is_across(triangle, axis)) return 0; /* a wall in the light from above */
+    }
+    return facing_of_normal_exactly(triangle, direction);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -447,12 +478,6 @@ static int same_vertices(const struct mlrt_triangle *first, const struct mlrt_tr
         }
     }
     return 0;
-}
-
-/* 1 if the triangle lies in a plane across the axis. */
-static int is_across(const struct mlrt_triangle *triangle, int axis)
-{
-    return triangle->v[0][axis] == triangle->v[1][axis] && triangle->v[0][axis] == triangle->v[2][axis];
 }
 
 static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,

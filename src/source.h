@@ -78,6 +78,14 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
     return 1;
 }
 
+/* Have all rays one direction, and origins of their own? Arrays may have, too: that is not known before they are read.
+ */
+static inline int mlrt_is_parallel(const struct mlrt_source *source)
+{
+    return source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT ||
+           (source->kind == MLRT_SOURCE_CAMERA && source->view.parallel);
+}
+
 /*
  * The numbers of a block of at most 4x4 rays at (x, y), for any kind of source: direction, origin, t_min, t_max,
  * has_limits, has_skip, skip_mesh and skip of a packet, as they are given. A point light's packets have its apex

@@ -1289,6 +1289,7 @@ static double attack_leaf_outline(const float *input)
     struct leaf_corners corners;
     struct mlrt_leaf_setup leaf;
     struct cells cells;
+    cells.shear.scale = 0; /* rays of one apex */
     memset(&cells, 0, sizeof cells);
     cells.sign = 1;
     for (int i = 0; i < 3; ++i) {
@@ -1414,12 +1415,15 @@ static double attack_cell_box(const float *input)
  */
 static double attack_camera_cell(const float *input)
 {
+    static struct mlrt_job job; /* all 0 but for the view */
     struct mlrt_view view;
     struct cells cells;
     uint32_t x, y;
     float p[3];
     load_view(input, &view, &x, &y);
-    if (!gather_camera_cells(&view, x, y, 4, 4, 4, &cells)) return -1;
+    job.source.view = view;
+    const struct rectangle area = {x, y, 4, 4};
+    if (!gather_camera_cells(&job, &area, 4, &cells)) return -1;
     const int a = cells.main_axis, side = a == 0 ? 0 : 1, j = 1 - a; /* over axes 0 and 1 */
     if (a == 2) return -1;
     double lo = INFINITY, hi = -INFINITY, worst = -1;

@@ -5,6 +5,7 @@
  * Everything is static but the table.
  */
 #include "shared.h"
+#include "sheared.h"
 
 #include "cells.h"
 #include "ray_tile.h"

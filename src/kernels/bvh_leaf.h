@@ -88,10 +88,12 @@ MLRT_INLINE uint32_t set_leaf_terms(const struct cells *cells, const struct leaf
  * Decides the sign of N for a triangle of which float does not know it. Returns 0 if it is 0: no ray from the apex hits
  * the triangle.
  */
-static MLRT_NOINLINE int settle_sign(const struct mlrt_tree *tree, const float apex[3], uint32_t place,
-                                     struct mlrt_leaf_setup *leaf)
+static MLRT_SMALL int settle_sign(const struct mlrt_tree *tree, const struct cells *cells, uint32_t place,
+                                  struct mlrt_leaf_setup *leaf)
 {
-    const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], apex); /* that of -N */
+    const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
+    const int side = are_sheared(cells) ? -mlrt_facing(triangle, cells->shear.along)
+                                        : mlrt_side_of_plane(triangle, cells->apex); /* that of -N */
     if (side == 0) return 0;
     if ((leaf->negative >> place & 1) != (side > 0)) {
         for (int i = 0; i < 4; ++i) {
@@ -105,9 +107,9 @@ static MLRT_NOINLINE int settle_sign(const struct mlrt_tree *tree, const float a
 static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct cells *cells, uint32_t wanted,
                                            struct mlrt_leaf_setup *leaf)
 {
-    uint32_t doubtful = 0;
+    uint32_t doubtful = are_sheared(cells) ? mlrt_set_sheared_terms(&cells->shear, wanted, leaf) : 0;
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
-        if (!(wanted >> v & ALL_LANES)) continue;
+        if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
         struct leaf_corners corners;
         load_leaf_corners(cells, leaf, v, &corners);
         doubtful |= set_leaf_terms(cells, &corners, v, leaf) << v;
@@ -115,7 +117,7 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
     }
     for (uint32_t rest = doubtful & leaf->there; rest; rest &= rest - 1) {
         const uint32_t place = mlrt_lowest_bit(rest);
-        if (!settle_sign(tree, cells->apex, place, leaf)) leaf->there &= ~(1u << place);
+        if (!settle_sign(tree, cells, place, leaf)) leaf->there &= ~(1u << place);
     }
 }
 
@@ -130,10 +132,13 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
     leaf->ready = leaf->negative = leaf->there = 0;
+    if (are_sheared(cells)) mlrt_set_sheared_outlines(&cells->shear, leaf);
     for (uint32_t v = 0; v < row; v += VW) {
         struct leaf_corners corners;
-        load_leaf_corners(cells, leaf, v, &corners);
-        set_leaf_outline(cells, &corners, v, leaf);
+        if (!are_sheared(cells)) {
+            load_leaf_corners(cells, leaf, v, &corners);
+            set_leaf_outline(cells, &corners, v, leaf);
+        }
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
     }
     leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
@@ -144,6 +149,7 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
 MLRT_INLINE uint32_t seen_by_cells(const struct cells *cells, const struct mlrt_leaf_setup *leaf)
 {
     uint32_t seen = 0;
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(leaf->there >> v & ALL_LANES)) continue;
         vm may = v_le(v_load(leaf->least_depth + v), v_set1(cells->whole_farthest));
@@ -175,11 +181,19 @@ static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const s
     return leaf;
 }
 
-/* Set-ups are for one apex. */
-static void forget_leaves(const float apex[3], struct mlrt_worker *worker)
+/* Set-ups are for one apex, or one shear. */
+MLRT_INLINE int have_other_leaves(const struct cells *cells, const struct mlrt_worker *worker)
+{
+    return memcmp(cells->apex, worker->leaf_apex, sizeof cells->apex) != 0 ||
+           (MLRT_UNLIKELY(cells->shear.scale + worker->leaf_shear.scale != 0) &&
+            memcmp(&cells->shear, &worker->leaf_shear, sizeof cells->shear) != 0);
+}
+
+static MLRT_SMALL void forget_leaves(const struct cells *cells, struct mlrt_worker *worker)
 {
     for (uint32_t i = 0; i < 1u << MLRT_LEAF_SETUP_BITS; ++i) worker->leaves[i].child = 0;
-    memcpy(worker->leaf_apex, apex, sizeof worker->leaf_apex);
+    memcpy(worker->leaf_apex, cells->apex, sizeof worker->leaf_apex);
+    worker->leaf_shear = cells->shear;
 }
 
 /* Of the triangles `seen`, those that the rays of one cell may hit. */

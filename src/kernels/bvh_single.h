@@ -353,6 +353,7 @@ static void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlr
 {
     if (job->tree->bvh.node_count == 0) return;
     struct reciprocals reciprocals;
+    if (packet->shear) mlrt_unshear_packet(packet);
     set_reciprocals(packet, &reciprocals);
     for (; lanes; lanes &= lanes - 1) {
         struct single_ray ray;
@@ -382,6 +383,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     packet.triangle[0] = MLRT_NONE;
     packet.skip[0] = skip;
     packet.has_apex = packet.has_masks = 0;
+    packet.shear = NULL;
     worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
     memset(worker.pairs, 0, sizeof worker.pairs);

@@ -24,6 +24,11 @@ MLRT_INLINE uint32_t children_met(const struct cells *cells, const struct mlrt_b
     const int a = cells->main_axis;
     const vf apex = v_set1(cells->apex[a]), zero = v_set1(0);
     uint32_t met = 0;
+    if (are_sheared(cells)) {
+        return mlrt_sheared_children_met(&cells->shear, cells->slope_lo, cells->slope_hi, cells->begin,
+                                         cells->whole_farthest, node, near);
+    }
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         const vf below = v_sub(v_load(node->lo[a] + v), apex), above = v_sub(v_load(node->hi[a] + v), apex);
         const vf first = v_max(cells->sign > 0 ? below : v_sub(zero, above), zero);
@@ -49,15 +54,24 @@ MLRT_INLINE uint32_t cells_met(const struct cells *cells, const struct mlrt_bvh_
     const int a = cells->main_axis;
     const float below = node->lo[a][place] - cells->apex[a], above = node->hi[a][place] - cells->apex[a];
     const float enter = cells->sign > 0 ? below : -above, exit = cells->sign > 0 ? above : -below;
-    const vf first = v_set1(enter > 0 ? enter : 0), last = v_set1(exit);
+    float begin[2], end[2], nearest = enter > 0 ? enter : 0;
+    for (int side = 0; side < 2; ++side) {
+        const int j = (a + 1 + side) % 3;
+        begin[side] = node->lo[j][place] - cells->apex[j];
+        end[side] = node->hi[j][place] - cells->apex[j];
+    }
+    vf first = v_set1(nearest), last = v_set1(exit);
+    if (are_sheared(cells)) {
+        nearest = mlrt_shear_box(&cells->shear, enter, exit, begin, end);
+        first = last = v_set1(cells->shear.size);
+    }
     uint32_t met = 0;
+    KEEP_LANES_LOOP
     for (int v = 0; v < CELL_COUNT; v += VW) {
-        vm may = v_le(first, v_load(cells->farthest + v));
+        vm may = v_le(v_set1(nearest), v_load(cells->farthest + v));
         for (int side = 0; side < 2; ++side) {
-            const int j = (a + 1 + side) % 3;
             const vf lo = v_load(cells->slopes[side].lo + v), hi = v_load(cells->slopes[side].hi + v);
-            const vf least = v_set1(node->lo[j][place] - cells->apex[j]);
-            const vf greatest = v_set1(node->hi[j][place] - cells->apex[j]);
+            const vf least = v_set1(begin[side]), greatest = v_set1(end[side]);
             may = m_and(may, v_le(least, v_max(v_mul(hi, first), v_mul(hi, last))));
             may = m_and(may, v_ge(greatest, v_min(v_mul(lo, first), v_mul(lo, last))));
         }
@@ -200,9 +214,8 @@ MLRT_INLINE void keep_leaf_verdict(const struct leaf_verdict *verdict, const str
  */
 MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                      const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
-                                     int limits_below, int v, struct mlrt_packet *packet)
+                                     const float *t_min, int v, struct mlrt_packet *packet)
 {
-    const float *t_min = limits_below ? packet->t_min + v : NULL;
     const vm active = m_from_bits(packet->active >> v);
     const uint32_t in_any_case = !job->any;
     struct ray_vector rays;
@@ -238,10 +251,11 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     struct mlrt_packet *packet = &tile->packets[place];
     uint32_t changed = 0;
     const float reach = packet_reach(tile, place);
+    const float *from = !tile->limits_below ? NULL : packet->shear ? packet->begin : packet->t_min;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(packet->active >> v & ALL_LANES)) continue;
-        changed |= test_ray_vector(job, worker, leaf, triangles, reach, tile->limits_below, v, packet);
+        changed |= test_ray_vector(job, worker, leaf, triangles, reach, from ? from + v : NULL, v, packet);
     }
     if (!changed) return;
     if (job->any) packet->active &= ~changed;
@@ -258,6 +272,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
         const struct rectangle block = block_of_tile(tile, place);
         get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
         tile->made |= 1u << place;
+        if (are_sheared(cells)) mlrt_shear_packet(&cells->shear, packet, &(float){0}, &(int){0});
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
     }
     cells->closed &= ~(1u << place);
@@ -331,7 +346,7 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     uint32_t node = 0, count = 0;
     if (bvh->node_count == 0) return;
-    if (memcmp(cells->apex, worker->leaf_apex, sizeof cells->apex) != 0) forget_leaves(cells->apex, worker);
+    if (have_other_leaves(cells, worker)) forget_leaves(cells, worker);
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
         count = push_boxes(bvh, node, children_met(cells, &bvh->nodes[node], near), near, stack, count);

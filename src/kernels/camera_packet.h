@@ -21,6 +21,7 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
     }
     packet->has_apex = 1;
     packet->has_skip = packet->has_masks = 0;
+    packet->shear = NULL;
     packet->has_limits = view->t_min > 0;
     uint32_t safe = 0, zero = 0, finite = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {

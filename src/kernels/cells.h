@@ -17,9 +17,12 @@
  * To be compared with things a cell needs no rays. As long as all that it met was a triangle that covers it wholly and
  * what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it. The
  * rays of a camera's closed cells are not even made.
+ *
+ * Rays of one direction are made rays of one apex (shear.h): their slopes are places in a picture then, and depths
+ * 1 / (1 - z). Only to boxes, which do not become boxes, they are what they were.
  */
 
-#define CELL_COUNT 16
+#define CELL_COUNT MLRT_CELL_COUNT
 
 /* Slopes of cells are at most this: the main axis is nearly the main one for all their rays. */
 #define STEEPEST_SLOPE 2.0f
@@ -34,16 +37,15 @@
 #define SLOPE_FLOOR 0x1p-100f
 
 struct cells {
-    struct {
-        MLRT_ALIGNED(64) float lo[CELL_COUNT];
-        MLRT_ALIGNED(64) float hi[CELL_COUNT];
-    } slopes[2]; /* over axes main + 1, main + 2; empty for cells that do not take part */
+    struct mlrt_slopes slopes[2]; /* over axes main + 1, main + 2; empty for cells that do not take part */
     MLRT_ALIGNED(64) float farthest[CELL_COUNT]; /* depth; -inf: done */
     MLRT_ALIGNED(64) float shortest[CELL_COUNT]; /* of closed cells: all rays reach this depth */
     MLRT_ALIGNED(64) uint32_t skip[CELL_COUNT];  /* of closed cells: the triangle that all rays pass */
     MLRT_ALIGNED(64) float cover_near[CELL_COUNT];
     MLRT_ALIGNED(64) uint32_t cover[CELL_COUNT]; /* of a closed cell: the triangle; MLRT_NONE: nothing met so far */
-    float apex[3];
+    float apex[3];                               /* with a shear: its centre */
+    struct mlrt_shear shear;                     /* of rays of one direction; scale 0: of one apex */
+    float begin;                                 /* with a shear: the distance before which no ray begins */
     int main_axis;
     float sign;      /* of the main components: +-1 */
     uint32_t closed; /* bit per cell: no rays yet */
@@ -62,6 +64,12 @@ MLRT_INLINE void set_whole_farthest(struct cells *cells)
     cells->whole_farthest = v_hmax(farthest);
 }
 
+/* Do the rays of all cells have one direction? */
+MLRT_INLINE int are_sheared(const struct cells *cells)
+{
+    return MLRT_UNLIKELY(cells->shear.scale != 0);
+}
+
 MLRT_INLINE void set_cell_slopes(struct cells *cells, uint32_t place, int side, float lo, float hi)
 {
     cells->slopes[side].lo[place] = lo;
@@ -76,7 +84,7 @@ MLRT_INLINE void leave_out_cell(struct cells *cells, uint32_t place)
 }
 
 /* Sets what holds for all cells. None of them has a cover. */
-MLRT_INLINE void sum_up_cells(struct cells *cells)
+static MLRT_NOINLINE void sum_up_cells(struct cells *cells)
 {
     for (int v = 0; v < CELL_COUNT; v += VW) {
         v_store(cells->cover_near + v, v_set1(INFINITY));
@@ -85,6 +93,7 @@ MLRT_INLINE void sum_up_cells(struct cells *cells)
     float steepest = 0.5f;
     for (int side = 0; side < 2; ++side) {
         vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
+        KEEP_LANES_LOOP
         for (int v = 0; v < CELL_COUNT; v += VW) {
             lo = v_min(v_load(cells->slopes[side].lo + v), lo);
             hi = v_max(v_load(cells->slopes[side].hi + v), hi);
@@ -98,11 +107,22 @@ MLRT_INLINE void sum_up_cells(struct cells *cells)
 }
 
 /* The main axis of a direction, for all cells. */
-MLRT_INLINE void set_main_axis_of(const float direction[3], struct cells *cells)
+static MLRT_NOINLINE void set_main_axis_of(const float direction[3], struct cells *cells)
 {
     const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
     cells->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
     cells->sign = direction[cells->main_axis] < 0 ? -1.0f : 1.0f;
+}
+
+/* From where rays of one direction see things, one of which begins at `origin`. */
+static MLRT_SMALL void set_shear(const struct mlrt_job *job, const float direction[3], const float origin[3],
+                                 struct cells *cells)
+{
+    mlrt_make_shear(job->tree, &job->source, direction, origin, job->any, &cells->shear);
+    cells->main_axis = cells->shear.main_axis;
+    cells->sign = cells->shear.sign;
+    cells->begin = 0;
+    memcpy(cells->apex, cells->shear.centre, sizeof cells->apex);
 }
 
 /* The columns or rows of a camera's pixels that cells begin and end with; 0 for what is beyond `length`. */
@@ -156,10 +176,12 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
  * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them
  * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
-static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                               uint32_t side, struct cells *cells)
+static int gather_camera_cells(const struct mlrt_job *job, const struct rectangle *area, uint32_t side,
+                               struct cells *cells)
 {
-    if (view->parallel || view->t_min != 0 || !isinf(view->t_max)) return 0;
+    const struct mlrt_view *view = &job->source.view;
+    const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
+    if (view->t_min != 0 || !isinf(view->t_max)) return 0;
     float columns[2][4], rows[2][4], pad[3], middle[3];
     set_cell_samples(view->first_x, x, side, width, view->sample_x, columns);
     set_cell_samples(view->first_y, y, side, height, view->sample_y, rows);
@@ -170,12 +192,17 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
     MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
-        if (!(whole <= MLRT_SAFE_MAX) || !mlrt_is_float_safe(view->eye[k])) return 0;
+        if (!(whole <= MLRT_SAFE_MAX) || (!view->parallel && !mlrt_is_float_safe(view->eye[k]))) return 0;
         pad[k] = whole * (8 * 0x1p-24f) + 0x1p-100f;
         middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
         cells->apex[k] = view->eye[k];
     }
-    set_main_axis_of(middle, cells);
+    if (view->parallel) {
+        set_shear(job, view->direction, view->eye, cells);
+    } else {
+        set_main_axis_of(middle, cells);
+        memset(&cells->shear, 0, sizeof cells->shear);
+    }
 
     const int a = cells->main_axis;
     MLRT_ALIGNED(64) float samples[4][CELL_COUNT];
@@ -188,6 +215,17 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
             samples[end][i] = columns[end][column];
             samples[2 + end][i] = rows[end][row];
         }
+    }
+    KEEP_LANES_LOOP
+    for (int v = 0; v < CELL_COUNT; v += VW) {
+        v_store(cells->farthest + v, v_select(m_from_bits(cells->closed >> v), v_set1(INFINITY), v_set1(-INFINITY)));
+        v_store(cells->shortest + v, v_set1(INFINITY));
+        i_store(cells->skip + v, i_set1(MLRT_NONE));
+    }
+    if (view->parallel) {
+        if (!mlrt_set_sheared_slopes(&cells->shear, view, samples, cells->closed, pad, cells->slopes)) return 0;
+        sum_up_cells(cells);
+        return 1;
     }
     MLRT_KEEP_LOOP
     for (int v = 0; v < CELL_COUNT; v += VW) {
@@ -210,9 +248,6 @@ static int gather_camera_cells(const struct mlrt_view *view, uint32_t x, uint32_
             v_store(cells->slopes[j].lo + v, v_select(there, v_sub(of.lo[j], slack), v_set1(INFINITY)));
             v_store(cells->slopes[j].hi + v, v_select(there, v_add(of.hi[j], slack), v_set1(-INFINITY)));
         }
-        v_store(cells->farthest + v, v_select(there, v_set1(INFINITY), v_set1(-INFINITY)));
-        v_store(cells->shortest + v, v_set1(INFINITY));
-        i_store(cells->skip + v, i_set1(MLRT_NONE));
     }
     sum_up_cells(cells);
     return 1;

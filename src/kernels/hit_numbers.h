@@ -152,6 +152,7 @@ MLRT_INLINE void report_misses(struct packet_numbers *numbers)
 /* Puts what a miss has where there is no hit, which is rare beside hits; and facing, from where D > 0. */
 MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_numbers *numbers)
 {
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi facing = i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu));
         i_store(numbers->facing + v, i_select(m_from_bits(hit >> v), facing, i_set1(0)));
@@ -173,8 +174,8 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
     }
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
     const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
-    const int shared = packet->has_apex && !(hit & ~lanes_of_triangle(packet, number));
-    if (!shared) gather_corners(tree, packet, hit, corners);
+    const int is_one = !(hit & ~lanes_of_triangle(packet, number)), shared = is_one && packet->has_apex;
+    if (!is_one) gather_corners(tree, packet, hit, corners);
     struct hit_terms terms;
     uint32_t certain = 0, all_positive = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
@@ -182,7 +183,7 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
         if (lane == 0 || !shared) {
             vd corner[9];
             const float *first = tree->triangles[number].v[0];
-            for (int k = 0; k < 9; ++k) corner[k] = shared ? d_set1(first[k]) : d_load(corners[k] + lane);
+            for (int k = 0; k < 9; ++k) corner[k] = is_one ? d_set1(first[k]) : d_load(corners[k] + lane);
             set_up_hit_terms(corner, packet, lane, outputs, &terms);
         }
         certain |= report_vector(&terms, packet, lane, outputs, &positive, numbers) << lane;

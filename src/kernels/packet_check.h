@@ -42,6 +42,7 @@ MLRT_INLINE void find_apex(struct mlrt_packet *packet)
     while (first < MLRT_PACKET_RAYS - 1 && !(valid >> first & 1)) ++first;
     for (int k = 0; k < 3; ++k) {
         packet->apex[k] = packet->origin[k][first];
+        KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const unsigned same = m_bits(v_eq(v_load(packet->origin[k] + v), v_set1(packet->apex[k])));
             elsewhere |= (~same & ALL_LANES) << v;
@@ -66,6 +67,7 @@ MLRT_INLINE void number_skips(const struct mlrt_tree *tree, struct mlrt_packet *
         return;
     }
     const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi triangle = i_load(packet->skip + v), number = i_sub(triangle, i_set1(0u - mesh.first));
         i_store(packet->skip + v, i_select(i_lt(triangle, i_set1(mesh.count)), number, i_set1(MLRT_NONE)));

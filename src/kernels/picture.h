@@ -18,17 +18,23 @@ MLRT_INLINE struct rectangle cut_piece(const struct rectangle *whole, uint32_t x
                               whole->height - y < side ? whole->height - y : side};
 }
 
-/* Lanes of a block that exist: in the last row of a list some may not. */
-MLRT_INLINE uint32_t existing_lanes(const struct mlrt_source *source, const struct rectangle *block)
+/* Of the lanes of a block at the end of a list, those that exist. */
+static MLRT_SMALL uint32_t lanes_of_list(const struct mlrt_source *source, const struct rectangle *block,
+                                         uint32_t lanes)
 {
-    uint32_t lanes = mlrt_block_lanes(block->width, block->height);
-    const uint64_t past = (uint64_t)(block->y + block->height - 1) * source->width + block->x + block->width;
-    if (MLRT_LIKELY(past <= source->count)) return lanes;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint64_t row = block->y + (uint32_t)mlrt_lane_y[lane];
         if (row * source->width + block->x + (uint32_t)mlrt_lane_x[lane] >= source->count) lanes &= ~(1u << lane);
     }
     return lanes;
+}
+
+/* Lanes of a block that exist: in the last row of a list some may not. */
+MLRT_INLINE uint32_t existing_lanes(const struct mlrt_source *source, const struct rectangle *block)
+{
+    const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
+    const uint64_t past = (uint64_t)(block->y + block->height - 1) * source->width + block->x + block->width;
+    return MLRT_LIKELY(past <= source->count) ? lanes : lanes_of_list(source, block, lanes);
 }
 
 MLRT_INLINE int is_pinhole(const struct mlrt_source *source)
@@ -56,7 +62,8 @@ static void check_block(const struct mlrt_source *source, uint32_t lanes, struct
     if (is_pinhole(source)) return;
     if (packet->has_skip) number_skips(source->tree, packet);
     check_packet(lanes, packet);
-    if (!packet->has_apex && !packet->has_masks) find_apex(packet); /* rays with masks go alone (bvh_tile.h) */
+    /* Rays with masks go alone (bvh_tile.h). */
+    if (!packet->has_apex && !packet->has_masks && !mlrt_is_parallel(source)) find_apex(packet);
 }
 
 /* The rays of a block. `lanes` are those that exist. */

@@ -31,6 +31,7 @@ MLRT_INLINE int has_block(const struct ray_tile *tile, uint32_t place)
 MLRT_INLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis)
 {
     vf farthest = v_set1(-INFINITY);
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf depth = v_mul(v_load(packet->hi + v), v_abs(v_load(packet->direction[main_axis] + v)));
         farthest = v_max(v_select(m_from_bits(packet->active >> v), depth, v_set1(-INFINITY)), farthest);
@@ -38,12 +39,12 @@ MLRT_INLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis
     return v_hmax(farthest) * (1 + SLOPE_SLACK);
 }
 
-/* The depth that all rays of a packet reach. */
+/* The depth that all rays of a packet reach, before they meet anything. */
 MLRT_INLINE float shortest_depth(const struct mlrt_packet *packet, int main_axis)
 {
     vf shortest = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf depth = v_mul(v_load(packet->t_max + v), v_abs(v_load(packet->direction[main_axis] + v)));
+        const vf depth = v_mul(v_load(packet->lo + v), v_abs(v_load(packet->direction[main_axis] + v)));
         shortest = v_min(v_select(m_from_bits(packet->active >> v), depth, v_set1(INFINITY)), shortest);
     }
     return v_hmin(shortest) * (1 - SLOPE_SLACK);
@@ -67,6 +68,7 @@ MLRT_INLINE int can_be_closed(const struct mlrt_packet *packet, uint32_t *skip)
 MLRT_INLINE float greatest_direction(const struct mlrt_packet *packet, int main_axis)
 {
     vf greatest = v_set1(0);
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf depth = v_abs(v_load(packet->direction[main_axis] + v));
         greatest = v_max(v_select(m_from_bits(packet->active >> v), depth, v_set1(0)), greatest);
@@ -84,10 +86,14 @@ MLRT_INLINE float packet_reach(const struct ray_tile *tile, uint32_t place)
 static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
 {
     struct cells *cells = &tile->cells;
-    const struct mlrt_packet *packet = &tile->packets[place];
+    struct mlrt_packet *packet = &tile->packets[place];
     const int a = cells->main_axis;
+    int limits_below = 0;
+    if (are_sheared(cells) && !mlrt_shear_packet(&cells->shear, packet, &cells->begin, &limits_below)) return 0;
+    const float slack = are_sheared(cells) ? MLRT_SHEAR_SLACK : 0;
     uint32_t forward = 0;
     vf lo[2] = {v_set1(INFINITY), v_set1(INFINITY)}, hi[2] = {v_set1(-INFINITY), v_set1(-INFINITY)};
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
         const vf depth = v_flip(v_load(packet->direction[a] + v), v_set1(cells->sign));
@@ -108,14 +114,15 @@ static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
         if (greatest[side] - least[side] > WIDEST_PACKET) return 0;
     }
     for (int side = 0; side < 2; ++side) {
-        set_cell_slopes(cells, place, side, least[side] - fabsf(least[side]) * SLOPE_SLACK,
-                        greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK);
+        set_cell_slopes(cells, place, side, least[side] - fabsf(least[side]) * SLOPE_SLACK - slack,
+                        greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK + slack);
     }
     tile->greatest_depth[place] = greatest_direction(packet, a);
-    if (packet->has_limits) {
+    if (packet->has_limits || packet->shear) {
         cells->farthest[place] = farthest_depth(packet, a);
         cells->shortest[place] = shortest_depth(packet, a);
-        tile->limits_below |= highest(packet->t_min, packet->active) > 0;
+        tile->limits_below |= packet->shear ? limits_below : highest(packet->t_min, packet->active) > 0;
+        if (limits_below) return 1;
     } else {
         const float t_max = packet->t_max[mlrt_lowest_bit(packet->active)];
         cells->farthest[place] = t_max * tile->greatest_depth[place] * (1 + SLOPE_SLACK);
@@ -181,27 +188,50 @@ static uint32_t lanes_near_first(const struct mlrt_packet *packet, uint32_t lane
     return near | 1u << first;
 }
 
+/* Likewise, from rays of one direction, of which this lane has one. */
+static MLRT_SMALL void set_packet_shear(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lane,
+                                        struct cells *cells)
+{
+    const float direction[3] = {packet->direction[0][lane], packet->direction[1][lane], packet->direction[2][lane]};
+    const float origin[3] = {packet->origin[0][lane], packet->origin[1][lane], packet->origin[2][lane]};
+    set_shear(job, direction, origin, cells);
+}
+
+/* Does a packet that is to go with others see things as these cells do? */
+MLRT_INLINE int is_seen_so(const struct mlrt_packet *packet, const struct cells *cells)
+{
+    if (MLRT_UNLIKELY(!packet->has_apex)) return mlrt_has_direction(packet, &cells->shear);
+    return !are_sheared(cells) && memcmp(packet->apex, cells->apex, sizeof cells->apex) == 0;
+}
+
 /*
  * Makes cells of the packets of `waiting` (bit per place) that can go together with the first of them, and returns
  * which. *wide receives those that are wider than *width, which is too much; or the first, if not even that can go.
  */
-static uint32_t gather_packets(struct ray_tile *tile, uint32_t waiting, uint32_t *wide, float *width)
+static uint32_t gather_packets(const struct mlrt_job *job, struct ray_tile *tile, uint32_t waiting, uint32_t *wide,
+                               float *width)
 {
     struct cells *cells = &tile->cells;
     const struct mlrt_packet *first = &tile->packets[mlrt_lowest_bit(waiting)];
     const uint32_t lane = mlrt_lowest_bit(first->active);
-    const float direction[3] = {first->direction[0][lane], first->direction[1][lane], first->direction[2][lane]};
-    set_main_axis_of(direction, cells);
-    memcpy(cells->apex, first->apex, sizeof cells->apex);
+    if (MLRT_LIKELY(first->has_apex)) {
+        const float direction[3] = {first->direction[0][lane], first->direction[1][lane], first->direction[2][lane]};
+        set_main_axis_of(direction, cells);
+        memcpy(cells->apex, first->apex, sizeof cells->apex);
+        memset(&cells->shear, 0, sizeof cells->shear);
+    } else {
+        set_packet_shear(job, first, lane, cells);
+        cells->begin = INFINITY;
+    }
     cells->closed = 0;
     cells->tile = tile;
     tile->limits_below = 0;
     uint32_t gathered = 0;
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
-        if (waiting >> place & 1 && memcmp(tile->packets[place].apex, cells->apex, sizeof cells->apex) == 0 &&
-            add_packet(tile, place)) {
+        if (waiting >> place & 1 && is_seen_so(&tile->packets[place], cells) && add_packet(tile, place)) {
             gathered |= 1u << place;
         } else {
+            if (tile->packets[place].shear && waiting >> place & 1) mlrt_unshear_packet(&tile->packets[place]);
             leave_out_cell(cells, place);
         }
     }

@@ -6,6 +6,7 @@
  * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN;
  * comparisons with a NaN are false. A mask lane is all ones or all zeros; m_bits has lane i in bit i.
  *   v_mul_add is a b + c and v_mul_sub a b - c, with one rounding or two: only what has bounds for both may use them.
+ *   KEEP_LANES_LOOP before a loop over the lanes of a packet or a node: not worth its size cut up into vectors.
  *   vd doubles; DW lanes, which are loaded from floats and rounded to floats.
  */
 #ifndef MLRT_SIMD_SCALAR_H
@@ -17,9 +18,10 @@
 #include "platform.h"
 #include "quad_scalar.h"
 
-#define VW        1
-#define ALL_LANES 1u
-#define DW        1
+#define VW              1
+#define ALL_LANES       1u
+#define DW              1
+#define KEEP_LANES_LOOP MLRT_KEEP_LOOP
 typedef float vf;
 typedef uint32_t vi;
 typedef uint32_t vm;

@@ -17,7 +17,7 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct rectang
                                 struct cells *cells)
 {
     if (job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
-        gather_camera_cells(&job->source.view, area->x, area->y, area->width, area->height, side, cells)) {
+        gather_camera_cells(job, area, side, cells)) {
         return 1;
     }
     cells->closed = 0;
@@ -25,8 +25,8 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct rectang
 }
 
 /* One triangle, or nothing, for a rectangle of pixels of a camera. */
-static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
-                         const struct rectangle *area)
+static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
+                                       const struct rectangle *area)
 {
     if (cover == MLRT_NONE) {
         write_misses(job, worker, area);
@@ -41,6 +41,7 @@ static void close_packets(struct ray_tile *tile)
     for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         struct mlrt_packet *packet = &tile->packets[place];
+        KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vm active = m_from_bits(packet->active >> v);
             i_store(packet->triangle + v,
@@ -73,6 +74,9 @@ static MLRT_SMALL uint32_t cut_wide_packets(const struct mlrt_job *job, struct m
             alone |= near;
         }
         if (alone) trace_singles(job, alone, packet, worker);
+        if (cells >> place & 1 && are_sheared(&tile->cells)) {
+            mlrt_shear_packet(&tile->cells.shear, packet, &(float){0}, &(int){0}); /* trace_singles took it back */
+        }
     }
     return cells;
 }
@@ -85,7 +89,7 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     while (waiting) {
         uint32_t wide;
         float width;
-        uint32_t gathered = gather_packets(tile, waiting, &wide, &width);
+        uint32_t gathered = gather_packets(job, tile, waiting, &wide, &width);
         waiting &= ~(gathered | wide);
         if (MLRT_UNLIKELY(wide)) {
             for (uint32_t again = wide & cut; again; again &= again - 1) {
@@ -100,6 +104,9 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
             sum_up_cells(&tile->cells);
             traverse_bvh(job, worker, &tile->cells);
             close_packets(tile);
+            for (; are_sheared(&tile->cells) && gathered; gathered &= gathered - 1) {
+                mlrt_unshear_packet(&tile->packets[mlrt_lowest_bit(gathered)]);
+            }
         }
         for (; wide; wide &= wide - 1) {
             const uint32_t place = mlrt_lowest_bit(wide);
@@ -129,7 +136,9 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
             packet->single |= packet->active;
             packet->active = 0;
         }
-        if (packet->active && !packet->has_apex) {
+        const int is_alike = packet->has_apex || (!packet->has_masks &&
+                                                  (mlrt_is_parallel(&job->source) || mlrt_have_one_direction(packet)));
+        if (packet->active && !is_alike) {
             trace_singles(job, packet->active, packet, worker);
         } else {
             waiting |= (packet->active != 0u) << place;
@@ -142,6 +151,7 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     struct mlrt_packet *packet = &tile->packets[place];
     const struct rectangle block = block_of_tile(tile, place);
+    if (packet->shear) mlrt_unshear_packet(packet);
     if (packet->single) trace_single_rays(job, packet->single, packet, &worker->counters);
     write_packet(job, worker, packet, existing_lanes(&job->source, &block), &block);
 }

@@ -47,7 +47,9 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
         struct mlrt_ray_segment ray;
         mlrt_get_segment(packet, lane, &ray);
         struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
+        if (packet->shear) nearest.lo = 0, nearest.hi = INFINITY; /* not those of t */
         if (!mlrt_offer_triangle(tree, &ray, number, &nearest, MLRT_COUNTING ? &worker->counters : NULL)) continue;
+        if (packet->shear) mlrt_shear_distance(packet->shear, &ray, &nearest);
         packet->triangle[lane] = nearest.triangle;
         packet->lo[lane] = nearest.lo;
         packet->hi[lane] = nearest.hi;
