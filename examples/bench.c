@@ -146,7 +146,8 @@ static int bench_scenes(const struct bench_settings *settings)
 // The kinds of the command line: "array" asks for rows and for lists.
 static uint32_t kinds_of(uint32_t words)
 {
-    static const uint32_t kinds[] = {1u << FRAME, 1u << PRIMARY, 1u << SHADOW, 1u << ARRAY | 1u << LIST, 1u << BOUNCE};
+    static const uint32_t kinds[] = {1u << FRAME,    1u << PRIMARY, 1u << SHADOW, 1u << SUN, 1u << ARRAY | 1u << LIST,
+                                     1u << PARALLEL, 1u << BOUNCE};
     uint32_t result = 0;
     for (size_t i = 0; i < LENGTH(kinds); i++) result |= words & 1u << i ? kinds[i] : 0;
     return result;
@@ -182,8 +183,8 @@ int main(int argc, char **argv)
         {OPTION_TEXT, "--view", &settings.view, "FILE.json:SCENE/VIEW", "one view for all scenes", 0, 0},
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
          16384},
-        {OPTION_SET, "--kind", &kind_words, "frame,primary,shadow,array,bounce", "kinds of rays, a list (default: all)",
-         0, 0},
+        {OPTION_SET, "--kind", &kind_words, "frame,primary,shadow,sun,array,parallel,bounce",
+         "kinds of rays, a list (default: all)", 0, 0},
         {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build",
          "time against the number of triangles or pixels; building. CSV", STUDY_NONE, 0},
         {OPTION_HEADING, NULL, NULL, NULL, "How:", 0, 0},

@@ -26,8 +26,10 @@ KINDS = {
     "frame": "frame: rays made, traced, shaded",
     "primary": "primary: rays made, traced",
     "shadow": "shadow: light to hits",
+    "sun": "sun: hits in one direction",
     "array": "array: camera rays in rows",
     "list": "list: the same, no rows given",
+    "parallel": "parallel: camera rays of one direction, in rows",
     "bounce": "bounce: diffuse rays",
 }
 

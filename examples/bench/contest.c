@@ -164,12 +164,13 @@ static void copy_element(const struct task *task, uint32_t element, struct sampl
 
 static int32_t ask_other_method(const struct contest *contest, int32_t method, struct sample *sample)
 {
-    struct task task = {.kind = contest->task->kind == SHADOW ? SHADOW : LIST,
+    struct task task = {.kind = is_shadow(contest->task->kind) ? contest->task->kind : LIST,
                         .subject = contest->task->subject,
                         .element_count = sample->count,
                         .origins = sample->origins,
                         .directions = sample->directions,
                         .skip = sample->skip};
+    memcpy(task.sun, contest->task->sun, sizeof task.sun);
     const struct answers answers = {.triangles = sample->triangles, .t = sample->t, .occluded = sample->occluded};
     const mlrt_trace_options options = {.struct_size = sizeof options,
                                         .method = method == MLRT_METHOD_RAY ? MLRT_METHOD_DEFAULT : MLRT_METHOD_RAY};

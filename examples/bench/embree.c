@@ -182,7 +182,7 @@ static void trace_closest_stream(const struct batch *batch, size_t first, size_t
     struct RTCIntersectContext context = batch->context;
     RTC_ALIGN(64) struct RTCRayHit16 queries[STREAM_PACKETS];
     memset(queries, 0, sizeof queries);
-    for (int i = 0; i < STREAM_PACKETS; i++) start_ray_16(&queries[i].ray, batch->stream->origin);
+    for (int i = 0; i < STREAM_PACKETS; i++) start_stream_16(batch->stream, &queries[i].ray);
     while (first < end) {
         unsigned count = 0;
         for (; count < STREAM_PACKETS && first + 16 * count < end; count++) {
@@ -202,7 +202,7 @@ static void trace_any_stream(const struct batch *batch, size_t first, size_t end
     struct RTCIntersectContext context = batch->context;
     RTC_ALIGN(64) struct RTCRay16 rays[STREAM_PACKETS];
     memset(rays, 0, sizeof rays);
-    for (int i = 0; i < STREAM_PACKETS; i++) start_ray_16(&rays[i], batch->stream->origin);
+    for (int i = 0; i < STREAM_PACKETS; i++) start_stream_16(batch->stream, &rays[i]);
     while (first < end) {
         unsigned count = 0;
         for (; count < STREAM_PACKETS && first + 16 * count < end; count++) {
@@ -301,7 +301,7 @@ static size_t start_batches(const struct peer *peer, const struct task *task, co
     rtcInitIntersectContext(&job->batch.context);
     job->batch.context.flags =
         task->kind == BOUNCE ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    job->any = task->kind == SHADOW;
+    job->any = is_shadow(task->kind);
     return (task->stream.count + BATCH_SIZE - 1) / BATCH_SIZE;
 }
 

@@ -123,9 +123,19 @@ static void NAME(trace_picture)(const struct picture *shared, uint32_t column, u
 /* ---- streams ------------------------------------------------------------------------------------------------------
  */
 
+// What all rays of a stream have in common, as far as it is.
+static void NAME(start_stream)(const struct stream *stream, struct NAME_RAY *ray)
+{
+    NAME(start_ray)(ray, stream->origin);
+    for (int i = 0; i < WIDTH; i++) {
+        LANE(ray->dir_x, i) = stream->direction[0], LANE(ray->dir_y, i) = stream->direction[1];
+        LANE(ray->dir_z, i) = stream->direction[2], LANE(ray->tnear, i) = stream->t_min;
+    }
+}
+
 static inline void NAME(read_rays)(const struct stream *stream, size_t first, struct NAME_RAY *ray)
 {
-    for (int i = 0; i < WIDTH; i++) {
+    for (int i = 0; stream->directions[0] && i < WIDTH; i++) {
         LANE(ray->dir_x, i) = stream->directions[0][first + (size_t)i];
         LANE(ray->dir_y, i) = stream->directions[1][first + (size_t)i];
         LANE(ray->dir_z, i) = stream->directions[2][first + (size_t)i];
@@ -143,7 +153,7 @@ static void NAME(trace_closest)(const struct batch *batch, size_t first, size_t 
     struct RTCIntersectContext context = batch->context;
     RTC_ALIGN(64) struct QUERY query;
     memset(&query, 0, sizeof query);
-    NAME(start_ray)(&query.ray, batch->stream->origin);
+    NAME(start_stream)(batch->stream, &query.ray);
     for (; first < end; first += WIDTH) {
         NAME(read_rays)(batch->stream, first, &query.ray);
         NAME(start_query)(&query, batch->stream->t_max);
@@ -158,7 +168,7 @@ static void NAME(trace_any)(const struct batch *batch, size_t first, size_t end)
     struct RTCIntersectContext context = batch->context;
     RTC_ALIGN(64) struct NAME_RAY ray;
     memset(&ray, 0, sizeof ray);
-    NAME(start_ray)(&ray, batch->stream->origin);
+    NAME(start_stream)(batch->stream, &ray);
     for (; first < end; first += WIDTH) {
         NAME(read_rays)(batch->stream, first, &ray);
         for (int i = 0; i < WIDTH; i++) LANE(ray.tfar, i) = batch->stream->t_max;

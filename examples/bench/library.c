@@ -24,13 +24,15 @@ static int32_t trace_primary(const mlrt_tree *tree, const mlrt_trace_options *op
 static int32_t trace_shadows(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
                              const struct answers *answers)
 {
-    const float *p = task->subject->light;
+    const float *p = task->kind == SUN ? task->sun : task->subject->light;
     const mlrt_points points = {.struct_size = sizeof points,
                                 .row_length = task->subject->camera.width,
                                 .count = task->element_count,
                                 .positions = {task->origins, 0},
                                 .skip = {task->skip, 0}};
-    const mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {p[0], p[1], p[2]}};
+    const mlrt_light light = {.struct_size = sizeof light,
+                              .kind = task->kind == SUN ? MLRT_LIGHT_DIRECTIONAL : MLRT_LIGHT_POINT,
+                              .position = {p[0], p[1], p[2]}};
     const mlrt_array occluded = {answers->occluded, 0, 0};
     return mlrt_occluded_points(tree, &points, &light, options, &occluded);
 }
@@ -39,7 +41,7 @@ static int32_t trace_arrays(const mlrt_tree *tree, const mlrt_trace_options *opt
                             const struct answers *answers)
 {
     const mlrt_rays rays = {.struct_size = sizeof rays,
-                            .row_length = task->kind == ARRAY ? task->subject->camera.width : 0,
+                            .row_length = task->kind == LIST || task->kind == BOUNCE ? 0 : task->subject->camera.width,
                             .count = task->element_count,
                             .origins = {task->origins, 0},
                             .directions = {task->directions, 0}};
@@ -57,6 +59,7 @@ int32_t run_library(const mlrt_tree *tree, const mlrt_trace_options *options, co
     case PRIMARY:
         return trace_primary(tree, options, task, answers);
     case SHADOW:
+    case SUN:
         return trace_shadows(tree, options, task, answers);
     default:
         return trace_arrays(tree, options, task, answers);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const kind_names[KIND_COUNT] = {"frame", "primary", "shadow", "array", "list", "bounce"};
+const char *const kind_names[KIND_COUNT] = {"frame", "primary", "shadow", "sun", "array", "list", "parallel", "bounce"};
 
 enum { WIDTH = 16, BLOCK_SIDE = 4, REGION_SIDE = 64, LARGEST_SPHERE = 9 };
 
@@ -113,13 +113,16 @@ static uint32_t pixel_at(uint32_t size, size_t place)
 // to 1, Embree finds 3 to 30 % of the points to be shaded by the triangle that they lie on.
 #define SHADOW_END 0.9999f
 
-static int allocate_stream(size_t count, int one_origin, struct stream *stream)
+// And where those towards the sun begin: its direction is as long as the light is far.
+#define SUN_BEGIN 0.0001f
+
+static int allocate_stream(size_t count, int one_origin, int one_direction, struct stream *stream)
 {
     const size_t padded = (count + WIDTH - 1) / WIDTH * WIDTH;
     for (int k = 0; k < 3; k++) {
-        stream->directions[k] = allocate(padded, sizeof(float));
+        stream->directions[k] = one_direction ? NULL : allocate(padded, sizeof(float));
         stream->origins[k] = one_origin ? NULL : allocate(padded, sizeof(float));
-        if (!stream->directions[k] || (!one_origin && !stream->origins[k])) return 1;
+        if ((!one_direction && !stream->directions[k]) || (!one_origin && !stream->origins[k])) return 1;
     }
     stream->elements = allocate(padded, sizeof *stream->elements);
     return !stream->elements;
@@ -133,7 +136,7 @@ static void set_stream_ray(const struct task *task, size_t place, uint32_t eleme
             stream->directions[k][place] = p[k] - task->subject->light[k];
         } else {
             stream->origins[k][place] = p[k];
-            stream->directions[k][place] = task->directions[element][k];
+            if (task->directions) stream->directions[k][place] = task->directions[element][k];
         }
     }
     stream->elements[place] = element;
@@ -143,9 +146,11 @@ static void set_stream_ray(const struct task *task, size_t place, uint32_t eleme
 static int make_stream(struct task *task)
 {
     struct stream *stream = &task->stream;
-    const int is_picture = task->kind == SHADOW || task->kind == ARRAY;
-    if (allocate_stream(task->ray_count, task->kind == SHADOW, stream)) return 1;
+    const int is_picture = task->kind != LIST && task->kind != BOUNCE;
+    if (allocate_stream(task->ray_count, task->kind == SHADOW, task->kind == SUN, stream)) return 1;
     memcpy(stream->origin, task->subject->light, sizeof stream->origin);
+    memcpy(stream->direction, task->sun, sizeof stream->direction);
+    stream->t_min = task->kind == SUN ? SUN_BEGIN : 0;
     stream->t_max = task->kind == SHADOW ? SHADOW_END : INFINITY;
     for (size_t i = 0; i < task->element_count; i++) {
         const uint32_t element = is_picture ? pixel_at(task->subject->camera.width, i) : (uint32_t)i;
@@ -197,6 +202,18 @@ static int place_point(const mlrt_tree *tree, const struct view_hits *hits, size
            mlrt_offset_point(tree, 0, hits->triangle[i], hits->u[i], hits->v[i], -hits->facing[i], point) == MLRT_OK;
 }
 
+// From the middle of the points to the light.
+static void set_sun(struct task *task)
+{
+    double middle[3] = {0, 0, 0};
+    for (size_t i = 0; i < task->element_count; i++) {
+        for (int k = 0; k < 3 && !isnan(task->origins[i][0]); k++) middle[k] += task->origins[i][k];
+    }
+    for (int k = 0; k < 3; k++) {
+        task->sun[k] = (float)(task->subject->light[k] - middle[k] / (task->ray_count ? (double)task->ray_count : 1));
+    }
+}
+
 static int make_shadow_points(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
 {
     task->element_count = task->subject->pixel_count;
@@ -211,6 +228,7 @@ static int make_shadow_points(const mlrt_tree *tree, const struct view_hits *hit
         else
             p[0] = p[1] = p[2] = NAN;
     }
+    set_sun(task);
     return 0;
 }
 
@@ -247,6 +265,28 @@ static int make_bounces(const mlrt_tree *tree, const struct view_hits *hits, str
     return 0;
 }
 
+// What the view looks at is as large in its picture as in that of the view's camera.
+static mlrt_camera parallel_camera(const struct subject *subject)
+{
+    const struct view *view = &subject->scene.view;
+    mlrt_camera camera = subject->camera;
+    double away = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+        camera.direction[k] =
+            camera.d00[k] + 0.5f * (float)camera.width * camera.dx[k] + 0.5f * (float)camera.height * camera.dy[k];
+        away += (view->look[k] - view->eye[k]) * (view->look[k] - view->eye[k]);
+        length += (double)camera.direction[k] * camera.direction[k];
+    }
+    const float scale = (float)sqrt(away / length);
+    for (int k = 0; k < 3; k++) {
+        camera.d00[k] = camera.eye[k] + scale * (camera.d00[k] - camera.direction[k]);
+        camera.dx[k] *= scale;
+        camera.dy[k] *= scale;
+    }
+    camera.projection = MLRT_PROJECTION_PARALLEL;
+    return camera;
+}
+
 static int make_camera_arrays(struct task *task)
 {
     task->element_count = task->ray_count = task->subject->pixel_count;
@@ -254,7 +294,9 @@ static int make_camera_arrays(struct task *task)
     task->directions = allocate(task->ray_count, sizeof *task->directions);
     if (!task->origins || !task->directions) return 1;
     const mlrt_array origins = {task->origins, 0, 0}, directions = {task->directions, 0, 0};
-    return mlrt_camera_rays(&task->subject->camera, &origins, &directions) != MLRT_OK;
+    const mlrt_camera parallel = parallel_camera(task->subject);
+    return mlrt_camera_rays(task->kind == PARALLEL ? &parallel : &task->subject->camera, &origins, &directions) !=
+           MLRT_OK;
 }
 
 int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tree, mlrt_pool *pool, struct task *task)
@@ -264,11 +306,11 @@ int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tr
     task->subject = subject;
     task->ray_count = task->element_count = subject->pixel_count;
     if (kind == FRAME || kind == PRIMARY) return 0;
-    if (kind == ARRAY || kind == LIST) return make_camera_arrays(task) || make_stream(task);
+    if (kind == ARRAY || kind == LIST || kind == PARALLEL) return make_camera_arrays(task) || make_stream(task);
     struct view_hits hits = {NULL, NULL, NULL, NULL};
     task->ray_count = 0;
     int failed = find_hits(subject, tree, pool, &hits);
-    if (!failed) failed = kind == SHADOW ? make_shadow_points(tree, &hits, task) : make_bounces(tree, &hits, task);
+    if (!failed) failed = is_shadow(kind) ? make_shadow_points(tree, &hits, task) : make_bounces(tree, &hits, task);
     free_hits(&hits);
     return failed || make_stream(task);
 }
@@ -291,7 +333,7 @@ int make_answers(const struct task *task, struct answers *answers)
     const size_t n = (task->element_count + WIDTH - 1) / WIDTH * WIDTH;
     memset(answers, 0, sizeof *answers);
     int failed = 0;
-    if (task->kind == SHADOW)
+    if (is_shadow(task->kind))
         failed = !(answers->occluded = allocate(n, 1));
     else
         failed = !(answers->triangles = allocate(n, sizeof *answers->triangles));

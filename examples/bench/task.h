@@ -5,8 +5,10 @@
  *     frame      rays of the camera, made while tracing; the closest hit, shaded, into a picture
  *     primary    the same rays, numbers of triangles into an array
  *     shadow     from the light to each hit of the view: is anything between
+ *     sun        from each hit of the view in one direction: is anything there
  *     array      the camera's rays ready in arrays, in rows of pixels; numbers and distances into arrays
  *     list       the same as a plain list
+ *     parallel   the rays of a camera with parallel rays instead, in arrays, in rows of pixels
  *     bounce     one ray from each hit in a random direction, cosine-weighted; numbers and distances into arrays
  */
 #ifndef TASK_H
@@ -17,7 +19,13 @@
 
 #include <mlrt.h>
 
-enum kind { FRAME, PRIMARY, SHADOW, ARRAY, LIST, BOUNCE, KIND_COUNT };
+enum kind { FRAME, PRIMARY, SHADOW, SUN, ARRAY, LIST, PARALLEL, BOUNCE, KIND_COUNT };
+
+/* Kinds that ask whether anything is hit, of points with triangles to pass. */
+static inline int is_shadow(enum kind kind)
+{
+    return kind == SHADOW || kind == SUN;
+}
 
 extern const char *const kind_names[KIND_COUNT];
 
@@ -47,10 +55,12 @@ void camera_direction(const mlrt_camera *camera, uint32_t column, uint32_t row, 
 
 /* Rays by component, in an order that is good for packets; the arrays are filled up to a multiple of 16 rays. */
 struct stream {
-    size_t count;      /* without those that fill up */
-    float *origins[3]; /* NULL = all start at `origin` */
-    float *directions[3];
+    size_t count;         /* without those that fill up */
+    float *origins[3];    /* NULL = all start at `origin` */
+    float *directions[3]; /* NULL = all have `direction` */
     float origin[3];
+    float direction[3];
+    float t_min;
     float t_max;
     uint32_t *elements; /* for each ray, the element of the caller's arrays that it is */
 };
@@ -60,9 +70,10 @@ struct task {
     const struct subject *subject;
     size_t ray_count;     /* rays that count: all elements but those without a point */
     size_t element_count; /* of the results */
-    float (*origins)[3];  /* array, list, bounce: origins; shadow: points, NaN where there is none */
+    float (*origins)[3];  /* shadow, sun: points, NaN where there is none; others: origins */
     float (*directions)[3];
-    uint32_t (*skip)[2];  /* shadow: the triangles that points lie on */
+    float sun[3];         /* sun: the direction towards it */
+    uint32_t (*skip)[2];  /* shadow, sun: the triangles that points lie on */
     struct stream stream; /* not for frame and primary */
 };
 
