@@ -41,6 +41,7 @@ COUNTING_MACROS = ["COUNT", "MLRT_COUNTING"]
 # System headers that not every system has. The intrinsics come as one.
 CONDITIONS = {
     "immintrin.h": "defined(__SSE2__) || defined(__x86_64__)",
+    "cpuid.h": "defined(__SSE2__) || defined(__x86_64__)",
     "sys/mman.h": "defined(__linux__)",
 }
 INTRINSICS = {"emmintrin.h", "xmmintrin.h", "immintrin.h"}
