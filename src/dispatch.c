@@ -33,10 +33,9 @@ static int32_t find_widest(void)
     return (b & avx512) == avx512 && (saved & 0xE6) == 0xE6 ? MLRT_ISA_AVX512 : MLRT_ISA_AVX2;
 }
 
-/* The same, looked up once: all that the library ever writes down for itself. Threads that come together find the same.
- */
-static int32_t known_isa; /* 0: not yet */
+static int32_t known_isa; /* all that the library ever writes down for itself; 0: not yet */
 
+/* Looked up once. Threads that come together find the same. */
 static int32_t widest_isa(void)
 {
     int32_t isa = __atomic_load_n(&known_isa, __ATOMIC_RELAXED);

@@ -313,14 +313,19 @@ static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *trian
     return -n.sign;
 }
 
-int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
+/* The sign of v . n as far as double can tell. */
+static int certain_side(const struct mlrt_triangle *triangle, struct vector v)
 {
     struct vector a = vector_of(triangle->v[0]);
     struct vector ab = subtract(vector_of(triangle->v[1]), a);
     struct vector ac = subtract(vector_of(triangle->v[2]), a);
-    struct vector from_a = subtract(vector_of(point), a);
-    struct measured height = {dot(from_a, cross(ab, ac)), size_of(from_a) * size_of(ab) * size_of(ac)};
-    int side = certain_sign(height, SIGN_ERROR);
+    struct measured height = {dot(v, cross(ab, ac)), size_of(v) * size_of(ab) * size_of(ac)};
+    return certain_sign(height, SIGN_ERROR);
+}
+
+int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
+{
+    int side = certain_side(triangle, subtract(vector_of(point), vector_of(triangle->v[0])));
     return side != 0 ? side : side_of_plane_exactly(triangle, point);
 }
 
@@ -336,12 +341,7 @@ static MLRT_NOINLINE int facing_of_normal_exactly(const struct mlrt_triangle *tr
 
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
 {
-    struct vector a = vector_of(triangle->v[0]);
-    struct vector ab = subtract(vector_of(triangle->v[1]), a);
-    struct vector ac = subtract(vector_of(triangle->v[2]), a);
-    struct vector along = vector_of(direction);
-    struct measured d = {dot(along, cross(ab, ac)), size_of(along) * size_of(ab) * size_of(ac)};
-    int sign = certain_sign(d, SIGN_ERROR);
+    int sign = certain_side(triangle, vector_of(direction));
     if (sign != 0) return sign;
     for (int axis = 0; axis < 3; ++axis) {
         if (direction[axis] == 0 && is_across(triangle, axis)) return 0; /* a wall in the light from above */

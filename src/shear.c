@@ -8,12 +8,6 @@
 
 #include "source.h"
 
-/* fmaxf costs a call. */
-static float larger_of(float a, float b)
-{
-    return a > b ? a : b;
-}
-
 /* A power of two above `a`: at most twice, at least once as large. */
 static float power_above(float a)
 {
@@ -32,7 +26,7 @@ static float reach_of_view(const struct mlrt_view *view, float middle, int k)
     for (int corner = 0; corner < 4; ++corner) {
         const float x = (float)(view->first_x + (corner & 1 ? view->width : 0)) + view->sample_x;
         const float y = (float)(view->first_y + (corner & 2 ? view->height : 0)) + view->sample_y;
-        reach = larger_of(fabsf(view->d00[k] + x * view->dx[k] + y * view->dy[k] - middle), reach);
+        reach = fmaxf(fabsf(view->d00[k] + x * view->dx[k] + y * view->dy[k] - middle), reach);
     }
     return reach * 1.001f;
 }
@@ -45,12 +39,12 @@ void mlrt_make_shear(const struct mlrt_tree *tree, const struct mlrt_source *sou
     int a = 0;
     for (int k = 0; k < 3; ++k) {
         const float lo = tree->bounds.lo[k], hi = tree->bounds.hi[k], middle = 0.5f * lo + 0.5f * hi;
-        const float away = fabsf(origin[k] - middle), box = larger_of(hi - middle, middle - lo);
+        const float away = fabsf(origin[k] - middle), box = fmaxf(hi - middle, middle - lo);
         const float far = is_camera ? reach_of_view(&source->view, middle, k) : away > box ? power_above(away) : 0;
         shear->given[k] = direction[k];
         shear->along[k] = against ? 0 - direction[k] : direction[k];
         shear->centre[k] = middle;
-        reach = larger_of(larger_of(box, far), reach);
+        reach = fmaxf(fmaxf(box, far), reach);
         if (fabsf(direction[k]) > fabsf(direction[a])) a = k;
     }
     const float depth = shear->along[a], sign = shear->sign = depth < 0 ? -1.0f : 1.0f;

@@ -39,8 +39,8 @@
  * 3 u. Where a ray begins and ends is off by 11 u of 1 / (1 - z): 32 u |N'| are added to the bound of N', which then
  * holds for comparisons with these as they were computed.
  *
- * Outlines and places in the picture are moved apart by SHEAR_SLACK, 16 u, each; so are boxes, where the sums for a box
- * are off by 3 u.
+ * Outlines and places in the picture are moved apart by MLRT_SHEAR_SLACK, 16 u, each. That is for boxes, too, where the
+ * sums are off by 3 u, and a place that becomes a length by 2 u |q_j|.
  *
  * Based on: P. Lacroute, M. Levoy, "Fast Volume Rendering Using a Shear-Warp Factorization of the Viewing
  * Transformation", 1994 (the shear).

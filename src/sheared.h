@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the kernels for the hierarchy of boxes do otherwise for rays of one direction (shear.h). Once for all of them,
- * four lanes wide: a copy eight wide would make such rays a tenth or so faster, and the library 4 kB larger.
+ * four lanes wide: wider copies would be faster, but the library must stay small.
  */
 #ifndef MLRT_SHEARED_H
 #define MLRT_SHEARED_H

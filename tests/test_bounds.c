@@ -12,7 +12,7 @@
  *
  * The kernels are included, one lane wide, and so are the files whose inner functions are needed.
  */
-#include "support.h"
+#include "search.h"
 
 #include <gmp.h>
 #include <math.h>
@@ -58,8 +58,6 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define certain_sign judge_certain_sign /* covering.h has one too */
 #include "predicate.c"
 #undef certain_sign
-
-static size_t effort = 1;
 
 /* ---- numbers without rounding ------------------------------------------------------------------------------------ */
 
@@ -168,22 +166,6 @@ static int is_normal(const mpf_t a)
 
 /* ---- the search -------------------------------------------------------------------------------------------------- */
 
-#define INPUT_LIMIT 24
-
-/*
- * `attack` returns the error over the bound, or less than 0 if the input is none that it is about. The inputs in the
- * mask `safe` are what rays are made of, 0 or of magnitude 2^-60 .. 2^60; all others are corners of triangles, up to
- * 2^60.
- */
-struct bound {
-    const char *name;
-    int input_count;
-    uint32_t safe;
-    double (*attack)(const float *input);
-    double needed;      /* the search must get so far, or it is too weak to say anything */
-    const float *known; /* the worst input of a longer search, or NULL */
-};
-
 enum kind { NEAR_ONE, SPREAD, ANY_SAFE, TINY, NEARLY_EQUAL, AT_LIMITS, MIDWAY, AIMED, FAST, KIND_COUNT };
 
 static float draw_input(struct random *random, enum kind kind, int is_safe, float base)
@@ -208,12 +190,6 @@ static float draw_input(struct random *random, enum kind kind, int is_safe, floa
     default:
         return next_float(base, (int)draw_below(random, 17) - 8);
     }
-}
-
-static float clamp_input(float a, int is_safe)
-{
-    if (!(fabsf(a) <= MLRT_SAFE_MAX)) return copysignf(MLRT_SAFE_MAX, a);
-    return is_safe && a != 0 && fabsf(a) < MLRT_SAFE_MIN ? copysignf(MLRT_SAFE_MIN, a) : a;
 }
 
 static void draw_inputs(struct random *random, const struct bound *bound, float *input)
@@ -251,104 +227,9 @@ static void draw_inputs(struct random *random, const struct bound *bound, float 
     for (int i = 0; i < bound->input_count; ++i) input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
 }
 
-/* Changes up to three inputs. */
-static void mutate(struct random *random, const struct bound *bound, float *input)
-{
-    for (uint32_t i = draw_below(random, 3); i < 3; ++i) {
-        const uint32_t n = draw_below(random, (uint32_t)bound->input_count);
-        const uint32_t m = draw_below(random, (uint32_t)bound->input_count);
-        uint32_t bits = bits_of(input[n]);
-        switch (draw_below(random, 12)) {
-        case 0:
-            bits ^= 0x80000000u;
-            break;
-        case 1:
-            bits += draw_below(random, 2) ? 0x00800000u : 0xFF800000u;
-            break;
-        case 2:
-            bits += draw_below(random, 2) ? 0x06000000u : 0xFA000000u;
-            break;
-        case 3:
-            bits = bits_of(input[m]) ^ (draw_bits(random) & 0x80000000u);
-            break;
-        case 4:
-            bits = (bits & 0xFF800000u) | draw_below(random, 16);
-            break;
-        case 5:
-        case 6:
-        case 7:
-            bits += draw_below(random, 7) - 3;
-            break;
-        default:
-            bits ^= 1u << draw_below(random, draw_below(random, 2) ? 8 : 23);
-        }
-        if ((bits & 0x7F800000u) == 0x7F800000u) continue;
-        input[n] = clamp_input(float_of(bits), (int)(bound->safe >> n & 1));
-    }
-}
-
-struct search {
-    double worst;
-    float input[INPUT_LIMIT];
-    size_t count;
-};
-
-static double try_input(const struct bound *bound, const float *input, struct search *search)
-{
-    const double ratio = bound->attack(input);
-    ++search->count;
-    if (ratio > search->worst) {
-        search->worst = ratio;
-        memcpy(search->input, input, sizeof search->input);
-    }
-    return ratio;
-}
-
-/* From the best of some random inputs uphill; at first a step may lead down a little. */
-static void climb(struct random *random, const struct bound *bound, size_t step_count, struct search *search)
-{
-    float here[INPUT_LIMIT] = {0}, next[INPUT_LIMIT] = {0};
-    double height = -1;
-    for (int i = 0; i < 60 || (i < 2000 && height < 0); ++i) {
-        draw_inputs(random, bound, next);
-        const double ratio = try_input(bound, next, search);
-        if (ratio <= height) continue;
-        height = ratio;
-        memcpy(here, next, sizeof here);
-    }
-    for (size_t i = 0; i < step_count && height >= 0; ++i) {
-        const double cooling = 0.06 * (1 - (double)i / (double)step_count);
-        memcpy(next, here, sizeof next);
-        mutate(random, bound, next);
-        const double ratio = try_input(bound, next, search);
-        if (!(ratio >= height * (1 - cooling)) || ratio < 0) continue;
-        height = ratio;
-        memcpy(here, next, sizeof here);
-    }
-}
-
-#define CLIMB_COUNT 8
-#define STEP_COUNT  12000
-
-static struct search search_for_worst(const struct bound *bound, size_t climb_count)
-{
-    struct random random = {77};
-    struct search search = {.worst = 0};
-    if (bound->known) try_input(bound, bound->known, &search);
-    for (size_t i = 0; i < scaled(climb_count * effort); ++i) climb(&random, bound, STEP_COUNT, &search);
-    return search;
-}
-
 static void attack(const struct bound *bound, size_t climb_count)
 {
-    const struct search search = search_for_worst(bound, climb_count);
-    print_message("%-34s %.3f found, %zu tries\n", bound->name, search.worst, search.count);
-    if (search.worst > 1) {
-        for (int i = 0; i < bound->input_count; ++i) print_error("input %d: %a\n", i, search.input[i]);
-    }
-    assert_true(search.worst <= 1);
-    /* A search as short as that of a build with sanitizers need not get near. */
-    if (scaled(8) == 8) assert_true(search.worst >= bound->needed);
+    attack_bound(bound, draw_inputs, climb_count, STEP_COUNT);
 }
 
 /* ---- triangles and rays ------------------------------------------------------------------------------------------ */
@@ -1886,7 +1767,7 @@ static void the_clip_margin_holds(void **state)
 static void products_that_underflow_decide_nothing(void **state)
 {
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(24 * effort); ++seed) {
+    for (uint64_t seed = 0; seed < scaled(24 * search_effort); ++seed) {
         struct random random = {seed * 0x10001 + 5};
         struct soup soup = {0};
         struct ray_list list = {.row_length = 16};
@@ -1922,7 +1803,7 @@ static void rays_may_begin_and_end_in_a_split_plane(void **state)
     const mlrt_build_options build = {
         .struct_size = sizeof build, .preset = MLRT_TREE_PAPER, .intersection_cost = 100, .traversal_cost = 0.01f};
     (void)state;
-    for (uint64_t seed = 0; seed < scaled(40 * effort); ++seed) {
+    for (uint64_t seed = 0; seed < scaled(40 * search_effort); ++seed) {
         struct random random = {seed * 0x10001 + 9};
         struct soup soup = {0};
         struct ray_list list = {.row_length = 16};
@@ -2044,7 +1925,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(rays_may_begin_and_end_in_a_split_plane),
         cmocka_unit_test(stacks_hold_what_waits),
     };
-    if (argc > 1 && atoi(argv[1]) > 0) effort = (size_t)atoi(argv[1]);
+    if (argc > 1 && atoi(argv[1]) > 0) search_effort = (size_t)atoi(argv[1]);
     init_numbers();
     init_polygons();
     return cmocka_run_group_tests(tests, NULL, NULL);

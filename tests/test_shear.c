@@ -9,7 +9,7 @@
  *     test_shear        a few seconds
  *     test_shear 100    100 times the search
  */
-#include "support.h"
+#include "search.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -65,8 +65,6 @@ static float remembering_divide(float a, float b)
 #undef v_div
 
 #define UNIT 0x1p-24
-
-static size_t effort = 1;
 
 /* ---- a triangle and a ray ---------------------------------------------------------------------------------------- */
 
@@ -447,12 +445,6 @@ static double attack_decisions(const float *input)
 
 /* ---- the search -------------------------------------------------------------------------------------------------- */
 
-struct bound {
-    const char *name;
-    double (*attack)(const float *input);
-    double needed; /* the search must get so far, or it is too weak to say anything */
-};
-
 enum kind { WHOLE, NEAR_ONE, SPREAD, NEARLY_EQUAL, FAR_OFF, KIND_COUNT };
 
 static float draw_input(struct random *random, enum kind kind, float base)
@@ -474,12 +466,12 @@ static float draw_input(struct random *random, enum kind kind, float base)
 }
 
 /* Every scale is the same, but for underflow. */
-static void draw_inputs(struct random *random, float input[INPUT_COUNT])
+static void draw_inputs(struct random *random, const struct bound *bound, float *input)
 {
     const enum kind kind = (enum kind)draw_below(random, KIND_COUNT);
     const int scale = draw_below(random, 3) ? 0 : (int)draw_below(random, 100) - 50;
     const float offset = kind == FAR_OFF ? ldexpf(1, (int)draw_below(random, 20)) : draw_range(random, -1, 1);
-    for (int i = 0; i < INPUT_COUNT; ++i) {
+    for (int i = 0; i < bound->input_count; ++i) {
         const enum kind one = draw_below(random, 8) ? kind : (enum kind)draw_below(random, KIND_COUNT);
         const int is_direction = i >= 12 && i < 15;
         const enum kind of_direction = draw_below(random, 3) ? NEAR_ONE : draw_below(random, 2) ? WHOLE : SPREAD;
@@ -502,110 +494,32 @@ static void draw_inputs(struct random *random, float input[INPUT_COUNT])
     if (draw_below(random, 3) == 0) input[18] = INFINITY;
 }
 
-static void mutate(struct random *random, float input[INPUT_COUNT])
-{
-    for (uint32_t i = draw_below(random, 3); i < 3; ++i) {
-        const uint32_t n = draw_below(random, INPUT_COUNT);
-        uint32_t bits = bits_of(input[n]);
-        switch (draw_below(random, 10)) {
-        case 0:
-            bits ^= 0x80000000u;
-            break;
-        case 1:
-            bits += draw_below(random, 2) ? 0x00800000u : 0xFF800000u;
-            break;
-        case 2:
-            bits = bits_of(input[draw_below(random, INPUT_COUNT)]) ^ (draw_bits(random) & 0x80000000u);
-            break;
-        case 3:
-            bits = (bits & 0xFF800000u) | draw_below(random, 16);
-            break;
-        case 4:
-        case 5:
-            bits += draw_below(random, 7) - 3;
-            break;
-        default:
-            bits ^= 1u << draw_below(random, draw_below(random, 2) ? 8 : 23);
-        }
-        if (fabsf(float_of(bits)) <= 0x1p58f) input[n] = float_of(bits);
-    }
-}
-
-struct search {
-    double worst;
-    float input[INPUT_COUNT];
-    size_t count;
-};
-
-static double try_input(const struct bound *bound, const float *input, struct search *search)
-{
-    const double ratio = bound->attack(input);
-    search->count += ratio >= 0;
-    if (!(ratio <= search->worst)) {
-        search->worst = ratio;
-        memcpy(search->input, input, sizeof search->input);
-    }
-    return ratio;
-}
-
-/* From the best of some random inputs uphill; at first a step may lead down a little. */
-static void climb(struct random *random, const struct bound *bound, size_t step_count, struct search *search)
-{
-    float here[INPUT_COUNT] = {0}, next[INPUT_COUNT];
-    double height = -1;
-    for (int i = 0; i < 100 || (i < 2000 && height < 0); ++i) {
-        draw_inputs(random, next);
-        const double ratio = try_input(bound, next, search);
-        if (ratio <= height) continue;
-        height = ratio;
-        memcpy(here, next, sizeof here);
-    }
-    for (size_t i = 0; i < step_count && height >= 0; ++i) {
-        memcpy(next, here, sizeof next);
-        mutate(random, next);
-        const double ratio = try_input(bound, next, search);
-        if (!(ratio >= height * (0.94 + 0.06 * (double)i / (double)step_count)) || ratio < 0) continue;
-        height = ratio;
-        memcpy(here, next, sizeof here);
-    }
-}
-
-static void attack(const struct bound *bound, size_t climb_count, size_t step_count)
-{
-    struct random random = {78};
-    struct search search = {.worst = 0};
-    for (size_t i = 0; i < scaled(climb_count * effort); ++i) climb(&random, bound, step_count, &search);
-    print_message("%-34s %.3f found, %zu tries\n", bound->name, search.worst, search.count);
-    if (!(search.worst <= 1)) {
-        for (int i = 0; i < INPUT_COUNT; ++i) print_error("input %d: %a\n", i, (double)search.input[i]);
-    }
-    assert_true(search.worst <= 1);
-    if (scaled(8) == 8) assert_true(search.worst >= bound->needed);
-}
-
 static void bounds_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"shear: e", attack_edges, 0.1},
-        {"shear: D", attack_d, 0.2},
-        {"shear: N", attack_n, 0.3},
-        {"shear: begin and end", attack_ends, 0.3},
-        {"shear: outlines", attack_outline, 0.05},
-        {"shear: places of packets", attack_place, 0.05},
-        {"shear: places of a camera's cells", attack_camera_cell, 0.02},
-        {"shear: boxes", attack_box, 0.04},
+        {"shear: e", INPUT_COUNT, 0, attack_edges, 0.1, NULL},
+        {"shear: D", INPUT_COUNT, 0, attack_d, 0.2, NULL},
+        {"shear: N", INPUT_COUNT, 0, attack_n, 0.3, NULL},
+        {"shear: begin and end", INPUT_COUNT, 0, attack_ends, 0.3, NULL},
+        {"shear: outlines", INPUT_COUNT, 0, attack_outline, 0.05, NULL},
+        {"shear: places of packets", INPUT_COUNT, 0, attack_place, 0.05, NULL},
+        {"shear: places of a camera's cells", INPUT_COUNT, 0, attack_camera_cell, 0.02, NULL},
+        {"shear: boxes", INPUT_COUNT, 0, attack_box, 0.04, NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) {
-        attack(&bounds[i], bounds[i].attack == attack_camera_cell ? 8 : 20, 12000);
+        const size_t climbs = bounds[i].attack == attack_camera_cell ? CLIMB_COUNT
+                              : bounds[i].attack == attack_box       ? 40
+                                                                     : 20;
+        attack_bound(&bounds[i], draw_inputs, climbs, STEP_COUNT);
     }
 }
 
 static void decisions_are_right(void **state)
 {
-    static const struct bound bound = {"shear: decisions", attack_decisions, 0};
+    static const struct bound bound = {"shear: decisions", INPUT_COUNT, 0, attack_decisions, 0, NULL};
     (void)state;
-    attack(&bound, 1000, 800);
+    attack_bound(&bound, draw_inputs, 1000, 800);
 }
 
 /* ---- against the reference --------------------------------------------------------------------------------------- */
@@ -936,6 +850,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(directional_lights),
         cmocka_unit_test(parallel_cameras),
     };
-    if (argc > 1 && atoi(argv[1]) > 0) effort = (size_t)atoi(argv[1]);
+    if (argc > 1 && atoi(argv[1]) > 0) search_effort = (size_t)atoi(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -348,12 +348,12 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
 }
 
 /* Traces the rays of a packet in the lanes `lanes`, which float can carry, through a hierarchy that is float_safe. */
-static void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                          struct mlrt_worker *worker)
+static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                                        struct mlrt_worker *worker)
 {
-    if (job->tree->bvh.node_count == 0) return;
     struct reciprocals reciprocals;
     if (packet->shear) mlrt_unshear_packet(packet);
+    if (job->tree->bvh.node_count == 0) return;
     set_reciprocals(packet, &reciprocals);
     for (; lanes; lanes &= lanes - 1) {
         struct single_ray ray;

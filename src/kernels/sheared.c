@@ -18,7 +18,8 @@
 
 /*
  * Places are affine in column and row, so they have their extremes at the corners of a cell. What a ray is moved by
- * there, and 6 u for the corners themselves, is added.
+ * there, and 7 u for the corners themselves, is added. What is hardly at hand is left out: between the corners,
+ * rounding may move a ray a little beyond them.
  */
 MLRT_SMALL int mlrt_set_sheared_slopes(const struct mlrt_shear *shear, const struct mlrt_view *view,
                                        float samples[4][MLRT_CELL_COUNT], uint32_t there, const float pad[3],
@@ -150,9 +151,8 @@ uint32_t mlrt_sheared_children_met(const struct mlrt_shear *shear, const float s
                                    float begin, float farthest, const struct mlrt_bvh_node *node,
                                    float near[MLRT_BVH_WIDTH])
 {
-    const int a = shear->main_axis, j = (a + 1) % 3, l = (a + 2) % 3;
+    const int a = shear->main_axis, axes[2] = {(a + 1) % 3, (a + 2) % 3};
     const vf centre = v_set1(shear->centre[a]), sign = v_set1(shear->sign);
-    const int axes[2] = {j, l};
     const vf least_depth = v_set1(1 - 1 / begin - 0x1p-18f); /* -inf if that is 0 */
     uint32_t met = 0;
     MLRT_KEEP_LOOP

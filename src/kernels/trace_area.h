@@ -65,17 +65,14 @@ static MLRT_SMALL uint32_t cut_wide_packets(const struct mlrt_job *job, struct m
         struct mlrt_packet *packet = &tile->packets[place];
         const uint32_t near = lanes_near_first(packet, packet->active, tile->cells.main_axis, width);
         const uint32_t others = packet->active & ~near;
-        uint32_t alone = mlrt_count_bits(others) < MLRT_LEAST_PART ? others : 0;
+        const uint32_t alone = mlrt_count_bits(others) < MLRT_LEAST_PART ? others : 0;
         put_off[place] = others & ~alone;
         packet->active = near;
+        if (alone) trace_singles(job, alone, packet, worker);
         if (mlrt_count_bits(near) >= MLRT_LEAST_PART && add_packet(tile, place)) {
             cells |= 1u << place;
         } else {
-            alone |= near;
-        }
-        if (alone) trace_singles(job, alone, packet, worker);
-        if (cells >> place & 1 && are_sheared(&tile->cells)) {
-            mlrt_shear_packet(&tile->cells.shear, packet, &(float){0}, &(int){0}); /* trace_singles took it back */
+            trace_singles(job, near, packet, worker);
         }
     }
     return cells;
