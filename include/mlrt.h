@@ -116,6 +116,7 @@ extern "C" {
 #define mlrt_offset_point             MLRT_RENAMED(offset_point)
 #define mlrt_render_tiles             MLRT_RENAMED(render_tiles)
 #define mlrt_save_tree                MLRT_RENAMED(save_tree)
+#define mlrt_shadow_ray               MLRT_RENAMED(shadow_ray)
 #define mlrt_status_string            MLRT_RENAMED(status_string)
 #define mlrt_struct_sizes             MLRT_RENAMED(struct_sizes)
 #define mlrt_trace_all_hits           MLRT_RENAMED(trace_all_hits)
@@ -584,7 +585,8 @@ enum {
     MLRT_OUTPUT_UV = 2,       /* u and v */
     MLRT_OUTPUT_IDS = 4,      /* mesh and triangle */
     MLRT_OUTPUT_FACING = 8,   /* facing */
-    MLRT_OUTPUT_TRIANGLE = 16 /* the triangle without its mesh: half as much to write, where there is one mesh only */
+    MLRT_OUTPUT_TRIANGLE = 16, /* the triangle without its mesh: half as much to write, where there is one mesh only */
+    MLRT_OUTPUT_OCCLUDED = 32  /* with `lights`: occluded */
 };
 
 /*
@@ -649,6 +651,10 @@ typedef struct mlrt_trace_options {
     mlrt_pool *pool;            /* NULL = the calling thread alone */
     mlrt_counters *counters;    /* NULL = not counted, at no cost, but for the kd-tree, whose kernels always count */
     const mlrt_host *host;      /* NULL = malloc and silence. Not used by mlrt_trace_ray */
+    const struct mlrt_light *lights; /* mlrt_render_tiles with MLRT_QUERY_CLOSEST: whose shadows are wanted in
+                                        `occluded`; NULL = none. Must be NULL elsewhere */
+    uint32_t light_count;            /* of lights, 0..8 */
+    uint32_t reserved;               /* must be 0 */
 } mlrt_trace_options;
 
 /* An array of results. `data` = NULL: not wanted, and not computed. */
@@ -660,8 +666,8 @@ typedef struct mlrt_array {
 } mlrt_array;
 
 /*
- * Where results go. MLRT_QUERY_CLOSEST writes the first six, MLRT_QUERY_ANY the last; an array that the query does not
- * write must be NULL.
+ * Where results go. MLRT_QUERY_CLOSEST writes the first six, and with lights the last; MLRT_QUERY_ANY only the last. An
+ * array that the query does not write must be NULL.
  */
 typedef struct mlrt_hits {
     uint32_t struct_size; /* sizeof(mlrt_hits) */
@@ -672,7 +678,8 @@ typedef struct mlrt_hits {
     mlrt_array mesh;      /* uint32_t: the id of the mesh; MLRT_NONE = miss */
     mlrt_array triangle;  /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
     mlrt_array facing;    /* int32_t: sign of d . n; 0 = miss */
-    mlrt_array occluded;  /* uint8_t: 1 = something is hit, 0 = nothing */
+    mlrt_array occluded;  /* uint8_t: 1 = something is hit, 0 = nothing. With lights: bit k = light k of the options does
+                             not reach the hit; of a miss 0 */
 } mlrt_hits;
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -860,7 +867,7 @@ typedef struct mlrt_tile {
     const uint32_t *mesh;     /* with MLRT_OUTPUT_IDS */
     const uint32_t *triangle; /* with MLRT_OUTPUT_IDS or MLRT_OUTPUT_TRIANGLE */
     const int32_t *facing;    /* with MLRT_OUTPUT_FACING */
-    const uint8_t *occluded;  /* with MLRT_QUERY_ANY */
+    const uint8_t *occluded;  /* with MLRT_QUERY_ANY, or lights and MLRT_OUTPUT_OCCLUDED */
 } mlrt_tile;
 
 /*
@@ -938,6 +945,33 @@ typedef struct mlrt_points {
  */
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded);
+
+/*
+ * Shadows of a picture. With `lights` in the options mlrt_render_tiles finds out which of them reach what the pixels
+ * see: much faster than by mlrt_occluded_points, as no point has to leave the library. For a pixel whose ray o + t d hits
+ * a triangle abc, bit k of `occluded` says that light k does not reach it:
+ *
+ *   - A light that is not strictly on that side of abc's plane which the ray came from (for a directional light:
+ *     whose direction does not strictly point to that side) does not reach it.
+ *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light, from
+ *     o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, and surely on that
+ *     side: it is moved off by about 2^-22 of the greatest coordinate relative to the eye and to the light, for slivers
+ *     and rays that nearly lie in their plane by as many floats as it takes. So no triangle shades itself, nor one that
+ *     lies in its plane, nor one behind it. The ray sees what the picture's rays see (`mask`).
+ *
+ * mlrt_shadow_ray tells the ray; it is the same on every machine, and the answer is that of mlrt_trace_ray.
+ *
+ *   tree    what is seen.
+ *   ray     the ray that hit something: of mlrt_camera_rays, say.
+ *   hit     what it hit: mesh and triangle.
+ *   light   the light.
+ *   shadow  receives the ray that decides, with the triangle to skip (struct_size must be set).
+ *   faces   receives 1; or 0 if the light is on the other side: no ray is needed then, and *shadow has a direction of 0.
+ *
+ * MLRT_ERROR_ARGUMENT if there is no such triangle, or the ray does not hit it.
+ */
+MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
+                                 const mlrt_light *light, mlrt_ray *shadow, int32_t *faces);
 
 /*
  * Finds a point just off a triangle a b c: next to (1 - u - v) a + u b + v c, strictly on one side.

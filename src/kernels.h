@@ -10,6 +10,9 @@
 #include "source.h"
 #include "tuning.h"
 
+/* Lights whose shadows a picture may have: one bit each. */
+#define MLRT_LIGHT_LIMIT 8
+
 /* One call of the interface, as all workers see it. */
 struct mlrt_job {
     const struct mlrt_tree *tree;
@@ -23,6 +26,9 @@ struct mlrt_job {
     int entry_lists;
     int shared_setups;
     int any;
+    int has_lights;                /* lights are allowed */
+    const struct mlrt_job *lights; /* of each light whose shadows are wanted: its source, and `any` */
+    uint32_t light_count;
     uint32_t initial_tile_size;
     uint32_t minimum_tile_size;
     uint32_t split_divisor; /* pieces per side: the root of the split factor */

@@ -23,8 +23,9 @@ static int move_point(const double base[3], const double direction[3], double st
     return 1;
 }
 
+/* The point is relative to `from`. Without it that is 0. */
 static int search_along(const struct mlrt_triangle *triangle, const double base[3], const double direction[3], int side,
-                        float point[3])
+                        const float *from, float point[3])
 {
     const double size = fmax(fabs(base[0]), fmax(fabs(base[1]), fabs(base[2])));
     /* From one spacing of floats on: closer points lie in the plane too often, which takes exact arithmetic to see. */
@@ -32,7 +33,7 @@ static int search_along(const struct mlrt_triangle *triangle, const double base[
     do {
         if (!move_point(base, direction, step, point)) return 0;
         step *= 2;
-    } while (mlrt_side_of_plane(triangle, point) != side);
+    } while ((from ? mlrt_side_of_sum(triangle, from, point) : mlrt_side_of_plane(triangle, point)) != side);
     return 1;
 }
 
@@ -63,16 +64,27 @@ static int find_normal(const struct mlrt_triangle *triangle, int side, double di
     return largest > 0;
 }
 
-MLRT_NOINLINE int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side,
-                                         float point[3])
+static MLRT_NOINLINE int find_point(const struct mlrt_triangle *triangle, float u, float v, int side, const float *from,
+                                    float point[3])
 {
     if (!mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle)) return 0;
     double base[3], direction[3];
     for (int k = 0; k < 3; ++k) {
         const double a = triangle->v[0][k];
-        base[k] = a + u * (triangle->v[1][k] - a) + v * (triangle->v[2][k] - a);
+        base[k] = a + u * (triangle->v[1][k] - a) + v * (triangle->v[2][k] - a) - (from ? from[k] : 0);
     }
-    if (find_normal(triangle, side, direction) && search_along(triangle, base, direction, side, point)) return 1;
+    if (find_normal(triangle, side, direction) && search_along(triangle, base, direction, side, from, point)) return 1;
     find_normal_signs(triangle, side, direction);
-    return search_along(triangle, base, direction, side, point);
+    return search_along(triangle, base, direction, side, from, point);
+}
+
+int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3])
+{
+    return find_point(triangle, u, v, side, NULL, point);
+}
+
+int mlrt_find_offset_from(const struct mlrt_triangle *triangle, float u, float v, int side, const float from[3],
+                          float by[3])
+{
+    return find_point(triangle, u, v, side, from, by);
 }

@@ -13,4 +13,8 @@
  */
 int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3]);
 
+/* Likewise such a point as seen from `from`: what has to be added to that, without rounding, to come to it. */
+int mlrt_find_offset_from(const struct mlrt_triangle *triangle, float u, float v, int side, const float from[3],
+                          float by[3]);
+
 #endif

@@ -16,7 +16,8 @@ size_t mlrt_channel_size(enum mlrt_channel channel)
     return channel == MLRT_CHANNEL_OCCLUDED ? 1 : 4;
 }
 
-int32_t mlrt_make_sink(const mlrt_hits *hits, int any, uint32_t width, int packed_rows, struct mlrt_sink *sink)
+int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
+                       struct mlrt_sink *sink)
 {
     const mlrt_array arrays[MLRT_CHANNEL_COUNT] = {hits->t,        hits->u,      hits->v,       hits->mesh,
                                                    hits->triangle, hits->facing, hits->occluded};
@@ -29,7 +30,7 @@ int32_t mlrt_make_sink(const mlrt_hits *hits, int any, uint32_t width, int packe
         sink->channel[c].stride = stride;
         sink->channel[c].row_stride = row;
         if (!array->data) continue;
-        if ((c == MLRT_CHANNEL_OCCLUDED) != (any != 0)) return MLRT_ERROR_ARGUMENT;
+        if (!(channels >> c & 1)) return MLRT_ERROR_ARGUMENT;
         if (stride < size || stride % size != 0 || row % size != 0 || (uintptr_t)array->data % size != 0) {
             return MLRT_ERROR_ARGUMENT;
         }
@@ -147,6 +148,18 @@ void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t
     }
 }
 
+void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
+                        const struct mlrt_sink *sink)
+{
+    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
+    unsigned char *corner = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        corner[lane_offset(lane, stride, row_stride)] = shadows[lane];
+    }
+}
+
 /* Neighbours mostly hit the same mesh, so its range is tried first. */
 void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
                           uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS])
@@ -214,14 +227,14 @@ static void fill_occluded(uint8_t value, uint32_t x, uint32_t y, uint32_t width,
     }
 }
 
-void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
-                          uint32_t height, const struct mlrt_sink *sink)
+void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint8_t occluded, uint32_t x, uint32_t y,
+                          uint32_t width, uint32_t height, const struct mlrt_sink *sink)
 {
     uint32_t mesh, triangle;
     mlrt_find_ids(tree, number, &mesh, &triangle);
     fill_words(mesh, x, y, width, height, MLRT_CHANNEL_MESH, sink);
     fill_words(triangle, x, y, width, height, MLRT_CHANNEL_TRIANGLE, sink);
-    fill_occluded(1, x, y, width, height, sink);
+    fill_occluded(occluded, x, y, width, height, sink);
 }
 
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)

@@ -29,11 +29,16 @@ struct mlrt_sink {
     } channel[MLRT_CHANNEL_COUNT];
 };
 
+/* Of closest hits, of any-hit and shadows: bit per channel. */
+#define MLRT_CHANNELS_CLOSEST  ((1u << MLRT_CHANNEL_OCCLUDED) - 1)
+#define MLRT_CHANNELS_OCCLUDED (1u << MLRT_CHANNEL_OCCLUDED)
+
 /*
- * Checks and resolves a frame of `width` columns for a query. `packed_rows`: rows follow each other without gaps,
- * whatever the arrays' row_stride says (lists of rays).
+ * Checks and resolves a frame of `width` columns that may have these channels. `packed_rows`: rows follow each other
+ * without gaps, whatever the arrays' row_stride says (lists of rays).
  */
-int32_t mlrt_make_sink(const mlrt_hits *hits, int any, uint32_t width, int packed_rows, struct mlrt_sink *sink);
+int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
+                       struct mlrt_sink *sink);
 
 /* Does the sink want anything? */
 int mlrt_sink_is_empty(const struct mlrt_sink *sink);
@@ -54,15 +59,19 @@ void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y
 /* Likewise, which lanes are occluded. */
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink);
 
+/* Likewise, the shadows of lanes. */
+void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
+                        const struct mlrt_sink *sink);
+
 /* Has what a rectangle of at most 16 columns will be written to brought into the cache. */
 void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
 /* Writes misses to a rectangle. */
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
-/* Writes hits of one triangle to a rectangle of a sink that wants no numbers. */
-void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
-                          uint32_t height, const struct mlrt_sink *sink);
+/* Writes hits of one triangle to a rectangle of a sink that wants no numbers. `occluded` is what they have of that. */
+void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint8_t occluded, uint32_t x, uint32_t y,
+                          uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
 /* The ids of the triangles that a packet's lanes hit. */
 void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,

@@ -329,6 +329,35 @@ int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3
     return side != 0 ? side : side_of_plane_exactly(triangle, point);
 }
 
+static MLRT_NOINLINE int side_of_sum_exactly(const struct mlrt_triangle *triangle, const float from[3],
+                                             const float by[3])
+{
+    struct exact_vector normal, to_from, point;
+    struct mlrt_exact height;
+    exact_normal(triangle, &normal);
+    exact_vector_between(triangle->v[0], from, &to_from);
+    for (int k = 0; k < 3; ++k) {
+        mlrt_exact_from_double(by[k], &point.x[k]);
+        const struct mlrt_exact step = point.x[k];
+        mlrt_exact_add(&to_from.x[k], &step, &point.x[k]);
+    }
+    exact_dot(&point, &normal, &height);
+    return height.sign;
+}
+
+int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
+{
+    const struct vector a = vector_of(triangle->v[0]), step = vector_of(by);
+    const struct vector to_from = subtract(vector_of(from), a), ab = subtract(vector_of(triangle->v[1]), a);
+    const struct vector ac = subtract(vector_of(triangle->v[2]), a);
+    const struct vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
+    // A component of v has 2 factors, so there are 9, relative to the sizes of what is added.
+    const struct measured height = {dot(v, cross(ab, ac)),
+                                    (size_of(to_from) + size_of(step)) * size_of(ab) * size_of(ac)};
+    const int side = certain_sign(height, SIGN_ERROR);
+    return side != 0 ? side : side_of_sum_exactly(triangle, from, by);
+}
+
 static MLRT_NOINLINE int facing_of_normal_exactly(const struct mlrt_triangle *triangle, const float direction[3])
 {
     struct exact_vector normal, along;

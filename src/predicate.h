@@ -98,6 +98,9 @@ void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_trian
  */
 int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3]);
 
+/* Likewise for the point `from` + `by`, a sum that is not rounded. */
+int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], const float by[3]);
+
 /* The sign of d . n for a direction. Copes with triangles without area: 0. */
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3]);
 

@@ -83,6 +83,7 @@ static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
         MLRT_OUTPUT_T,     MLRT_OUTPUT_UV, MLRT_OUTPUT_UV, MLRT_OUTPUT_IDS, MLRT_OUTPUT_IDS | MLRT_OUTPUT_TRIANGLE,
         MLRT_OUTPUT_FACING};
     if (!job->callback) return 0;
+    if (channel == MLRT_CHANNEL_OCCLUDED && job->light_count) return (job->outputs & MLRT_OUTPUT_OCCLUDED) != 0;
     return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->outputs & output[channel]) != 0;
 }
 

@@ -67,17 +67,24 @@ MLRT_SMALL int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt
     return set_extent(source, rays->count, rays->row_length);
 }
 
-MLRT_SMALL int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points,
-                                          const mlrt_light *light, struct mlrt_source *source)
+MLRT_SMALL int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
 {
     if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
-    source->directions.data = source->mask.data = NULL;
     source->kind = light->kind == MLRT_LIGHT_POINT ? MLRT_SOURCE_POINT_LIGHT : MLRT_SOURCE_DIRECTIONAL_LIGHT;
-    source->tree = tree;
     for (int k = 0; k < 3; ++k) {
         if (!isfinite(light->position[k])) return MLRT_ERROR_ARGUMENT;
         source->light[k] = light->position[k];
     }
+    return MLRT_OK;
+}
+
+MLRT_SMALL int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points,
+                                          const mlrt_light *light, struct mlrt_source *source)
+{
+    const int32_t status = mlrt_set_light(light, source);
+    if (status != MLRT_OK) return status;
+    source->directions.data = source->mask.data = NULL;
+    source->tree = tree;
     if (!resolve_array(&points->positions, 12, points->count > 0, &source->points) ||
         !resolve_array(&points->skip, 8, 0, &source->skip)) {
         return MLRT_ERROR_ARGUMENT;

@@ -51,6 +51,9 @@ int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays
 int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                struct mlrt_source *source);
 
+/* Sets kind and light of a source. The struct_size of `light` is right. */
+int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source);
+
 /* Gives the arrays of a source rows of this length; 0 makes them a list. */
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source);
 

@@ -13,6 +13,7 @@
 #include "offset.h"
 #include "render.h"
 #include "rows.h"
+#include "shadow.h"
 #include "structs.h"
 #include "trace_ray.h"
 
@@ -82,6 +83,13 @@ static int32_t take_options(const mlrt_trace_options *given, struct call *call)
     return mlrt_take_host(call->options.host, &call->run.host);
 }
 
+/* May a call have lights, and are there as many as it says? Only pictures have. */
+static int takes_lights(const mlrt_trace_options *options, const struct mlrt_job *job)
+{
+    return job->has_lights && options->query == MLRT_QUERY_CLOSEST && options->reserved == 0 &&
+           options->light_count <= MLRT_LIGHT_LIMIT && (options->lights || !options->light_count);
+}
+
 /* Checks options and puts what they say, and the tree, into a job whose source is set. */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
@@ -89,7 +97,10 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_AVX512) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if (options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~31u)
+    if ((options->lights || options->light_count || options->reserved) && !takes_lights(options, job)) {
+        return MLRT_ERROR_ARGUMENT;
+    }
+    if (options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~63u)
         return MLRT_ERROR_ARGUMENT;
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
         return MLRT_ERROR_ARGUMENT;
@@ -119,13 +130,19 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     return job->kernels ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
 }
 
+/* What a call may write. */
+static uint32_t channels_of(const struct mlrt_job *job)
+{
+    return job->any ? MLRT_CHANNELS_OCCLUDED : MLRT_CHANNELS_CLOSEST;
+}
+
 static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
                                              const mlrt_hits *hits, struct mlrt_job *job)
 {
     int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
     if (status == MLRT_OK && !rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
     if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
-    if (status == MLRT_OK) status = mlrt_make_sink(hits, job->any, job->source.width, 1, &job->frame);
+    if (status == MLRT_OK) status = mlrt_make_sink(hits, channels_of(job), job->source.width, 1, &job->frame);
     job->has_frame = 1;
     return status;
 }
@@ -263,6 +280,7 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const s
     return MLRT_OK;
 }
 
+#define FIRST_RAY_SIZE MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle)
 #define FIRST_HIT_SIZE MLRT_SIZE_UP_TO(mlrt_hit, occluded)
 
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
@@ -272,7 +290,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     mlrt_ray own_ray;
     mlrt_hit own_hit;
     struct call call;
-    int32_t status = mlrt_take_struct(ray, MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle), &own_ray, sizeof own_ray);
+    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
     if (status == MLRT_OK) status = mlrt_check_result_size(hit, FIRST_HIT_SIZE, sizeof own_hit);
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status != MLRT_OK) return status;
@@ -315,14 +333,46 @@ static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
     return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_camera, t_max), camera, sizeof *camera);
 }
 
+/* What is asked about each light: as the job, but whether anything is hit. */
+static int32_t make_light_jobs(const mlrt_trace_options *options, const struct mlrt_job *job,
+                               struct mlrt_job jobs[MLRT_LIGHT_LIMIT])
+{
+    for (uint32_t i = 0; i < options->light_count; ++i) {
+        mlrt_light light;
+        const void *given = (const unsigned char *)options->lights + (size_t)i * options->lights->struct_size;
+        int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_light, position), &light, sizeof light);
+        if (status != MLRT_OK) return status;
+        if (((const mlrt_light *)given)->struct_size != options->lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
+        jobs[i] = *job;
+        jobs[i].any = 1;
+        jobs[i].has_frame = 0;
+        jobs[i].callback = NULL;
+        jobs[i].light_count = 0;
+        status = mlrt_set_light(&light, &jobs[i].source);
+        if (status != MLRT_OK) return status;
+    }
+    return MLRT_OK;
+}
+
 static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_camera *camera, const struct call *call,
-                                             const mlrt_hits *frame, struct mlrt_job *job)
+                                             const mlrt_hits *frame, struct mlrt_job *job,
+                                             struct mlrt_job light_jobs[MLRT_LIGHT_LIMIT])
 {
     int32_t status = mlrt_make_view_source(camera, &job->source);
+    job->has_lights = 1;
     if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
-    if (status == MLRT_OK && frame) {
-        status = mlrt_make_sink(frame, job->any, job->source.width, 0, &job->frame);
+    if (status == MLRT_OK) status = make_light_jobs(&call->options, job, light_jobs);
+    if (status != MLRT_OK) return status;
+    job->has_lights = call->options.light_count > 0;
+    if (frame) {
+        status = mlrt_make_sink(frame, channels_of(job) | (job->has_lights ? MLRT_CHANNELS_OCCLUDED : 0),
+                                job->source.width, 0, &job->frame);
         job->has_frame = !mlrt_sink_is_empty(&job->frame);
+    }
+    if (job->has_lights && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
+        job->lights = light_jobs;
+        job->light_count = call->options.light_count;
+        job->whole_tiles = 0;
     }
     return status;
 }
@@ -338,9 +388,9 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     if (status == MLRT_OK && frame) status = take_hits(frame, &own_frame);
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status != MLRT_OK) return status;
-    struct mlrt_job job = {.callback = callback, .user = user};
+    struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
     const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_render_job(tree, &own_camera, &call, frame ? &own_frame : NULL, &job);
+    status = make_render_job(tree, &own_camera, &call, frame ? &own_frame : NULL, &job, light_jobs);
     mlrt_leave_fp_environment(environment);
     return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
 }
@@ -398,7 +448,7 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     int32_t status = mlrt_make_light_source(tree, points, light, &job->source);
     if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
-    if (status == MLRT_OK) status = mlrt_make_sink(&hits, 1, job->source.width, 1, &job->frame);
+    if (status == MLRT_OK) status = mlrt_make_sink(&hits, MLRT_CHANNELS_OCCLUDED, job->source.width, 1, &job->frame);
     job->has_frame = 1;
     return status;
 }
@@ -422,6 +472,55 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
     mlrt_leave_fp_environment(environment);
     return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+}
+
+/* Tells the ray of a light from the hit of another ray. 0 if that does not hit the triangle. */
+static MLRT_NOINLINE int tell_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number,
+                                         const struct mlrt_source *light, mlrt_ray *shadow, int32_t *faces)
+{
+    struct mlrt_ray_segment segment, answer;
+    int is_on_side = 0;
+    if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment) ||
+        !mlrt_hits_triangle(&segment, &tree->triangles[number], NULL)) {
+        return 0;
+    }
+    if (mlrt_make_shadow_ray(light, &tree->triangles[number], &segment, &is_on_side, &answer)) {
+        memcpy(shadow->origin, answer.origin, sizeof shadow->origin);
+        memcpy(shadow->direction, answer.direction, sizeof shadow->direction);
+        shadow->t_max = isinf(answer.t_max) ? 0 : answer.t_max;
+    }
+    *faces = is_on_side;
+    return 1;
+}
+
+MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
+                                 const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
+{
+    if (!tree || !ray || !hit || !light || !shadow || !faces) return MLRT_ERROR_ARGUMENT;
+    mlrt_ray own_ray;
+    mlrt_hit own_hit;
+    mlrt_light own_light;
+    struct mlrt_source source;
+    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
+    if (status == MLRT_OK) status = mlrt_take_struct(hit, FIRST_HIT_SIZE, &own_hit, sizeof own_hit);
+    if (status == MLRT_OK) {
+        status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
+    }
+    if (status == MLRT_OK) status = mlrt_check_result_size(shadow, FIRST_RAY_SIZE, sizeof own_ray);
+    if (status == MLRT_OK) status = mlrt_set_light(&own_light, &source);
+    if (status != MLRT_OK) return status;
+    const uint32_t number = mlrt_triangle_number(tree, own_hit.mesh, own_hit.triangle);
+    if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+    mlrt_ray answer = {.struct_size = sizeof answer,
+                       .flags = MLRT_RAY_SKIP,
+                       .skip_mesh = own_hit.mesh,
+                       .skip_triangle = own_hit.triangle};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int is_hit = tell_shadow_ray(tree, &own_ray, number, &source, &answer, faces);
+    mlrt_leave_fp_environment(environment);
+    if (!is_hit) return MLRT_ERROR_ARGUMENT;
+    mlrt_give_struct(&answer, sizeof answer, shadow);
+    return MLRT_OK;
 }
 
 MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,

@@ -13,6 +13,7 @@
 #include "hit.h"
 #include "kernels.h"
 #include "rounding.h"
+#include "shadow.h"
 #include "trace_ray.h"
 
 #include "extremes.h"

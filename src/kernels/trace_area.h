@@ -16,7 +16,7 @@ MLRT_INLINE int is_list(const struct mlrt_source *source)
 static int gather_picture_cells(const struct mlrt_job *job, const struct rectangle *area, uint32_t side,
                                 struct cells *cells)
 {
-    if (job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
+    if (!job->light_count && job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
         gather_camera_cells(job, area, side, cells)) {
         return 1;
     }
@@ -31,7 +31,7 @@ static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_w
     if (cover == MLRT_NONE) {
         write_misses(job, worker, area);
     } else {
-        write_cover(job, worker, cover, area);
+        write_cover(job, worker, cover, 0, area);
     }
 }
 
@@ -150,7 +150,9 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
     const struct rectangle block = block_of_tile(tile, place);
     if (packet->shear) mlrt_unshear_packet(packet);
     if (packet->single) trace_single_rays(job, packet->single, packet, &worker->counters);
-    write_packet(job, worker, packet, existing_lanes(&job->source, &block), &block);
+    uint8_t shadows[MLRT_PACKET_RAYS];
+    if (job->light_count) mlrt_find_shadows(job, packet, existing_lanes(&job->source, &block), shadows);
+    write_packet(job, worker, packet, shadows, existing_lanes(&job->source, &block), &block);
 }
 
 static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)

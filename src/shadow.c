@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays towards lights, one at a time. The kernels make them a vector at a time, to the same bits
+ * (kernels/shadow_packet.h).
+ */
+#include "shadow.h"
+
+#include <math.h>
+
+#include "hit.h"
+#include "offset.h"
+#include "trace_ray.h"
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double size_of(const double a[3])
+{
+    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
+}
+
+static double greatest_of(const double a[3])
+{
+    return fmax(fmax(fabs(a[0]), fabs(a[1])), fabs(a[2]));
+}
+
+/* The ray as shadow.h has it. Returns 0 if its conditions do not hold. */
+static int find_end(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
+                    const struct mlrt_ray_segment *ray, int *faces, float end[3])
+{
+    const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
+    double ab[3], ac[3], p[3], d[3], from[3], to_light[3], m[3], f[3], x[3];
+    for (int k = 0; k < 3; ++k) {
+        const double a = triangle->v[0][k], l = light->light[k];
+        ab[k] = triangle->v[1][k] - a;
+        ac[k] = triangle->v[2][k] - a;
+        p[k] = a - ray->origin[k];
+        d[k] = ray->direction[k];
+        from[k] = is_point ? ray->origin[k] - l : ray->origin[k];
+        to_light[k] = is_point ? a - l : -l;
+    }
+    for (int k = 0; k < 3; ++k) m[k] = ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3];
+    const double greatest = greatest_of(m);
+    const int is_round = greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac));
+    for (int k = 0; k < 3; ++k) m[k] = m[k] / greatest;
+    const double steepness = dot(d, m), t = dot(p, m) / steepness, height = dot(to_light, m);
+    for (int k = 0; k < 3; ++k) {
+        f[k] = t * d[k];
+        x[k] = from[k] + f[k];
+    }
+    const double size = fmax(fmax(greatest_of(x), greatest_of(f)), MLRT_SHADOW_PLANE * greatest_of(p));
+    const double step = steepness > 0 ? -MLRT_SHADOW_STEP * size : MLRT_SHADOW_STEP * size;
+    for (int k = 0; k < 3; ++k) end[k] = (float)(x[k] + step * m[k]);
+    *faces = (height > 0) == (steepness > 0);
+    return is_round && fabs(steepness) > MLRT_SHADOW_GRAZING * size_of(d) &&
+           fabs(height) > MLRT_SHADOW_SIDE * size_of(to_light) && size > MLRT_SHADOW_LEAST &&
+           size < MLRT_SHADOW_GREATEST;
+}
+
+/* The same for any numbers. If no float is there, the light counts as one on the other side. */
+static MLRT_NOINLINE void find_end_exactly(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
+                                           const struct mlrt_ray_segment *ray, int *faces, float end[3])
+{
+    struct mlrt_hit_report report;
+    const int side = -mlrt_facing(triangle, ray->direction);
+    const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
+    const int light_side =
+        is_point ? mlrt_side_of_plane(triangle, light->light) : mlrt_facing(triangle, light->light);
+    *faces = 0;
+    if (light_side != side) return;
+    mlrt_report_hit(ray, triangle, MLRT_OUTPUT_UV, &report);
+    *faces = is_point ? mlrt_find_offset_from(triangle, report.u, report.v, side, light->light, end)
+                      : mlrt_find_offset_point(triangle, report.u, report.v, side, end);
+}
+
+int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
+                         const struct mlrt_ray_segment *ray, int *faces, struct mlrt_ray_segment *shadow)
+{
+    float end[3];
+    if (!find_end(light, triangle, ray, faces, end)) find_end_exactly(light, triangle, ray, faces, end);
+    if (!*faces) return 0;
+    return light->kind == MLRT_SOURCE_POINT_LIGHT ? mlrt_make_segment(light->light, end, 0, 1, shadow)
+                                                  : mlrt_make_segment(end, light->light, 0, INFINITY, shadow);
+}
+
+int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number)
+{
+    struct mlrt_ray_segment shadow;
+    int faces;
+    if (!mlrt_make_shadow_ray(&job->source, &job->tree->triangles[number], ray, &faces, &shadow)) return !faces;
+    shadow.mask = job->source.common_mask;
+    return mlrt_trace_segment(job->tree, &shadow, number, 1, NULL) != MLRT_NONE;
+}
+
+void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
+                       uint8_t shadows[MLRT_PACKET_RAYS])
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        struct mlrt_ray_segment ray;
+        shadows[lane] = 0;
+        if (!(lanes >> lane & 1) || packet->triangle[lane] == MLRT_NONE) continue;
+        mlrt_get_segment(packet, lane, &ray);
+        for (uint32_t i = 0; i < job->light_count; ++i) {
+            shadows[lane] |= (uint8_t)(mlrt_is_shaded(&job->lights[i], &ray, packet->triangle[lane]) << i);
+        }
+    }
+}
