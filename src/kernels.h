@@ -85,6 +85,13 @@ struct mlrt_leaf_setup {
     MLRT_ALIGNED(64) float greatest_n[MLRT_BVH_LEAF_LIMIT];
 };
 
+/* The set-ups of leaves that were met last, from one apex. */
+struct mlrt_leaf_cache {
+    struct mlrt_leaf_setup leaves[1u << MLRT_LEAF_SETUP_BITS]; /* by a hash of the first quad */
+    float apex[3];
+    struct mlrt_shear shear;
+};
+
 /* Two triangles, and whether they lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
 struct mlrt_plane_pair {
     uint32_t first;
@@ -102,12 +109,12 @@ struct mlrt_worker {
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    struct mlrt_leaf_setup leaves[1u << MLRT_LEAF_SETUP_BITS]; /* by a hash of the first quad, seen from `leaf_apex` */
-    float leaf_apex[3];
-    struct mlrt_shear leaf_shear;
+    struct mlrt_leaf_cache caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
     uint32_t mask;       /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
     uint32_t open_squares;
+    uint32_t open_lit_tiles; /* of shadows, likewise */
+    uint32_t open_lit_squares;
     uint32_t mesh; /* position of the one that was last hit */
     uint32_t tile_x;
     uint32_t tile_y;

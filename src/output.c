@@ -127,18 +127,20 @@ void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y
     }
 }
 
+/* Four bits as bytes. */
+static const uint8_t bytes_of_bits[16][4] = {
+    {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0},
+    {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
+
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
 {
-    static const uint8_t bytes[16][4] = {
-        {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0},
-        {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
     const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
     const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
     unsigned char *corner = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);
     if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
         for (uint32_t row = 0; row < 4; ++row, corner += row_stride) {
             const uint32_t bits = occluded >> (2 * (row & 1) + 8 * (row >> 1));
-            memcpy(corner, bytes[(bits & 3) | (bits >> 2 & 12)], 4);
+            memcpy(corner, bytes_of_bits[(bits & 3) | (bits >> 2 & 12)], 4);
         }
         return;
     }
@@ -148,12 +150,31 @@ void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t
     }
 }
 
+void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t bit)
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4, dark >>= 4) {
+        uint32_t four, added;
+        memcpy(&four, shadows + lane, sizeof four);
+        memcpy(&added, bytes_of_bits[dark & 15], sizeof added);
+        four |= added * bit;
+        memcpy(shadows + lane, &four, sizeof four);
+    }
+}
+
 void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
                         const struct mlrt_sink *sink)
 {
     const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
     const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
     unsigned char *corner = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);
+    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
+        for (uint32_t row = 0; row < 4; ++row, corner += row_stride) {
+            const uint8_t *left = shadows + 2 * (row & 1) + 8 * (row >> 1);
+            memcpy(corner, left, 2);
+            memcpy(corner + 2, left + 4, 2);
+        }
+        return;
+    }
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         corner[lane_offset(lane, stride, row_stride)] = shadows[lane];
@@ -212,8 +233,8 @@ static void fill_words(uint32_t value, uint32_t x, uint32_t y, uint32_t width, u
     for (; height; --height, row += sink->channel[c].row_stride) fill_row(value, width, sink->channel[c].stride, row);
 }
 
-static void fill_occluded(uint8_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                          const struct mlrt_sink *sink)
+void mlrt_write_same_shadow(uint8_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                            const struct mlrt_sink *sink)
 {
     const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
     if (!sink->channel[MLRT_CHANNEL_OCCLUDED].data) return;
@@ -227,14 +248,13 @@ static void fill_occluded(uint8_t value, uint32_t x, uint32_t y, uint32_t width,
     }
 }
 
-void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint8_t occluded, uint32_t x, uint32_t y,
-                          uint32_t width, uint32_t height, const struct mlrt_sink *sink)
+void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
+                         uint32_t height, const struct mlrt_sink *sink)
 {
     uint32_t mesh, triangle;
     mlrt_find_ids(tree, number, &mesh, &triangle);
     fill_words(mesh, x, y, width, height, MLRT_CHANNEL_MESH, sink);
     fill_words(triangle, x, y, width, height, MLRT_CHANNEL_TRIANGLE, sink);
-    fill_occluded(occluded, x, y, width, height, sink);
 }
 
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)
@@ -245,5 +265,5 @@ void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, 
     for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
         fill_words(values[c], x, y, width, height, (enum mlrt_channel)c, sink);
     }
-    fill_occluded(0, x, y, width, height, sink);
+    mlrt_write_same_shadow(0, x, y, width, height, sink);
 }

@@ -59,7 +59,10 @@ void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y
 /* Likewise, which lanes are occluded. */
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink);
 
-/* Likewise, the shadows of lanes. */
+/* Adds `bit` to the shadows of the lanes `dark`, */
+void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t bit);
+
+/* and writes those of lanes. */
 void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
                         const struct mlrt_sink *sink);
 
@@ -69,9 +72,13 @@ void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
 /* Writes misses to a rectangle. */
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
-/* Writes hits of one triangle to a rectangle of a sink that wants no numbers. `occluded` is what they have of that. */
-void mlrt_write_same_hits(const struct mlrt_tree *tree, uint32_t number, uint8_t occluded, uint32_t x, uint32_t y,
-                          uint32_t width, uint32_t height, const struct mlrt_sink *sink);
+/* Writes the ids of one triangle to a rectangle. */
+void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
+                         uint32_t height, const struct mlrt_sink *sink);
+
+/* Writes one value to the channel `occluded` of a rectangle, if there is one. */
+void mlrt_write_same_shadow(uint8_t occluded, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                            const struct mlrt_sink *sink);
 
 /* The ids of the triangles that a packet's lanes hit. */
 void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,

@@ -33,6 +33,7 @@
 #define MLRT_SHADOW_H
 
 #include "kernels.h"
+#include "sheared.h"
 
 /* The conditions above. */
 #define MLRT_SHADOW_NORMAL    0x1p-16
@@ -56,5 +57,30 @@ int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ra
 /* The lights that do not reach the hits of a packet's lanes, bit k for light k of the job: one ray at a time. */
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
                        uint8_t shadows[MLRT_PACKET_RAYS]);
+
+/* Cells of a pinhole camera, each of which one triangle covers (kernels/cells.h), as a light sees what they see. */
+struct mlrt_seen_cells {
+    const struct mlrt_slopes *slopes; /* of the camera's cells */
+    const uint32_t *cover;
+    const float *eye;
+    int main_axis;
+    float sign;
+};
+
+struct mlrt_lit_cells {
+    struct mlrt_slopes slopes[2];
+    MLRT_ALIGNED(64) float farthest[MLRT_CELL_COUNT];
+    MLRT_ALIGNED(64) float shortest[MLRT_CELL_COUNT];
+    int main_axis;
+    float sign;
+    uint32_t dark; /* bit per cell: the light is on the other side of the cover */
+};
+
+/*
+ * What a point light sees of those cells in `among` (bit per cell, some): all shadow rays of a cell lie between its
+ * slopes, and end between depths `shortest` and `farthest`. Returns the cells of which that is known.
+ */
+uint32_t mlrt_make_lit_cells(const struct mlrt_job *job, const struct mlrt_seen_cells *seen, uint32_t among,
+                             struct mlrt_lit_cells *lit);
 
 #endif

@@ -9,9 +9,12 @@
 
 #include "cells.h"
 #include "ray_tile.h"
+#include "shadow_packet.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
+#include "trace_packets.h"
+#include "shade_tile.h"
 #include "trace_area.h"
 
 #if MLRT_COUNTING

@@ -167,9 +167,10 @@ MLRT_INLINE uint32_t seen_by_cells(const struct cells *cells, const struct mlrt_
  * last set-ups for its next tiles.
  */
 static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
-                                           struct mlrt_worker *worker, uint32_t *seen)
+                                           const struct mlrt_worker *worker, struct mlrt_leaf_cache *cache,
+                                           uint32_t *seen)
 {
-    struct mlrt_leaf_setup *leaf = &worker->leaves[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - MLRT_LEAF_SETUP_BITS)];
+    struct mlrt_leaf_setup *leaf = &cache->leaves[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - MLRT_LEAF_SETUP_BITS)];
     const int axis = cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
     if (leaf->child != child || leaf->axis != axis) begin_leaf(tree, cells, child, worker->mask, leaf);
     *seen = seen_by_cells(cells, leaf);
@@ -182,18 +183,18 @@ static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const s
 }
 
 /* Set-ups are for one apex, or one shear. */
-MLRT_INLINE int have_other_leaves(const struct cells *cells, const struct mlrt_worker *worker)
+MLRT_INLINE int have_other_leaves(const struct cells *cells, const struct mlrt_leaf_cache *cache)
 {
-    return memcmp(cells->apex, worker->leaf_apex, sizeof cells->apex) != 0 ||
-           (MLRT_UNLIKELY(cells->shear.scale + worker->leaf_shear.scale != 0) &&
-            memcmp(&cells->shear, &worker->leaf_shear, sizeof cells->shear) != 0);
+    return memcmp(cells->apex, cache->apex, sizeof cells->apex) != 0 ||
+           (MLRT_UNLIKELY(cells->shear.scale + cache->shear.scale != 0) &&
+            memcmp(&cells->shear, &cache->shear, sizeof cells->shear) != 0);
 }
 
-static MLRT_SMALL void forget_leaves(const struct cells *cells, struct mlrt_worker *worker)
+static MLRT_SMALL void forget_leaves(const struct cells *cells, struct mlrt_leaf_cache *cache)
 {
-    for (uint32_t i = 0; i < 1u << MLRT_LEAF_SETUP_BITS; ++i) worker->leaves[i].child = 0;
-    memcpy(worker->leaf_apex, cells->apex, sizeof worker->leaf_apex);
-    worker->leaf_shear = cells->shear;
+    for (uint32_t i = 0; i < 1u << MLRT_LEAF_SETUP_BITS; ++i) cache->leaves[i].child = 0;
+    memcpy(cache->apex, cells->apex, sizeof cache->apex);
+    cache->shear = cells->shear;
 }
 
 /* Of the triangles `seen`, those that the rays of one cell may hit. */

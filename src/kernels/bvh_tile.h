@@ -270,7 +270,11 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
     struct mlrt_packet *packet = &tile->packets[place];
     if (!(tile->made >> place & 1)) {
         const struct rectangle block = block_of_tile(tile, place);
-        get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
+        if (tile->seen) {
+            tile->dark[place] = make_rays_to_light(job, tile, place);
+        } else {
+            get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
+        }
         tile->made |= 1u << place;
         if (are_sheared(cells)) mlrt_shear_packet(&cells->shear, packet, &(float){0}, &(int){0});
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
@@ -326,7 +330,7 @@ static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt
                                          uint32_t child, uint32_t met)
 {
     uint32_t seen;
-    const struct mlrt_leaf_setup *leaf = set_up_leaf(job->tree, cells, child, worker, &seen);
+    const struct mlrt_leaf_setup *leaf = set_up_leaf(job->tree, cells, child, worker, &worker->caches[job->any], &seen);
     if (!seen) return;
     if (met & cells->closed) test_closed_cells(job, worker, cells, leaf, seen, met);
     if (cells->tile) {
@@ -346,7 +350,8 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     uint32_t node = 0, count = 0;
     if (bvh->node_count == 0) return;
-    if (have_other_leaves(cells, worker)) forget_leaves(cells, worker);
+    struct mlrt_leaf_cache *cache = &worker->caches[job->any];
+    if (have_other_leaves(cells, cache)) forget_leaves(cells, cache);
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
         count = push_boxes(bvh, node, children_met(cells, &bvh->nodes[node], near), near, stack, count);

@@ -36,9 +36,11 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
     if (packet.active) trace_active(job, list, &packet, worker);
     if (packet.single) trace_single_rays(job, packet.single, &packet, &worker->counters);
+    write_packet(job, worker, &packet, lanes, block);
+    if (MLRT_LIKELY(!job->light_count)) return;
     uint8_t shadows[MLRT_PACKET_RAYS];
-    if (MLRT_UNLIKELY(job->light_count)) mlrt_find_shadows(job, &packet, lanes, shadows);
-    write_packet(job, worker, &packet, shadows, lanes, block);
+    mlrt_find_shadows(job, &packet, lanes, shadows);
+    write_shadows(job, worker, shadows, lanes, block);
 }
 
 static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile,
@@ -61,7 +63,7 @@ static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, 
         write_misses(job, worker, tile);
     } else {
         COUNT(&worker->counters, covered_beam_count, 1);
-        write_cover(job, worker, cover, 0, tile);
+        write_cover(job, worker, cover, tile);
     }
 }
 

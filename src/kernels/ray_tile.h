@@ -11,6 +11,9 @@ struct ray_tile {
     float greatest_depth[CELL_COUNT]; /* of the directions of a packet, along the main axis */
     int limits_below;                 /* some t_min is not 0 */
     uint32_t made;                    /* packets that have their rays */
+    const struct mlrt_job *picture;   /* of shadow rays: the call whose hits they come from, */
+    struct ray_tile *seen;            /* and the tile with them; else NULL */
+    uint32_t dark[CELL_COUNT];        /* of shadow rays: lanes without one, as the light is on the other side */
 };
 
 /* The part of a tile that is at a place, if there is one. */

@@ -17,14 +17,12 @@ static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct
     }
 }
 
-/* Writes the results of a packet. `shadows`: of its lanes, if there are lights. */
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                         const uint8_t *shadows, uint32_t lanes, const struct rectangle *block)
+                         uint32_t lanes, const struct rectangle *block)
 {
-    if (job->has_frame) write_to_sink(job, worker, packet, shadows, lanes, block->x, block->y, &job->frame);
+    if (job->has_frame) write_to_sink(job, worker, packet, lanes, block->x, block->y, &job->frame);
     if (job->callback) {
-        write_to_sink(job, worker, packet, shadows, lanes, block->x - worker->tile_x, block->y - worker->tile_y,
-                      &worker->tile);
+        write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
     }
 }
 
@@ -50,20 +48,43 @@ static void write_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
     write_misses_of(job, worker, &part);
 }
 
-/*
- * Writes hits of one triangle, all in the shadow of the same lights: all that is left to do for a ray is its t, u and v,
- * if somebody wants them.
- */
-static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number, uint8_t shadow,
+static void write_same_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
+                              const struct rectangle *tile)
+{
+    if (job->has_frame) mlrt_write_same_shadow(shadow, tile->x, tile->y, tile->width, tile->height, &job->frame);
+    if (job->callback) {
+        mlrt_write_same_shadow(shadow, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width, tile->height,
+                               &worker->tile);
+    }
+}
+
+static void write_shadows_to(const uint8_t *shadows, uint32_t lanes, uint32_t x, uint32_t y,
+                             const struct mlrt_sink *sink)
+{
+    if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_shadows(shadows, lanes, x, y, sink);
+}
+
+/* Writes which lights do not reach what the lanes of a packet hit. */
+static void write_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker, const uint8_t *shadows,
+                          uint32_t lanes, const struct rectangle *block)
+{
+    if (job->has_frame) write_shadows_to(shadows, lanes, block->x, block->y, &job->frame);
+    if (job->callback) {
+        write_shadows_to(shadows, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
+    }
+}
+
+/* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
+static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                         const struct rectangle *tile)
 {
-    const uint8_t occluded = job->any ? 1 : shadow;
+    if (job->any) write_same_shadow(job, worker, 1, tile);
     if (!mlrt_sink_numbers(&job->frame) && !mlrt_sink_numbers(&worker->tile)) {
         if (job->has_frame) {
-            mlrt_write_same_hits(job->tree, number, occluded, tile->x, tile->y, tile->width, tile->height, &job->frame);
+            mlrt_write_same_ids(job->tree, number, tile->x, tile->y, tile->width, tile->height, &job->frame);
         }
         if (job->callback) {
-            mlrt_write_same_hits(job->tree, number, occluded, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width,
+            mlrt_write_same_ids(job->tree, number, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width,
                                  tile->height, &worker->tile);
         }
         return;
@@ -75,9 +96,7 @@ static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, 
             struct mlrt_packet packet;
             get_packet(&job->source, &block, lanes, &packet);
             for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) i_store(packet.triangle + v, i_set1(number));
-            uint8_t shadows[MLRT_PACKET_RAYS];
-            memset(shadows, shadow, sizeof shadows);
-            write_packet(job, worker, &packet, shadows, lanes, &block);
+            write_packet(job, worker, &packet, lanes, &block);
         }
     }
 }

@@ -197,6 +197,14 @@ MLRT_INLINE vd d_abs(vd a)
 {
     return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
 }
+MLRT_INLINE vd d_max(vd a, vd b)
+{
+    return _mm256_max_pd(a, b);
+}
+MLRT_INLINE vd d_flip(vd a, vd b)
+{
+    return _mm256_xor_pd(a, _mm256_and_pd(b, _mm256_set1_pd(-0.0)));
+}
 MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));

@@ -220,6 +220,16 @@ MLRT_INLINE vd d_abs(vd a)
 {
     return fabs(a);
 }
+/* the second if either is a NaN */
+MLRT_INLINE vd d_max(vd a, vd b)
+{
+    return a > b ? a : b;
+}
+/* a with its sign flipped where b is negative */
+MLRT_INLINE vd d_flip(vd a, vd b)
+{
+    return copysign(a, copysign(1, a) * copysign(1, b));
+}
 /* bits of the lanes where a > b */
 MLRT_INLINE unsigned d_gt(vd a, vd b)
 {

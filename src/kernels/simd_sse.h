@@ -200,6 +200,14 @@ MLRT_INLINE vd d_abs(vd a)
 {
     return _mm_andnot_pd(_mm_set1_pd(-0.0), a);
 }
+MLRT_INLINE vd d_max(vd a, vd b)
+{
+    return _mm_max_pd(a, b);
+}
+MLRT_INLINE vd d_flip(vd a, vd b)
+{
+    return _mm_xor_pd(a, _mm_and_pd(b, _mm_set1_pd(-0.0)));
+}
 MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return (unsigned)_mm_movemask_pd(_mm_cmpgt_pd(a, b));

@@ -16,7 +16,7 @@ MLRT_INLINE int is_list(const struct mlrt_source *source)
 static int gather_picture_cells(const struct mlrt_job *job, const struct rectangle *area, uint32_t side,
                                 struct cells *cells)
 {
-    if (!job->light_count && job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
+    if (job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
         gather_camera_cells(job, area, side, cells)) {
         return 1;
     }
@@ -31,85 +31,7 @@ static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_w
     if (cover == MLRT_NONE) {
         write_misses(job, worker, area);
     } else {
-        write_cover(job, worker, cover, 0, area);
-    }
-}
-
-/* All rays of a packet whose cell stayed closed hit its cover. */
-static void close_packets(struct ray_tile *tile)
-{
-    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        struct mlrt_packet *packet = &tile->packets[place];
-        KEEP_LANES_LOOP
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vm active = m_from_bits(packet->active >> v);
-            i_store(packet->triangle + v,
-                    i_select(active, i_set1(tile->cells.cover[place]), i_load(packet->triangle + v)));
-        }
-    }
-    tile->cells.closed = 0;
-}
-
-/*
- * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
- * off. Where either are too few they go alone. Returns the new cells.
- */
-static MLRT_SMALL uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                            struct ray_tile *tile, uint32_t wide, float width,
-                                            uint32_t put_off[CELL_COUNT])
-{
-    uint32_t cells = 0;
-    for (; wide; wide &= wide - 1) {
-        const uint32_t place = mlrt_lowest_bit(wide);
-        struct mlrt_packet *packet = &tile->packets[place];
-        const uint32_t near = lanes_near_first(packet, packet->active, tile->cells.main_axis, width);
-        const uint32_t others = packet->active & ~near;
-        const uint32_t alone = mlrt_count_bits(others) < MLRT_LEAST_PART ? others : 0;
-        put_off[place] = others & ~alone;
-        packet->active = near;
-        if (alone) trace_singles(job, alone, packet, worker);
-        if (mlrt_count_bits(near) >= MLRT_LEAST_PART && add_packet(tile, place)) {
-            cells |= 1u << place;
-        } else {
-            trace_singles(job, near, packet, worker);
-        }
-    }
-    return cells;
-}
-
-/* Traces packets down the hierarchy of boxes: together, as far as they can go together. */
-static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
-                          uint32_t waiting)
-{
-    uint32_t put_off[CELL_COUNT] = {0}, cut = 0;
-    while (waiting) {
-        uint32_t wide;
-        float width;
-        uint32_t gathered = gather_packets(job, tile, waiting, &wide, &width);
-        waiting &= ~(gathered | wide);
-        if (MLRT_UNLIKELY(wide)) {
-            for (uint32_t again = wide & cut; again; again &= again - 1) {
-                struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(again)];
-                trace_singles(job, packet->active, packet, worker);
-            }
-            wide &= ~cut;
-            cut |= wide;
-            gathered |= cut_wide_packets(job, worker, tile, wide, width, put_off);
-        }
-        if (gathered) {
-            sum_up_cells(&tile->cells);
-            traverse_bvh(job, worker, &tile->cells);
-            close_packets(tile);
-            for (; are_sheared(&tile->cells) && gathered; gathered &= gathered - 1) {
-                mlrt_unshear_packet(&tile->packets[mlrt_lowest_bit(gathered)]);
-            }
-        }
-        for (; wide; wide &= wide - 1) {
-            const uint32_t place = mlrt_lowest_bit(wide);
-            tile->packets[place].active = put_off[place];
-            waiting |= (put_off[place] != 0u) << place;
-        }
+        write_cover(job, worker, cover, area);
     }
 }
 
@@ -148,11 +70,8 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     struct mlrt_packet *packet = &tile->packets[place];
     const struct rectangle block = block_of_tile(tile, place);
-    if (packet->shear) mlrt_unshear_packet(packet);
-    if (packet->single) trace_single_rays(job, packet->single, packet, &worker->counters);
-    uint8_t shadows[MLRT_PACKET_RAYS];
-    if (job->light_count) mlrt_find_shadows(job, packet, existing_lanes(&job->source, &block), shadows);
-    write_packet(job, worker, packet, shadows, existing_lanes(&job->source, &block), &block);
+    finish_packet(job, worker, packet);
+    write_packet(job, worker, packet, existing_lanes(&job->source, &block), &block);
 }
 
 static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
@@ -197,19 +116,25 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
     }
 }
 
-/* Traces a rectangle of at most 16 blocks. */
-static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+/* Traces a rectangle of at most 16 blocks. `known`: what is known of all of it; NULL: nothing. */
+static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area,
+                           const struct known_lights *known)
 {
     struct ray_tile tile;
     tile.area = *area;
     tile.column_bits = is_list(&job->source) ? 0 : 2;
+    tile.seen = NULL;
     if (gather_picture_cells(job, area, 4, &tile.cells)) {
         tile.limits_below = 0;
         tile.made = 0;
         tile.cells.tile = &tile;
-        if (worker->open_tiles) open_packets(job, worker, &tile);
-        traverse_bvh(job, worker, &tile.cells);
-        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? MLRT_TILE_RUN : 0;
+        if (known) {
+            for (uint32_t place = 0; place < CELL_COUNT; ++place) tile.cells.cover[place] = known->cover;
+        } else {
+            if (worker->open_tiles) open_packets(job, worker, &tile);
+            traverse_bvh(job, worker, &tile.cells);
+            worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? MLRT_TILE_RUN : 0;
+        }
     } else {
         tile.made = 0xFFFF;
         const uint32_t waiting = make_packets(job, worker, &tile);
@@ -230,6 +155,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
             finish_block(job, worker, &tile, place);
         }
     }
+    if (MLRT_UNLIKELY(job->light_count)) shade_tile(job, worker, &tile, known);
 }
 
 /* Traces a rectangle of at most 4 x 4 tiles. */
@@ -244,14 +170,20 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
         traverse_bvh(job, worker, &cells);
         if (!cells.closed) worker->open_squares = MLRT_SQUARE_RUN;
     }
+    struct known_lights known[CELL_COUNT];
+    uint32_t known_cells = cells.closed;
+    if (MLRT_UNLIKELY(job->light_count) && cells.closed) known_cells &= shade_cells(job, worker, &cells, known);
     for (uint32_t j = 0; j < area->height; j += 16) {
         for (uint32_t i = 0; i < area->width; i += 16) {
             const struct rectangle tile = cut_piece(area, i, j, 16);
             const uint32_t place = j / 4 + i / 16;
-            if (cells.closed >> place & 1) {
+            if (known_cells >> place & 1) {
                 write_closed(job, worker, cells.cover[place], &tile);
+                if (MLRT_UNLIKELY(job->light_count) && cells.cover[place] != MLRT_NONE) {
+                    write_same_shadow(job, worker, known[place].dark, &tile);
+                }
             } else {
-                trace_ray_tile(job, worker, &tile);
+                trace_ray_tile(job, worker, &tile, cells.closed >> place & 1 ? &known[place] : NULL);
             }
         }
     }
@@ -264,7 +196,7 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
         for (uint32_t j = 0; j < area->height; j += 64) {
             const struct rectangle tile = {area->x, area->y + j, area->width,
                                            area->height - j < 64 ? area->height - j : 64};
-            trace_ray_tile(job, worker, &tile);
+            trace_ray_tile(job, worker, &tile, NULL);
         }
         return;
     }

@@ -64,18 +64,12 @@ static void write_numbers(const struct mlrt_job *job, const struct mlrt_packet *
 
 /* Writes the results of a packet's lanes, whose block starts at (x, y) of the sink. */
 static void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                          const uint8_t *shadows, uint32_t lanes, uint32_t x, uint32_t y,
-                          const struct mlrt_sink *sink)
+                          uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
 {
     const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE), outputs = mlrt_sink_numbers(sink);
     if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
         write_ids(job, worker, packet, hit, lanes, x, y, sink);
     }
     if (outputs) write_numbers(job, packet, hit, lanes, x, y, outputs, sink);
-    if (!sink->channel[MLRT_CHANNEL_OCCLUDED].data) return;
-    if (job->any) {
-        mlrt_write_occluded(hit, lanes, x, y, sink);
-    } else {
-        mlrt_write_shadows(shadows, lanes, x, y, sink);
-    }
+    if (job->any && sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
 }

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a light sees of what a camera's cells see: cells again, of shadow rays that nobody has made yet.
+ *
+ * The rays of a camera's cell have slopes in a rectangle, and all hit one triangle. In units of depth, a ray's direction
+ * is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the words of shadow.h. As D > 0 over the whole
+ * rectangle, the hits lie in the quadrilateral whose corners are those of the corners' rays, and slopes and depths as
+ * seen from the light have their extremes there, as long as all of it lies in front.
+ *
+ * m is rounded to float, 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three roundings: it is
+ * off by less than 2^-20; N, in double, by 2^-32 of the greatest |p_k|, and by a rounding. So bounds of z at the corners
+ * are known, and with D > 2^-8 shadow.h's condition on D holds for each ray, as |d| is less than 5.1. Both ends of z are
+ * taken as corners. What is off then, per component, is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2
+ * z) with something to spare, as much again for the step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray
+ * itself, and shadow.h's "place", 3.1 * 2^-34 (P + 2.1 z) 2.1 / D < 2^-23 (P + 2 z). All in all 2^-20 (|o - L| + 2 z + P)
+ * is more.
+ */
+#include "shadow.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "kernels/quad.h"
+
+/* As in kernels/cells.h. */
+#define STEEPEST_SLOPE 2.0f
+#define SLOPE_SLACK    0x1p-20f
+#define SLOPE_FLOOR    0x1p-100f
+
+/* The least D, what it is off by, and what places are off by. */
+#define LEAST_STEEPNESS 0x1p-8f
+#define STEEPNESS_ERROR 0x1p-20f
+#define PLACE_ERROR     0x1p-20f
+
+/* Of each cell: the plane of its cover. */
+struct planes {
+    MLRT_ALIGNED(16) float m[3][MLRT_CELL_COUNT]; /* with the sign of N */
+    MLRT_ALIGNED(16) float near[MLRT_CELL_COUNT]; /* bounds of |N| */
+    MLRT_ALIGNED(16) float far[MLRT_CELL_COUNT];
+    MLRT_ALIGNED(16) float reach[MLRT_CELL_COUNT]; /* P */
+};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double size_of(const double a[3])
+{
+    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
+}
+
+enum side { UNKNOWN, DARK, FACING };
+
+/* The plane of a triangle, for one cell. */
+static enum side find_plane(const struct mlrt_triangle *triangle, const float eye[3], const float light[3],
+                            struct planes *planes, uint32_t place)
+{
+    double ab[3], ac[3], p[3], to_light[3], m[3], greatest = 0, reach = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double a = triangle->v[0][k];
+        ab[k] = triangle->v[1][k] - a;
+        ac[k] = triangle->v[2][k] - a;
+        p[k] = a - eye[k];
+        to_light[k] = a - light[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        m[k] = ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3];
+        greatest = fmax(greatest, fabs(m[k]));
+        reach = fmax(reach, fabs(p[k]));
+    }
+    if (!(greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac)))) return UNKNOWN;
+    const double scale = 1 / greatest;
+    for (int k = 0; k < 3; ++k) m[k] *= scale;
+    const double n = dot(p, m), height = dot(to_light, m), error = MLRT_SHADOW_SIDE * reach;
+    if (!(fabs(n) > 2 * error && fabs(height) > 2 * MLRT_SHADOW_SIDE * size_of(to_light))) return UNKNOWN;
+    if ((n > 0) != (height > 0)) return DARK;
+    for (int k = 0; k < 3; ++k) planes->m[k][place] = (float)(n > 0 ? m[k] : -m[k]);
+    planes->near[place] = (float)((fabs(n) - error) * (1 - 0x1p-22));
+    planes->far[place] = (float)((fabs(n) + error) * (1 + 0x1p-22));
+    planes->reach[place] = (float)(reach * (1 + 0x1p-22));
+    return FACING;
+}
+
+static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
+{
+    for (int k = 0; k < 3; ++k) planes->m[k][to] = planes->m[k][from];
+    planes->near[to] = planes->near[from];
+    planes->far[to] = planes->far[from];
+    planes->reach[to] = planes->reach[from];
+}
+
+/* Planes of the cells that face the light: bit per cell. *dark receives those that do not; about others is nothing known. */
+static uint32_t find_planes(const struct mlrt_job *job, const struct mlrt_seen_cells *seen, uint32_t among,
+                            struct planes *planes, uint32_t *dark)
+{
+    uint32_t facing = 0, number = MLRT_NONE, last = 0;
+    enum side side = UNKNOWN;
+    *dark = 0;
+    for (; among; among &= among - 1) {
+        const uint32_t place = mlrt_lowest_bit(among);
+        if (seen->cover[place] != number) {
+            number = seen->cover[place];
+            side = find_plane(&job->tree->triangles[number], seen->eye, job->source.light, planes, last = place);
+        } else if (side == FACING) {
+            copy_plane(planes, last, place);
+        }
+        facing |= (uint32_t)(side == FACING) << place;
+        *dark |= (uint32_t)(side == DARK) << place;
+    }
+    return facing;
+}
+
+/* The light's main axis, from what it sees in a cell: where the ray of lowest slopes hits. */
+static void set_main_axis(const struct mlrt_seen_cells *seen, const float from[3], const struct planes *planes,
+                          uint32_t place, struct mlrt_lit_cells *lit)
+{
+    const int a = seen->main_axis;
+    float d[3], steepness = 0, x[3];
+    d[a] = seen->sign;
+    for (int side = 0; side < 2; ++side) d[(a + 1 + side) % 3] = seen->slopes[side].lo[place];
+    for (int k = 0; k < 3; ++k) steepness += planes->m[k][place] * d[k];
+    for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->near[place] / steepness * d[k];
+    const float sizes[3] = {fabsf(x[0]), fabsf(x[1]), fabsf(x[2])};
+    const int b = sizes[0] > sizes[1] ? (sizes[0] > sizes[2] ? 0 : 2) : (sizes[1] > sizes[2] ? 1 : 2);
+    lit->main_axis = b;
+    lit->sign = x[b] < 0 ? -1.0f : 1.0f;
+}
+
+/* Four cells: what of them the light sees, and the least D and depth and how far off places may be. */
+struct quad_extremes {
+    f4 least_steepness;
+    f4 least_depth;
+    f4 greatest_depth;
+    f4 greatest_z;
+    f4 lo[2];
+    f4 hi[2];
+};
+
+static void add_point(const f4 x[3], const struct mlrt_lit_cells *lit, struct quad_extremes *of)
+{
+    const int b = lit->main_axis;
+    const f4 depth = f4_flip(x[b], lit->sign), inverse = f4_div(f4_set1(1), depth);
+    of->least_depth = f4_min(depth, of->least_depth);
+    of->greatest_depth = f4_max(depth, of->greatest_depth);
+    for (int side = 0; side < 2; ++side) {
+        const f4 slope = f4_mul(x[(b + 1 + side) % 3], inverse);
+        of->lo[side] = f4_min(slope, of->lo[side]);
+        of->hi[side] = f4_max(slope, of->hi[side]);
+    }
+}
+
+/* The hits of the rays at one corner, as near and as far as they may be. */
+static MLRT_NOINLINE void add_corner(const struct mlrt_seen_cells *seen, const struct planes *planes,
+                                     const float from[3], uint32_t first, uint32_t corner,
+                                     const struct mlrt_lit_cells *lit, struct quad_extremes *of)
+{
+    const int a = seen->main_axis;
+    f4 d[3], steepness = f4_set1(0);
+    d[a] = f4_set1(seen->sign);
+    for (uint32_t side = 0; side < 2; ++side) {
+        const struct mlrt_slopes *slopes = &seen->slopes[side];
+        d[(a + 1 + (int)side) % 3] = f4_load((corner >> side & 1 ? slopes->hi : slopes->lo) + first);
+    }
+    for (int k = 0; k < 3; ++k) steepness = f4_add(steepness, f4_mul(f4_load(planes->m[k] + first), d[k]));
+    of->least_steepness = f4_min(steepness, of->least_steepness);
+    const f4 bounds[2] = {f4_div(f4_load(planes->near + first), f4_add(steepness, f4_set1(STEEPNESS_ERROR))),
+                          f4_div(f4_load(planes->far + first), f4_sub(steepness, f4_set1(STEEPNESS_ERROR)))};
+    for (int end = 0; end < 2; ++end) {
+        f4 x[3];
+        for (int k = 0; k < 3; ++k) x[k] = f4_add(f4_set1(from[k]), f4_mul(bounds[end], d[k]));
+        add_point(x, lit, of);
+    }
+    of->greatest_z = f4_max(bounds[1], of->greatest_z);
+}
+
+/* Sets what is known of one cell. Returns 0 if it is too little. */
+static int set_lit_cell(const float extremes[8], float reach, float away, uint32_t place, struct mlrt_lit_cells *lit)
+{
+    const float error = PLACE_ERROR * (away + 2 * extremes[3] + reach) + SLOPE_FLOOR;
+    if (!(extremes[0] > LEAST_STEEPNESS && extremes[1] > 4 * error)) return 0;
+    for (int side = 0; side < 2; ++side) {
+        const float lo = extremes[4 + side], hi = extremes[6 + side];
+        const float steepest = fmaxf(fabsf(lo), fabsf(hi));
+        if (!(steepest <= STEEPEST_SLOPE)) return 0;
+        const float slack = 2 * error * (1 + steepest) / extremes[1] + steepest * SLOPE_SLACK + SLOPE_FLOOR;
+        lit->slopes[side].lo[place] = lo - slack;
+        lit->slopes[side].hi[place] = hi + slack;
+    }
+    lit->shortest[place] = (extremes[1] - error) * (1 - SLOPE_SLACK);
+    lit->farthest[place] = (extremes[2] + error) * (1 + SLOPE_SLACK);
+    return 1;
+}
+
+uint32_t mlrt_make_lit_cells(const struct mlrt_job *job, const struct mlrt_seen_cells *seen, uint32_t among,
+                             struct mlrt_lit_cells *lit)
+{
+    struct planes planes;
+    float from[3], away = 0;
+    for (int k = 0; k < 3; ++k) {
+        if (!mlrt_is_float_safe(job->source.light[k])) return lit->dark = 0;
+        from[k] = seen->eye[k] - job->source.light[k];
+        away = fmaxf(away, fabsf(from[k]));
+    }
+    memset(&planes, 0, sizeof planes);
+    const uint32_t facing = find_planes(job, seen, among, &planes, &lit->dark);
+    if (!facing) return 0;
+    set_main_axis(seen, from, &planes, mlrt_lowest_bit(facing), lit);
+    uint32_t known = 0;
+    for (uint32_t first = 0; first < MLRT_CELL_COUNT; first += 4) {
+        if (!(facing >> first & 15)) continue;
+        const f4 infinity = f4_set1(INFINITY), below = f4_set1(-INFINITY);
+        struct quad_extremes of = {infinity, infinity, below, below, {infinity, infinity}, {below, below}};
+        for (uint32_t corner = 0; corner < 4; ++corner) add_corner(seen, &planes, from, first, corner, lit, &of);
+        MLRT_ALIGNED(16) float values[8][4];
+        const f4 all[8] = {of.least_steepness, of.least_depth, of.greatest_depth, of.greatest_z,
+                           of.lo[0],           of.lo[1],       of.hi[0],          of.hi[1]};
+        for (int i = 0; i < 8; ++i) f4_store(values[i], all[i]);
+        for (uint32_t i = 0; i < 4; ++i) {
+            const float extremes[8] = {values[0][i], values[1][i], values[2][i], values[3][i],
+                                       values[4][i], values[5][i], values[6][i], values[7][i]};
+            if (!(facing >> (first + i) & 1)) continue;
+            known |= (uint32_t)set_lit_cell(extremes, planes.reach[first + i], away, first + i, lit) << (first + i);
+        }
+    }
+    return known;
+}
