@@ -44,7 +44,8 @@ static int find_end(const struct mlrt_source *light, const struct mlrt_triangle 
     for (int k = 0; k < 3; ++k) m[k] = ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3];
     const double greatest = greatest_of(m);
     const int is_round = greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac));
-    for (int k = 0; k < 3; ++k) m[k] = m[k] / greatest;
+    const double scale = 1 / greatest;
+    for (int k = 0; k < 3; ++k) m[k] = m[k] * scale;
     const double steepness = dot(d, m), t = dot(p, m) / steepness, height = dot(to_light, m);
     for (int k = 0; k < 3; ++k) {
         f[k] = t * d[k];
@@ -66,10 +67,8 @@ static MLRT_NOINLINE void find_end_exactly(const struct mlrt_source *light, cons
     struct mlrt_hit_report report;
     const int side = -mlrt_facing(triangle, ray->direction);
     const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
-    const int light_side =
-        is_point ? mlrt_side_of_plane(triangle, light->light) : mlrt_facing(triangle, light->light);
     *faces = 0;
-    if (light_side != side) return;
+    if ((is_point ? mlrt_side_of_plane(triangle, light->light) : mlrt_facing(triangle, light->light)) != side) return;
     mlrt_report_hit(ray, triangle, MLRT_OUTPUT_UV, &report);
     *faces = is_point ? mlrt_find_offset_from(triangle, report.u, report.v, side, light->light, end)
                       : mlrt_find_offset_point(triangle, report.u, report.v, side, end);

@@ -6,7 +6,7 @@
  * directional light with direction l: L = 0):
  *
  *     n = (b - a) cross (c - a)      S = |b - a| |c - a|     (|x| = |x_0| + |x_1| + |x_2|)
- *     m = n / greatest |n_k|         p = a - o               N = p . m       D = d . m       t = N / D
+ *     m = n (1 / greatest |n_k|)        p = a - o               N = p . m       D = d . m       t = N / D
  *     f_k = t d_k                    x_k = (o_k - L_k) + f_k
  *     size = greatest |x_k|, |f_k|, |p_k| / 32
  *     q_k = the float nearest to x_k + step m_k, step = 2^-22 size with the sign of -D
@@ -19,7 +19,7 @@
  * and if not, sides are found exactly, and q by offset.c.
  *
  * ITS SIDE. Let u = 2^-53, and n^ the exact normal, divided by n's greatest component. A component of n has 4 factors (1
- * + delta), on magnitudes that sum up to S at most: it is off by 4.01 u S, and m_k by 2^16 times that and a rounding, less
+ * + delta), on magnitudes that sum up to S at most: it is off by 4.01 u S, and m_k by 2^16 times that and two roundings, less
  * than 2^-34. So N and D are off by 3.1 * 2^-34 of the greatest |p_k| and |d_k|, P and E. The point o + t d then lies at a
  * height |n^ . (o + t d - a)| <= 3.1 * 2^-34 (P + t E) <= 3.1 * 2^-34 * 33 size < 2^-27 size. Rounding x_k and the sum
  * takes 2^-49 size, and that to float 2^-24 |q_k| each, 3.01 * 2^-24 size in all. The step gives 2^-22 size (1 - 2^-30),

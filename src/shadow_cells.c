@@ -8,12 +8,12 @@
  * seen from the light have their extremes there, as long as all of it lies in front.
  *
  * m is rounded to float, 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three roundings: it is
- * off by less than 2^-20; N, in double, by 2^-32 of the greatest |p_k|, and by a rounding. So bounds of z at the corners
- * are known, and with D > 2^-8 shadow.h's condition on D holds for each ray, as |d| is less than 5.1. Both ends of z are
- * taken as corners. What is off then, per component, is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2
- * z) with something to spare, as much again for the step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray
- * itself, and shadow.h's "place", 3.1 * 2^-34 (P + 2.1 z) 2.1 / D < 2^-23 (P + 2 z). All in all 2^-20 (|o - L| + 2 z + P)
- * is more.
+ * off by less than 2^-20; N, in double, by 2^-32 of P, the greatest |p_k|, and by 2^-24 of itself. So with D > 2^-8
+ * shadow.h's condition on D holds for each ray, as |d| is less than 5.1, and z is off by 2^-32 P / D < 2^-24 P, and 2^-19.9
+ * z / D; places by twice that, as |d_k| <= 2: 2^-18.9 z / D < 2^-18 z / D.
+ * What is off besides, per component, is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2 z) with something
+ * to spare, as much again for the step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray itself, and
+ * shadow.h's "place", 3.1 * 2^-34 (P + 2.1 z) 2.1 / D < 2^-23 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more.
  */
 #include "shadow.h"
 
@@ -27,16 +27,15 @@
 #define SLOPE_SLACK    0x1p-20f
 #define SLOPE_FLOOR    0x1p-100f
 
-/* The least D, what it is off by, and what places are off by. */
+/* The least D, and what places are off by: per z / D, and per what else there is. */
 #define LEAST_STEEPNESS 0x1p-8f
-#define STEEPNESS_ERROR 0x1p-20f
+#define ALONG_ERROR     0x1p-18f
 #define PLACE_ERROR     0x1p-20f
 
 /* Of each cell: the plane of its cover. */
 struct planes {
     MLRT_ALIGNED(16) float m[3][MLRT_CELL_COUNT]; /* with the sign of N */
-    MLRT_ALIGNED(16) float near[MLRT_CELL_COUNT]; /* bounds of |N| */
-    MLRT_ALIGNED(16) float far[MLRT_CELL_COUNT];
+    MLRT_ALIGNED(16) float n[MLRT_CELL_COUNT];    /* |N| */
     MLRT_ALIGNED(16) float reach[MLRT_CELL_COUNT]; /* P */
 };
 
@@ -72,12 +71,11 @@ static enum side find_plane(const struct mlrt_triangle *triangle, const float ey
     if (!(greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac)))) return UNKNOWN;
     const double scale = 1 / greatest;
     for (int k = 0; k < 3; ++k) m[k] *= scale;
-    const double n = dot(p, m), height = dot(to_light, m), error = MLRT_SHADOW_SIDE * reach;
-    if (!(fabs(n) > 2 * error && fabs(height) > 2 * MLRT_SHADOW_SIDE * size_of(to_light))) return UNKNOWN;
+    const double n = dot(p, m), height = dot(to_light, m);
+    if (!(fabs(n) > 2 * MLRT_SHADOW_SIDE * reach && fabs(height) > 2 * MLRT_SHADOW_SIDE * size_of(to_light))) return UNKNOWN;
     if ((n > 0) != (height > 0)) return DARK;
     for (int k = 0; k < 3; ++k) planes->m[k][place] = (float)(n > 0 ? m[k] : -m[k]);
-    planes->near[place] = (float)((fabs(n) - error) * (1 - 0x1p-22));
-    planes->far[place] = (float)((fabs(n) + error) * (1 + 0x1p-22));
+    planes->n[place] = (float)fabs(n);
     planes->reach[place] = (float)(reach * (1 + 0x1p-22));
     return FACING;
 }
@@ -85,8 +83,7 @@ static enum side find_plane(const struct mlrt_triangle *triangle, const float ey
 static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
 {
     for (int k = 0; k < 3; ++k) planes->m[k][to] = planes->m[k][from];
-    planes->near[to] = planes->near[from];
-    planes->far[to] = planes->far[from];
+    planes->n[to] = planes->n[from];
     planes->reach[to] = planes->reach[from];
 }
 
@@ -120,7 +117,7 @@ static void set_main_axis(const struct mlrt_seen_cells *seen, const float from[3
     d[a] = seen->sign;
     for (int side = 0; side < 2; ++side) d[(a + 1 + side) % 3] = seen->slopes[side].lo[place];
     for (int k = 0; k < 3; ++k) steepness += planes->m[k][place] * d[k];
-    for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->near[place] / steepness * d[k];
+    for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->n[place] / steepness * d[k];
     const float sizes[3] = {fabsf(x[0]), fabsf(x[1]), fabsf(x[2])};
     const int b = sizes[0] > sizes[1] ? (sizes[0] > sizes[2] ? 0 : 2) : (sizes[1] > sizes[2] ? 1 : 2);
     lit->main_axis = b;
@@ -137,20 +134,7 @@ struct quad_extremes {
     f4 hi[2];
 };
 
-static void add_point(const f4 x[3], const struct mlrt_lit_cells *lit, struct quad_extremes *of)
-{
-    const int b = lit->main_axis;
-    const f4 depth = f4_flip(x[b], lit->sign), inverse = f4_div(f4_set1(1), depth);
-    of->least_depth = f4_min(depth, of->least_depth);
-    of->greatest_depth = f4_max(depth, of->greatest_depth);
-    for (int side = 0; side < 2; ++side) {
-        const f4 slope = f4_mul(x[(b + 1 + side) % 3], inverse);
-        of->lo[side] = f4_min(slope, of->lo[side]);
-        of->hi[side] = f4_max(slope, of->hi[side]);
-    }
-}
-
-/* The hits of the rays at one corner, as near and as far as they may be. */
+/* The hits of the rays at one corner. */
 static MLRT_NOINLINE void add_corner(const struct mlrt_seen_cells *seen, const struct planes *planes,
                                      const float from[3], uint32_t first, uint32_t corner,
                                      const struct mlrt_lit_cells *lit, struct quad_extremes *of)
@@ -164,20 +148,26 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_seen_cells *seen, const s
     }
     for (int k = 0; k < 3; ++k) steepness = f4_add(steepness, f4_mul(f4_load(planes->m[k] + first), d[k]));
     of->least_steepness = f4_min(steepness, of->least_steepness);
-    const f4 bounds[2] = {f4_div(f4_load(planes->near + first), f4_add(steepness, f4_set1(STEEPNESS_ERROR))),
-                          f4_div(f4_load(planes->far + first), f4_sub(steepness, f4_set1(STEEPNESS_ERROR)))};
-    for (int end = 0; end < 2; ++end) {
-        f4 x[3];
-        for (int k = 0; k < 3; ++k) x[k] = f4_add(f4_set1(from[k]), f4_mul(bounds[end], d[k]));
-        add_point(x, lit, of);
+    const f4 z = f4_div(f4_load(planes->n + first), steepness);
+    of->greatest_z = f4_max(z, of->greatest_z);
+    f4 x[3];
+    for (int k = 0; k < 3; ++k) x[k] = f4_add(f4_set1(from[k]), f4_mul(z, d[k]));
+    const int b = lit->main_axis;
+    const f4 depth = f4_flip(x[b], lit->sign), inverse = f4_div(f4_set1(1), depth);
+    of->least_depth = f4_min(depth, of->least_depth);
+    of->greatest_depth = f4_max(depth, of->greatest_depth);
+    for (int side = 0; side < 2; ++side) {
+        const f4 slope = f4_mul(x[(b + 1 + side) % 3], inverse);
+        of->lo[side] = f4_min(slope, of->lo[side]);
+        of->hi[side] = f4_max(slope, of->hi[side]);
     }
-    of->greatest_z = f4_max(bounds[1], of->greatest_z);
 }
 
 /* Sets what is known of one cell. Returns 0 if it is too little. */
 static int set_lit_cell(const float extremes[8], float reach, float away, uint32_t place, struct mlrt_lit_cells *lit)
 {
-    const float error = PLACE_ERROR * (away + 2 * extremes[3] + reach) + SLOPE_FLOOR;
+    const float along = ALONG_ERROR * extremes[3] / extremes[0];
+    const float error = PLACE_ERROR * (away + 2 * extremes[3] + reach) + along + SLOPE_FLOOR;
     if (!(extremes[0] > LEAST_STEEPNESS && extremes[1] > 4 * error)) return 0;
     for (int side = 0; side < 2; ++side) {
         const float lo = extremes[4 + side], hi = extremes[6 + side];

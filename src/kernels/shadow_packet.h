@@ -36,7 +36,8 @@ MLRT_INLINE void set_up_shadow_terms(const vd corner[9], const struct mlrt_packe
     cross_product_of_doubles(ab, ac, terms->m);
     const vd greatest = greatest_of_doubles(terms->m), size = d_mul(size_of_doubles(ab), size_of_doubles(ac));
     terms->certain = d_gt(greatest, d_mul(d_set1(MLRT_SHADOW_NORMAL), size));
-    for (int k = 0; k < 3; ++k) terms->m[k] = d_div(terms->m[k], greatest);
+    const vd scale = d_div(d_set1(1), greatest);
+    for (int k = 0; k < 3; ++k) terms->m[k] = d_mul(terms->m[k], scale);
     terms->n = dot_product_of_doubles(p, terms->m);
     terms->plane_size = d_mul(d_set1(MLRT_SHADOW_PLANE), greatest_of_doubles(p));
     terms->height = dot_product_of_doubles(to_light, terms->m);

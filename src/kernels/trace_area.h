@@ -142,7 +142,8 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         trace_packets(job, worker, &tile, waiting);
     }
     const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;
-    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+    if (known) write_closed(job, worker, known->cover, area);
+    for (uint32_t place = 0; place < CELL_COUNT && !known; ++place) {
         const uint32_t ahead = place + 2;
         if (!has_block(&tile, place)) continue;
         if (has_numbers && ahead < CELL_COUNT && has_block(&tile, ahead) && !(tile.cells.closed >> ahead & 1)) {
