@@ -117,7 +117,7 @@ FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x
 SMALL := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -Oz -E -x c /dev/null >/dev/null 2>&1 && echo -Oz || echo -Os))
 
 # Loops and jumps need not begin at round addresses: that is size, and no speed.
-TIGHT := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -falign-jumps=1 -falign-loops=1 -E -x c /dev/null >/dev/null 2>&1 && echo -falign-jumps=1 -falign-loops=1))
+TIGHT := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -falign-functions=1 -falign-jumps=1 -falign-loops=1 -E -x c /dev/null >/dev/null 2>&1 && echo -falign-functions=1 -falign-jumps=1 -falign-loops=1))
 
 # What only tests call stays out of the shared library. So do assertions, which would end the program they are in; they
 # are for the tests with SAN.
@@ -132,7 +132,7 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(if $(filter sheared,$*),,$(FAST))) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := library tree shear save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
+COLD := library tree shear shadow save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
         bvh_build bvh_check bvh_collapse kdtree_build kdtree_check split clip all_hits hit_list
 
 # What is as fast if it is small, or faster: counted in instructions of examples/render.

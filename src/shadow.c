@@ -84,17 +84,19 @@ int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_tria
                                                   : mlrt_make_segment(end, light->light, 0, INFINITY, shadow);
 }
 
-int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number)
+int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number,
+                   mlrt_counters *counters)
 {
     struct mlrt_ray_segment shadow;
     int faces;
     if (!mlrt_make_shadow_ray(&job->source, &job->tree->triangles[number], ray, &faces, &shadow)) return !faces;
     shadow.mask = job->source.common_mask;
-    return mlrt_trace_segment(job->tree, &shadow, number, 1, NULL) != MLRT_NONE;
+    if (counters) ++counters->ray_count, ++counters->packet_count;
+    return mlrt_trace_segment(job->tree, &shadow, number, 1, counters) != MLRT_NONE;
 }
 
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
-                       uint8_t shadows[MLRT_PACKET_RAYS])
+                       uint8_t shadows[MLRT_PACKET_RAYS], mlrt_counters *counters)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         struct mlrt_ray_segment ray;
@@ -102,7 +104,7 @@ void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *pac
         if (!(lanes >> lane & 1) || packet->triangle[lane] == MLRT_NONE) continue;
         mlrt_get_segment(packet, lane, &ray);
         for (uint32_t i = 0; i < job->light_count; ++i) {
-            shadows[lane] |= (uint8_t)(mlrt_is_shaded(&job->lights[i], &ray, packet->triangle[lane]) << i);
+            shadows[lane] |= (uint8_t)(mlrt_is_shaded(&job->lights[i], &ray, packet->triangle[lane], counters) << i);
         }
     }
 }

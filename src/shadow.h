@@ -51,12 +51,16 @@
 int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
                          const struct mlrt_ray_segment *ray, int *faces, struct mlrt_ray_segment *shadow);
 
-/* Does something lie between the hit of a ray and the light? `job` is that of the light; `number` is what was hit. */
-int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number);
+/*
+ * Does something lie between the hit of a ray and the light? `job` is that of the light; `number` is what was hit.
+ * `counters` may be NULL.
+ */
+int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number,
+                   mlrt_counters *counters);
 
 /* The lights that do not reach the hits of a packet's lanes, bit k for light k of the job: one ray at a time. */
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
-                       uint8_t shadows[MLRT_PACKET_RAYS]);
+                       uint8_t shadows[MLRT_PACKET_RAYS], mlrt_counters *counters);
 
 /* Cells of a pinhole camera, each of which one triangle covers (kernels/cells.h), as a light sees what they see. */
 struct mlrt_seen_cells {
@@ -68,19 +72,20 @@ struct mlrt_seen_cells {
 };
 
 struct mlrt_lit_cells {
-    struct mlrt_slopes slopes[2];
-    MLRT_ALIGNED(64) float farthest[MLRT_CELL_COUNT];
-    MLRT_ALIGNED(64) float shortest[MLRT_CELL_COUNT];
+    struct mlrt_slopes *slopes; /* two; and sixteen of the others */
+    float *farthest;
+    float *shortest;
     int main_axis;
     float sign;
-    uint32_t dark; /* bit per cell: the light is on the other side of the cover */
 };
 
 /*
  * What a point light sees of those cells in `among` (bit per cell, some): all shadow rays of a cell lie between its
- * slopes, and end between depths `shortest` and `farthest`. Returns the cells of which that is known.
+ * slopes, and end between depths `shortest` and `farthest`. Returns the cells of which that is known; others meet
+ * nothing. *dark receives those (bit per cell) where the light is on the other side of the cover.
  */
-uint32_t mlrt_make_lit_cells(const struct mlrt_job *job, const struct mlrt_seen_cells *seen, uint32_t among,
-                             struct mlrt_lit_cells *lit);
+uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                             const struct mlrt_seen_cells *seen, uint32_t among, struct mlrt_lit_cells *lit,
+                             uint32_t *dark);
 
 #endif

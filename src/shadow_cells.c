@@ -88,17 +88,16 @@ static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
 }
 
 /* Planes of the cells that face the light: bit per cell. *dark receives those that do not; about others is nothing known. */
-static uint32_t find_planes(const struct mlrt_job *job, const struct mlrt_seen_cells *seen, uint32_t among,
-                            struct planes *planes, uint32_t *dark)
+static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                            const struct mlrt_seen_cells *seen, uint32_t among, struct planes *planes, uint32_t *dark)
 {
     uint32_t facing = 0, number = MLRT_NONE, last = 0;
     enum side side = UNKNOWN;
-    *dark = 0;
     for (; among; among &= among - 1) {
         const uint32_t place = mlrt_lowest_bit(among);
         if (seen->cover[place] != number) {
             number = seen->cover[place];
-            side = find_plane(&job->tree->triangles[number], seen->eye, job->source.light, planes, last = place);
+            side = find_plane(&tree->triangles[number], seen->eye, light->light, planes, last = place);
         } else if (side == FACING) {
             copy_plane(planes, last, place);
         }
@@ -163,54 +162,71 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_seen_cells *seen, const s
     }
 }
 
-/* Sets what is known of one cell. Returns 0 if it is too little. */
-static int set_lit_cell(const float extremes[8], float reach, float away, uint32_t place, struct mlrt_lit_cells *lit)
+/* A cell that meets nothing. */
+static void leave_out(uint32_t place, struct mlrt_lit_cells *lit)
 {
-    const float along = ALONG_ERROR * extremes[3] / extremes[0];
-    const float error = PLACE_ERROR * (away + 2 * extremes[3] + reach) + along + SLOPE_FLOOR;
-    if (!(extremes[0] > LEAST_STEEPNESS && extremes[1] > 4 * error)) return 0;
+    lit->farthest[place] = -INFINITY;
     for (int side = 0; side < 2; ++side) {
-        const float lo = extremes[4 + side], hi = extremes[6 + side];
+        lit->slopes[side].lo[place] = INFINITY;
+        lit->slopes[side].hi[place] = -INFINITY;
+    }
+}
+
+MLRT_INLINE float lane_of(const f4 *quad, uint32_t place)
+{
+    return ((const float *)quad)[place % 4];
+}
+
+/* Sets what is known of one cell. Returns 0 if it is too little. */
+static int set_lit_cell(const struct quad_extremes *of, float reach, float away, uint32_t place,
+                        struct mlrt_lit_cells *lit)
+{
+    const float steepness = lane_of(&of->least_steepness, place), z = lane_of(&of->greatest_z, place);
+    const float depth = lane_of(&of->least_depth, place);
+    const float error = PLACE_ERROR * (away + 2 * z + reach) + ALONG_ERROR * z / steepness + SLOPE_FLOOR;
+    if (!(steepness > LEAST_STEEPNESS && depth > 4 * error)) return 0;
+    MLRT_KEEP_LOOP
+    for (int side = 0; side < 2; ++side) {
+        const float lo = lane_of(&of->lo[side], place), hi = lane_of(&of->hi[side], place);
         const float steepest = fmaxf(fabsf(lo), fabsf(hi));
         if (!(steepest <= STEEPEST_SLOPE)) return 0;
-        const float slack = 2 * error * (1 + steepest) / extremes[1] + steepest * SLOPE_SLACK + SLOPE_FLOOR;
+        const float slack = 2 * error * (1 + steepest) / depth + steepest * SLOPE_SLACK + SLOPE_FLOOR;
         lit->slopes[side].lo[place] = lo - slack;
         lit->slopes[side].hi[place] = hi + slack;
     }
-    lit->shortest[place] = (extremes[1] - error) * (1 - SLOPE_SLACK);
-    lit->farthest[place] = (extremes[2] + error) * (1 + SLOPE_SLACK);
+    lit->shortest[place] = (depth - error) * (1 - SLOPE_SLACK);
+    lit->farthest[place] = (lane_of(&of->greatest_depth, place) + error) * (1 + SLOPE_SLACK);
     return 1;
 }
 
-uint32_t mlrt_make_lit_cells(const struct mlrt_job *job, const struct mlrt_seen_cells *seen, uint32_t among,
-                             struct mlrt_lit_cells *lit)
+uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                             const struct mlrt_seen_cells *seen, uint32_t among, struct mlrt_lit_cells *lit,
+                             uint32_t *dark)
 {
     struct planes planes;
     float from[3], away = 0;
+    *dark = 0;
     for (int k = 0; k < 3; ++k) {
-        if (!mlrt_is_float_safe(job->source.light[k])) return lit->dark = 0;
-        from[k] = seen->eye[k] - job->source.light[k];
+        if (!mlrt_is_float_safe(light->light[k])) return 0;
+        from[k] = seen->eye[k] - light->light[k];
         away = fmaxf(away, fabsf(from[k]));
     }
     memset(&planes, 0, sizeof planes);
-    const uint32_t facing = find_planes(job, seen, among, &planes, &lit->dark);
+    const uint32_t facing = find_planes(light, tree, seen, among, &planes, dark);
     if (!facing) return 0;
     set_main_axis(seen, from, &planes, mlrt_lowest_bit(facing), lit);
     uint32_t known = 0;
     for (uint32_t first = 0; first < MLRT_CELL_COUNT; first += 4) {
-        if (!(facing >> first & 15)) continue;
         const f4 infinity = f4_set1(INFINITY), below = f4_set1(-INFINITY);
         struct quad_extremes of = {infinity, infinity, below, below, {infinity, infinity}, {below, below}};
-        for (uint32_t corner = 0; corner < 4; ++corner) add_corner(seen, &planes, from, first, corner, lit, &of);
-        MLRT_ALIGNED(16) float values[8][4];
-        const f4 all[8] = {of.least_steepness, of.least_depth, of.greatest_depth, of.greatest_z,
-                           of.lo[0],           of.lo[1],       of.hi[0],          of.hi[1]};
-        for (int i = 0; i < 8; ++i) f4_store(values[i], all[i]);
-        for (uint32_t i = 0; i < 4; ++i) {
-            const float extremes[8] = {values[0][i], values[1][i], values[2][i], values[3][i],
-                                       values[4][i], values[5][i], values[6][i], values[7][i]};
-            if (!(facing >> (first + i) & 1)) continue;
-            known |= (uint32_t)set_lit_cell(extremes, planes.reach[first + i], away, first + i, lit) << (first + i);
+        for (uint32_t corner = facing >> first & 15 ? 0 : 4; corner < 4; ++corner) {
+            add_corner(seen, &planes, from, first, corner, lit, &of);
+        }
+        MLRT_KEEP_LOOP
+        for (uint32_t place = first; place < first + 4; ++place) {
+            const int is_known = facing >> place & 1 && set_lit_cell(&of, planes.reach[place], away, place, lit);
+            if (!is_known) leave_out(place, lit);
+            known |= (uint32_t)is_known << place;
         }
     }
     return known;

@@ -10,6 +10,7 @@
 #include "cells.h"
 #include "ray_tile.h"
 #include "shadow_packet.h"
+#include "tile_rays.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"

@@ -269,13 +269,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
     struct cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
     if (!(tile->made >> place & 1)) {
-        const struct rectangle block = block_of_tile(tile, place);
-        if (tile->seen) {
-            tile->dark[place] = make_rays_to_light(job, tile, place);
-        } else {
-            get_packet(&job->source, &block, existing_lanes(&job->source, &block), packet);
-        }
-        tile->made |= 1u << place;
+        make_rays(job, tile, place);
         if (are_sheared(cells)) mlrt_shear_packet(&cells->shear, packet, &(float){0}, &(int){0});
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
     }

@@ -39,7 +39,7 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     write_packet(job, worker, &packet, lanes, block);
     if (MLRT_LIKELY(!job->light_count)) return;
     uint8_t shadows[MLRT_PACKET_RAYS];
-    mlrt_find_shadows(job, &packet, lanes, shadows);
+    mlrt_find_shadows(job, &packet, lanes, shadows, &worker->counters);
     write_shadows(job, worker, shadows, lanes, block);
 }
 

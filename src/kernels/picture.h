@@ -67,7 +67,7 @@ static void check_block(const struct mlrt_source *source, uint32_t lanes, struct
 }
 
 /* The rays of a block. `lanes` are those that exist. */
-static void get_packet(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
+static MLRT_NOINLINE void get_packet(const struct mlrt_source *source, const struct rectangle *block, uint32_t lanes,
                        struct mlrt_packet *packet)
 {
     fetch_block(source, block, lanes, packet);

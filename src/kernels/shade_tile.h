@@ -12,34 +12,52 @@ struct known_lights {
     uint8_t dark; /* of those known, which do not reach it */
 };
 
+#if MLRT_COUNTING
+/* One ray at a time: who counts can wait, and should be small. */
+static uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct cells *seen,
+                            struct known_lights known[CELL_COUNT])
+{
+    uint32_t missed = 0;
+    (void)job, (void)worker;
+    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        known[place] = (struct known_lights){seen->cover[place], 0, 0};
+        missed |= (uint32_t)(seen->cover[place] == MLRT_NONE) << place;
+    }
+    return missed;
+}
+
+static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
+                          struct ray_tile *seen, uint32_t dark_lanes[CELL_COUNT])
+{
+    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        dark_lanes[place] = 0;
+        if (!has_block(seen, place)) continue;
+        for (uint32_t left = find_seen(job, seen, place); left; left &= left - 1) {
+            const struct mlrt_packet *packet = &seen->packets[place];
+            const uint32_t lane = mlrt_lowest_bit(left);
+            struct mlrt_ray_segment ray;
+            mlrt_get_segment(packet, lane, &ray);
+            dark_lanes[place] |= (uint32_t)mlrt_is_shaded(light, &ray, packet->triangle[lane], &worker->counters)
+                                 << lane;
+        }
+    }
+}
+#else
 /* Makes cells of what a point light sees of closed cells of a picture. Returns those; *dark receives those behind. */
-static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct cells *seen, uint32_t among,
-                                 struct cells *cells, uint32_t *dark)
+static MLRT_NOINLINE uint32_t gather_lit_cells(const struct mlrt_job *job, const struct cells *seen, uint32_t among,
+                                               struct cells *cells, uint32_t *dark)
 {
     const struct mlrt_seen_cells given = {seen->slopes, seen->cover, seen->apex, seen->main_axis, seen->sign};
-    struct mlrt_lit_cells lit;
-    const uint32_t known = mlrt_make_lit_cells(job, &given, among, &lit);
-    *dark = lit.dark;
-    if (!known) return 0;
+    struct mlrt_lit_cells lit = {cells->slopes, cells->farthest, cells->shortest, 0, 0};
+    cells->closed = mlrt_make_lit_cells(&job->source, job->tree, &given, among, &lit, dark);
+    if (!cells->closed) return 0;
     cells->main_axis = lit.main_axis;
     cells->sign = lit.sign;
     memcpy(cells->apex, job->source.light, sizeof cells->apex);
     memset(&cells->shear, 0, sizeof cells->shear);
-    cells->closed = known;
-    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
-        cells->skip[place] = seen->cover[place];
-        if (known >> place & 1) {
-            cells->farthest[place] = lit.farthest[place];
-            cells->shortest[place] = lit.shortest[place];
-            for (int side = 0; side < 2; ++side) {
-                set_cell_slopes(cells, place, side, lit.slopes[side].lo[place], lit.slopes[side].hi[place]);
-            }
-        } else {
-            leave_out_cell(cells, place);
-        }
-    }
+    memcpy(cells->skip, seen->cover, sizeof cells->skip);
     sum_up_cells(cells);
-    return known;
+    return cells->closed;
 }
 
 /* Do closed cells of a picture have what a light's cells are made of? */
@@ -59,11 +77,12 @@ MLRT_INLINE uint32_t covered_cells(const struct cells *cells)
 }
 
 /* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
-static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker,
+static MLRT_SMALL uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           const struct cells *seen, struct known_lights known[CELL_COUNT])
 {
     const uint32_t covered = covered_cells(seen);
     uint32_t all = seen->closed;
+    MLRT_KEEP_LOOP
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         known[place] = (struct known_lights){seen->cover[place], 0, 0};
     }
@@ -91,7 +110,7 @@ static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlr
 }
 
 /* Finds the lanes of a tile's packets that a light does not reach. */
-static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
+static MLRT_NOINLINE void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
                           struct ray_tile *seen, uint32_t dark_lanes[CELL_COUNT])
 {
     struct ray_tile tile;
@@ -113,14 +132,16 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
             made = tile.made;
         }
     }
+    MLRT_KEEP_LOOP
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(&tile, place) || (dark | lit | missed | made) >> place & 1) continue;
-        tile.dark[place] = make_rays_to_light(light, &tile, place);
+        make_rays_to_light(light, &tile, place);
         waiting |= (tile.packets[place].active != 0u) << place;
         made |= 1u << place;
     }
     tile.made = 0xFFFF;
     trace_packets(light, worker, &tile, waiting);
+    MLRT_KEEP_LOOP
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
         if (!(made >> place & 1)) continue;
@@ -128,8 +149,9 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         dark_lanes[place] = tile.dark[place] | (~lanes_of_triangle(&tile.packets[place], MLRT_NONE) & 0xFFFF);
     }
 }
+#endif
 
-/* Writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL. */
+/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL. */
 static MLRT_NOINLINE void shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
                                      const struct known_lights *known)
 {
@@ -139,10 +161,12 @@ static MLRT_NOINLINE void shade_tile(const struct mlrt_job *job, struct mlrt_wor
         uint32_t dark_lanes[CELL_COUNT];
         if (known && known->known >> i & 1) continue;
         shade_packets(job, &job->lights[i], worker, tile, dark_lanes);
-        for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        MLRT_KEEP_LOOP
+    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
             if (dark_lanes[place]) mlrt_add_shadow(shadows[place], dark_lanes[place], (uint8_t)(1u << i));
         }
     }
+    MLRT_KEEP_LOOP
     for (uint32_t place = 0; place < CELL_COUNT; ++place) {
         if (!has_block(tile, place)) continue;
         const struct rectangle block = block_of_tile(tile, place);

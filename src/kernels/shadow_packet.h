@@ -4,6 +4,7 @@
  * step, to the same bits. Where its conditions do not hold shadow.c makes the ray.
  */
 
+#if !MLRT_COUNTING
 /* Of the rays of a vector: of the triangle that they hit, and what lies between it, their origin and the light. */
 struct shadow_terms {
     vd m[3];
@@ -14,35 +15,41 @@ struct shadow_terms {
     uint32_t certain;
 };
 
+/* Corners and origins of the lanes that hit something; of the others, anything like them. */
+struct seen_points {
+    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS];
+};
+
 MLRT_INLINE vd greatest_of_doubles(const vd a[3])
 {
     return d_max(d_max(d_abs(a[0]), d_abs(a[1])), d_abs(a[2]));
 }
 
-MLRT_INLINE void set_up_shadow_terms(const vd corner[9], const struct mlrt_packet *seen, uint32_t lane,
-                                     const struct mlrt_source *light, struct shadow_terms *terms)
+/* Of a directional light the origin counts as it is, and so does the light. */
+static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, uint32_t lane,
+                                              const struct mlrt_source *light, struct shadow_terms *terms)
 {
-    const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
+    const vd is_point = d_set1(light->kind == MLRT_SOURCE_POINT_LIGHT);
     vd ab[3], ac[3], p[3], to_light[3];
     for (int k = 0; k < 3; ++k) {
-        const vd origin = seen->has_apex ? d_set1(seen->apex[k]) : d_load(seen->origin[k] + lane);
+        const vd corner = d_load(points->corners[k] + lane), origin = d_load(points->origin[k] + lane);
         const vd l = d_set1(light->light[k]);
-        ab[k] = d_sub(corner[3 + k], corner[k]);
-        ac[k] = d_sub(corner[6 + k], corner[k]);
-        p[k] = d_sub(corner[k], origin);
-        terms->from[k] = is_point ? d_sub(origin, l) : origin;
-        to_light[k] = is_point ? d_sub(corner[k], l) : d_set1(-light->light[k]);
+        ab[k] = d_sub(d_load(points->corners[3 + k] + lane), corner);
+        ac[k] = d_sub(d_load(points->corners[6 + k] + lane), corner);
+        p[k] = d_sub(corner, origin);
+        terms->from[k] = d_sub(origin, d_mul(is_point, l));
+        to_light[k] = d_sub(d_mul(is_point, corner), l);
     }
     cross_product_of_doubles(ab, ac, terms->m);
     const vd greatest = greatest_of_doubles(terms->m), size = d_mul(size_of_doubles(ab), size_of_doubles(ac));
-    terms->certain = d_gt(greatest, d_mul(d_set1(MLRT_SHADOW_NORMAL), size));
     const vd scale = d_div(d_set1(1), greatest);
     for (int k = 0; k < 3; ++k) terms->m[k] = d_mul(terms->m[k], scale);
     terms->n = dot_product_of_doubles(p, terms->m);
     terms->plane_size = d_mul(d_set1(MLRT_SHADOW_PLANE), greatest_of_doubles(p));
     terms->height = dot_product_of_doubles(to_light, terms->m);
-    terms->certain &=
-        d_gt(d_abs(terms->height), d_mul(d_set1(MLRT_SHADOW_SIDE), size_of_doubles(to_light)));
+    terms->certain = d_gt(greatest, d_mul(d_set1(MLRT_SHADOW_NORMAL), size)) &
+                     d_gt(d_abs(terms->height), d_mul(d_set1(MLRT_SHADOW_SIDE), size_of_doubles(to_light)));
 }
 
 /* Makes the rays of DW lanes: where they end, or begin. Returns those that are certain; *facing: the light is there. */
@@ -78,6 +85,26 @@ static MLRT_SMALL uint32_t make_shadow_lane(const struct mlrt_job *job, const st
     return (uint32_t)faces << lane;
 }
 
+/* The triangles that lanes hit, and where their rays begin. Returns whether that is the same for all of them. */
+static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
+                           struct seen_points *points)
+{
+    const uint32_t number = seen->triangle[mlrt_lowest_bit(hit)];
+    const float *first = tree->triangles[number].v[0];
+    const int is_one = !(hit & ~lanes_of_triangle(seen, number));
+    if (!is_one) gather_corners(tree, seen, hit, points->corners);
+    MLRT_KEEP_LOOP
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        MLRT_KEEP_LOOP
+        for (int k = 0; is_one && k < 9; ++k) v_store(points->corners[k] + v, v_set1(first[k]));
+        MLRT_KEEP_LOOP
+        for (int k = 0; k < 3; ++k) {
+            v_store(points->origin[k] + v, seen->has_apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
+        }
+    }
+    return is_one && seen->has_apex;
+}
+
 /*
  * Makes the rays to the light of a job from what the lanes `hit` of a packet hit. Returns the lanes that the light is on
  * the other side of: they have no ray.
@@ -88,20 +115,15 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     const struct mlrt_source *light = &job->source;
     const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
     float(*ends)[MLRT_PACKET_RAYS] = is_point ? packet->direction : packet->origin;
-    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
-    const uint32_t number = seen->triangle[mlrt_lowest_bit(hit)];
-    const int is_one = !(hit & ~lanes_of_triangle(seen, number)), shared = is_one && seen->has_apex;
-    if (!is_one) gather_corners(job->tree, seen, hit, corners);
+    float(*others)[MLRT_PACKET_RAYS] = is_point ? packet->origin : packet->direction;
+    struct seen_points points;
     struct shadow_terms terms;
+    const int shared = get_seen_points(job->tree, seen, hit, &points);
     uint32_t certain = 0, facing = 0;
+    MLRT_KEEP_LOOP
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t vector_facing;
-        if (lane == 0 || !shared) {
-            vd corner[9];
-            const float *first = job->tree->triangles[number].v[0];
-            for (int k = 0; k < 9; ++k) corner[k] = is_one ? d_set1(first[k]) : d_load(corners[k] + lane);
-            set_up_shadow_terms(corner, seen, lane, light, &terms);
-        }
+        if (lane == 0 || !shared) set_up_shadow_terms(&points, lane, light, &terms);
         certain |= make_shadow_vector(&terms, seen, lane, &vector_facing, ends) << lane;
         facing |= vector_facing << lane;
     }
@@ -109,8 +131,10 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     for (uint32_t left = hit & ~certain; left; left &= left - 1) {
         facing |= make_shadow_lane(job, seen, mlrt_lowest_bit(left), ends);
     }
+    MLRT_KEEP_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        for (int k = 0; !is_point && k < 3; ++k) v_store(packet->direction[k] + v, v_set1(light->light[k]));
+        MLRT_KEEP_LOOP
+        for (int k = 0; k < 3; ++k) v_store(others[k] + v, v_set1(light->light[k]));
         v_store(packet->t_min + v, v_set1(0));
         v_store(packet->t_max + v, v_set1(is_point ? 1 : INFINITY));
         i_store(packet->skip + v, i_load(seen->triangle + v));
@@ -127,27 +151,4 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     }
     return hit & ~facing;
 }
-
-/*
- * Makes the rays of a tile's packet to the light of a job; of the picture's packet, too, if it has none yet. Returns the
- * lanes that the light is on the other side of.
- */
-static MLRT_NOINLINE uint32_t make_rays_to_light(const struct mlrt_job *job, struct ray_tile *tile, uint32_t place)
-{
-    struct ray_tile *seen = tile->seen;
-    struct mlrt_packet *packet = &seen->packets[place];
-    const struct rectangle block = block_of_tile(seen, place);
-    const uint32_t lanes = existing_lanes(&tile->picture->source, &block);
-    if (!(seen->made >> place & 1)) {
-        get_packet(&tile->picture->source, &block, lanes, packet);
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            i_store(packet->triangle + v, i_set1(seen->cells.cover[place]));
-        }
-        seen->made |= 1u << place;
-    }
-    const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
-    if (hit) return make_shadow_packet(job, packet, hit, &tile->packets[place]);
-    tile->packets[place].shear = NULL;
-    check_packet(0, &tile->packets[place]);
-    return 0;
-}
+#endif
