@@ -120,15 +120,50 @@ struct mlrt_worker {
     uint32_t tile_y;
 };
 
+/* tile.h */
+struct mlrt_rectangle;
+struct mlrt_cells;
+struct mlrt_ray_tile;
+
 struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
-    void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
-                       uint32_t height);
+    void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
+    int counts; /* it adds to the worker's counters */
+
+    /* The rays of a block of a picture, in two steps: `lanes` are those that exist. picture.h */
+    void (*fetch_block)(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
+                        struct mlrt_packet *packet);
+    void (*check_block)(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet);
+    /* Writes the results of a packet. write_packet.h */
+    void (*write_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                         uint32_t lanes, const struct mlrt_rectangle *block);
+
+    /* What follows is there for the hierarchy of boxes only. */
+
     /*
      * As mlrt_trace_segment, for a ray that float can carry and a hierarchy of boxes that is float_safe. Of the job,
      * tree and `any` count. It does not count: the ones that do have NULL.
      */
     uint32_t (*trace_ray)(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t skip);
+    /* Traces the rays of a packet in the lanes `lanes`, likewise, one by one. bvh_single.h */
+    void (*trace_singles)(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                          struct mlrt_worker *worker);
+    /* Makes closed cells out of a camera's picture; 0 if it cannot be. Sets what holds for all cells. cells.h */
+    int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                               struct mlrt_cells *cells);
+    void (*sum_up_cells)(struct mlrt_cells *cells);
+    /* Makes cells of packets; which lanes are near the first one. ray_tile.h */
+    uint32_t (*gather_packets)(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t waiting,
+                               uint32_t *wide, float *width);
+    int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
+    uint32_t (*lanes_near_first)(const struct mlrt_packet *packet, uint32_t lanes, int main_axis, float width);
+    /* Takes cells down the hierarchy; makes the rays of one. bvh_tile.h */
+    void (*traverse)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells);
+    void (*open_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                        uint32_t place);
+    /* Makes rays from what a packet hit to a light. shadow_packet.h; those that count have NULL. */
+    uint32_t (*make_shadow_packet)(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t hit,
+                                   struct mlrt_packet *packet);
 };
 
 /* Which of them there are: dispatch.c. */

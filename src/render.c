@@ -12,6 +12,7 @@
 #include "memory.h"
 #include "progress.h"
 #include "scheduler.h"
+#include "tile.h"
 
 struct run {
     const struct mlrt_job *job;
@@ -45,15 +46,15 @@ static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *
                         sink->channel[MLRT_CHANNEL_OCCLUDED].data};
 }
 
-static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *worker, uint32_t x, uint32_t y,
-                                     uint32_t width, uint32_t height)
+static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *worker,
+                                     const struct mlrt_rectangle *area)
 {
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        worker->tile.channel[c].row_stride = width * worker->tile.channel[c].stride;
+        worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
     }
-    worker->tile_x = x;
-    worker->tile_y = y;
-    run->job->kernels->trace_tile(run->job, worker, x, y, width, height);
+    worker->tile_x = area->x;
+    worker->tile_y = area->y;
+    run->job->kernels->trace_tile(run->job, worker, area);
 }
 
 static int32_t run_item(void *work, uint32_t item, uint32_t number)
@@ -62,16 +63,16 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     const struct mlrt_job *job = run->job;
     struct mlrt_worker *worker = &run->workers[number];
     const uint32_t size = job->initial_tile_size;
-    const uint32_t x = item % run->column_count * size, y = item / run->column_count * size;
-    const uint32_t width = job->source.width - x < size ? job->source.width - x : size;
-    const uint32_t height = job->source.height - y < size ? job->source.height - y : size;
+    const struct mlrt_rectangle whole = {0, 0, job->source.width, job->source.height};
+    const struct mlrt_rectangle area =
+        mlrt_cut_piece(&whole, item % run->column_count * size, item / run->column_count * size, size);
 
     const uint64_t environment = mlrt_enter_fp_environment();
-    trace_item(run, worker, x, y, width, height);
+    trace_item(run, worker, &area);
     mlrt_leave_fp_environment(environment);
     if (job->callback) {
         mlrt_tile tile;
-        describe_tile(job, worker, number, width, height, &tile);
+        describe_tile(job, worker, number, area.width, area.height, &tile);
         if (job->callback(job->user, &tile) != 0) return 1;
     }
     return mlrt_advance(&run->progress, 1);

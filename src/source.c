@@ -390,6 +390,15 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
     }
 }
 
+MLRT_SMALL uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint64_t row = y + (uint32_t)mlrt_lane_y[lane];
+        if (row * source->width + x + (uint32_t)mlrt_lane_x[lane] >= source->count) lanes &= ~(1u << lane);
+    }
+    return lanes;
+}
+
 /* ---- ahead of time ---- */
 
 /* Always inlined: to the compiler a function that only prefetches does nothing, and a call of it is dropped. */

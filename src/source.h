@@ -89,6 +89,11 @@ static inline int mlrt_is_parallel(const struct mlrt_source *source)
            (source->kind == MLRT_SOURCE_CAMERA && source->view.parallel);
 }
 
+static inline int mlrt_is_pinhole(const struct mlrt_source *source)
+{
+    return source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel;
+}
+
 /*
  * The numbers of a block of at most 4x4 rays at (x, y), for any kind of source: direction, origin, t_min, t_max,
  * has_limits, has_skip, skip_mesh and skip of a packet, as they are given. A point light's packets have its apex
@@ -103,6 +108,9 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 
 /* Gives all rays of a packet the mask that the source has for all. */
 void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
+
+/* Of the lanes of a block at (x, y), which may be at the end of a list, those that exist. */
+uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes);
 
 /*
  * Has the rays of up to 16 columns and `height` rows from (x, y), if there are such, brought into the cache if they lie

@@ -930,7 +930,7 @@ static double attack_camera_slope(const float *input)
 
 /* A triangle of a leaf, as a cell of one ray sees it. */
 struct seen_triangle {
-    struct cells cells;
+    struct mlrt_cells cells;
     struct lone_triangle lone;
     float size[4];
     float direction[3];
@@ -948,12 +948,12 @@ static int see_triangle(const float *input, int slopes, struct seen_triangle *se
     choose_axis(input, &group);
     const int a = (int)(group.axis_code & 3);
     if (input[12 + a] == 0) return 0;
-    struct cells *cells = &seen->cells;
+    struct mlrt_cells *cells = &seen->cells;
     memset(cells, 0, sizeof *cells);
     cells->main_axis = a;
     cells->sign = input[12 + a] < 0 ? -1.0f : 1.0f;
     memcpy(cells->apex, input + 9, sizeof cells->apex);
-    for (uint32_t i = 0; i < CELL_COUNT; ++i) leave_out_cell(cells, i);
+    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) mlrt_leave_out_cell(cells, i);
     cells->farthest[0] = cells->cover_near[0] = cells->shortest[0] = INFINITY;
     cells->cover[0] = cells->skip[0] = MLRT_NONE;
     cells->closed = 1;
@@ -962,7 +962,7 @@ static int see_triangle(const float *input, int slopes, struct seen_triangle *se
         const int j = (a + 1 + side) % 3;
         const float slope = input[12 + j] / fabsf(input[12 + a]);
         if (!(fabsf(slope) <= STEEPEST_SLOPE)) return 0;
-        set_cell_slopes(cells, 0, side, slope, slope);
+        mlrt_set_cell_slopes(cells, 0, side, slope, slope);
         if (slopes) seen->direction[j] = slope;
     }
     if (slopes) seen->direction[a] = cells->sign;
@@ -1169,7 +1169,7 @@ static double attack_leaf_outline(const float *input)
 {
     struct leaf_corners corners;
     struct mlrt_leaf_setup leaf;
-    struct cells cells;
+    struct mlrt_cells cells;
     cells.shear.scale = 0; /* rays of one apex */
     memset(&cells, 0, sizeof cells);
     cells.sign = 1;
@@ -1191,7 +1191,7 @@ static double attack_leaf_outline(const float *input)
 /* Inputs: two directions. */
 static double attack_packet_slope(const float *input)
 {
-    static struct ray_tile tile;
+    static struct mlrt_ray_tile tile;
     struct mlrt_packet *packet = &tile.packets[0];
     memset(&tile, 0, sizeof tile);
     if (input[0] == 0 || input[1] == 0) return -1;
@@ -1210,7 +1210,7 @@ static double attack_packet_slope(const float *input)
 /* Inputs: |d|, t. Nothing up to the depth of the nearest hit may be passed over, nor up to where all rays end. */
 static double attack_farthest_depth(const float *input)
 {
-    static struct ray_tile tile;
+    static struct mlrt_ray_tile tile;
     struct mlrt_packet *packet = &tile.packets[0];
     double worst = 0;
     if (input[0] == 0) return -1;
@@ -1234,10 +1234,10 @@ static double attack_farthest_depth(const float *input)
  */
 static double attack_cell_box(const float *input)
 {
-    static struct ray_tile tile;
+    static struct mlrt_ray_tile tile;
     static struct mlrt_bvh_node node;
     struct mlrt_packet *packet = &tile.packets[0];
-    struct cells *cells = &tile.cells;
+    struct mlrt_cells *cells = &tile.cells;
     float near[MLRT_BVH_WIDTH];
     const float z[2] = {fminf(input[0], input[1]), fmaxf(input[0], input[1])};
     const float x[2] = {fminf(input[3], input[4]), fmaxf(input[3], input[4])};
@@ -1250,7 +1250,7 @@ static double attack_cell_box(const float *input)
     packet->direction[1][0] = input[7];
     packet->t_max[0] = packet->hi[0] = INFINITY;
     packet->active = 1;
-    for (uint32_t i = 1; i < CELL_COUNT; ++i) leave_out_cell(cells, i);
+    for (uint32_t i = 1; i < MLRT_CELL_COUNT; ++i) mlrt_leave_out_cell(cells, i);
     if (!add_packet(&tile, 0)) return -1;
     sum_up_cells(cells);
     for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
@@ -1298,12 +1298,12 @@ static double attack_camera_cell(const float *input)
 {
     static struct mlrt_job job; /* all 0 but for the view */
     struct mlrt_view view;
-    struct cells cells;
+    struct mlrt_cells cells;
     uint32_t x, y;
     float p[3];
     load_view(input, &view, &x, &y);
     job.source.view = view;
-    const struct rectangle area = {x, y, 4, 4};
+    const struct mlrt_rectangle area = {x, y, 4, 4};
     if (!gather_camera_cells(&job, &area, 4, &cells)) return -1;
     const int a = cells.main_axis, side = a == 0 ? 0 : 1, j = 1 - a; /* over axes 0 and 1 */
     if (a == 2) return -1;
@@ -1657,16 +1657,16 @@ static void cell_bounds_hold(void **state)
 static void packets_have_their_reach(void **state)
 {
     (void)state;
-    static struct ray_tile tile;
+    static struct mlrt_ray_tile tile;
     struct random random = {15};
     for (size_t round = 0; round < scaled(20000); ++round) {
         const int a = (int)draw_below(&random, 3);
         const float scale = ldexpf(1, (int)draw_below(&random, 116) - 57);
         tile.cells.main_axis = a;
         tile.cells.sign = draw_below(&random, 2) ? 1.0f : -1.0f;
-        for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
             struct mlrt_packet *packet = &tile.packets[place];
-            leave_out_cell(&tile.cells, place);
+            mlrt_leave_out_cell(&tile.cells, place);
             packet->active = draw_below(&random, 2) ? draw_bits(&random) & 0xFFFF : 0;
             const float slopes[2] = {draw_range(&random, -2, 2), draw_below(&random, 2) ? 0 : 0.3f};
             for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
@@ -1678,7 +1678,7 @@ static void packets_have_their_reach(void **state)
             if (packet->active && !add_packet(&tile, place)) packet->active = 0;
         }
         sum_up_cells(&tile.cells);
-        for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
             const struct mlrt_packet *packet = &tile.packets[place];
             for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
                 if (!(packet->active >> lane & 1)) continue;
@@ -1861,7 +1861,7 @@ static void stacks_hold_what_waits(void **state)
     static struct mlrt_worker worker;
     static struct mlrt_packet packet;
     static struct mlrt_triangle triangle;
-    static struct cells cells;
+    static struct mlrt_cells cells;
     struct mlrt_tree tree = {.triangles = &triangle};
     const struct mlrt_job job = {.tree = &tree};
     (void)state;
@@ -1889,11 +1889,11 @@ static void stacks_hold_what_waits(void **state)
 
     const float direction[3] = {0, 0, 1};
     set_main_axis_of(direction, &cells);
-    for (uint32_t i = 0; i < CELL_COUNT; ++i) {
-        leave_out_cell(&cells, i);
+    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
+        mlrt_leave_out_cell(&cells, i);
         cells.cover[i] = MLRT_NONE;
     }
-    for (int side = 0; side < 2; ++side) set_cell_slopes(&cells, 0, side, -0.01f, 0.01f);
+    for (int side = 0; side < 2; ++side) mlrt_set_cell_slopes(&cells, 0, side, -0.01f, 0.01f);
     cells.farthest[0] = cells.cover_near[0] = INFINITY;
     cells.closed = 1;
     sum_up_cells(&cells);

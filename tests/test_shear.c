@@ -75,7 +75,7 @@ struct seen {
     struct mlrt_triangle triangle;
     struct mlrt_tree tree;
     struct mlrt_job job;
-    struct ray_tile tile; /* its first packet has the ray in lane 0 */
+    struct mlrt_ray_tile tile; /* its first packet has the ray in lane 0 */
     struct mlrt_ray_segment ray;
     /* Without rounding, in units of the size, by axis from the main one on. */
     double corner[3][3];
@@ -101,12 +101,12 @@ static void find_in_units(const struct mlrt_shear *shear, const float *point, do
 /* Makes all of it; 0 if the ray is not one that the shear is for. */
 static int see(const float *input, struct seen *seen)
 {
-    struct cells *cells = &seen->tile.cells;
+    struct mlrt_cells *cells = &seen->tile.cells;
     struct mlrt_shear *shear = &cells->shear;
     struct mlrt_packet *packet = &seen->tile.packets[0];
     const float *direction = input + 12, *origin = input + 9;
     memset(&seen->job, 0, sizeof seen->job);
-    memset(&seen->tile, 0, offsetof(struct ray_tile, packets));
+    memset(&seen->tile, 0, offsetof(struct mlrt_ray_tile, packets));
     memcpy(seen->triangle.v, input, sizeof seen->triangle.v);
     seen->tree.triangles = &seen->triangle;
     seen->job.tree = &seen->tree;
@@ -134,7 +134,7 @@ static int see(const float *input, struct seen *seen)
         packet->t_max[lane] = packet->lo[lane] = packet->hi[lane] = seen->ray.t_max;
         packet->triangle[lane] = MLRT_NONE;
     }
-    for (uint32_t i = 0; i < CELL_COUNT; ++i) leave_out_cell(cells, i);
+    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) mlrt_leave_out_cell(cells, i);
     cells->tile = &seen->tile;
     if (!add_packet(&seen->tile, 0)) return 0;
     sum_up_cells(cells);
@@ -323,7 +323,7 @@ static double attack_place(const float *input)
 static double attack_camera_cell(const float *input)
 {
     static struct seen seen;
-    static struct cells cells;
+    static struct mlrt_cells cells;
     struct mlrt_view view = {.parallel = 1, .width = 64, .height = 64, .sample_x = 0.5f, .t_max = INFINITY};
     double worst = 0, front = INFINITY;
     for (int k = 0; k < 3; ++k) {
@@ -339,7 +339,7 @@ static double attack_camera_cell(const float *input)
     seen.job.source.kind = MLRT_SOURCE_CAMERA;
     seen.job.source.view = view;
     seen.job.any = (int)(bits_of(input[0]) & 1);
-    const struct rectangle area = {bits_of(input[18]) % 48, bits_of(input[18]) / 64 % 48, 16, 16};
+    const struct mlrt_rectangle area = {bits_of(input[18]) % 48, bits_of(input[18]) / 64 % 48, 16, 16};
     if (!gather_camera_cells(&seen.job, &area, 4, &cells)) return -1;
     const struct mlrt_shear *shear = &cells.shear;
     const int a = shear->main_axis;
@@ -373,7 +373,7 @@ static double attack_box(const float *input)
     float near[MLRT_BVH_WIDTH];
     double worst = -1;
     if (!see(input, &seen)) return -1;
-    struct cells *cells = &seen.tile.cells;
+    struct mlrt_cells *cells = &seen.tile.cells;
     const int a = cells->main_axis;
     cells->farthest[0] = INFINITY;
     set_whole_farthest(cells);
@@ -408,8 +408,8 @@ static double attack_decisions(const float *input)
     struct lone_triangle lone;
     uint32_t inside;
     if (!see(input, &seen)) return -1;
-    struct ray_tile *tile = &seen.tile;
-    struct cells *cells = &tile->cells;
+    struct mlrt_ray_tile *tile = &seen.tile;
+    struct mlrt_cells *cells = &tile->cells;
     const int is_hit = mlrt_hits_triangle(&seen.ray, &seen.triangle, NULL);
     set_up_lone_triangle(&seen.tree, cells, 0, &lone);
     mlrt_set_sheared_outlines(&cells->shear, &lone.leaf);

@@ -10,16 +10,28 @@
 #include "cells.h"
 #include "ray_tile.h"
 #include "shadow_packet.h"
-#include "tile_rays.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
-#include "trace_packets.h"
-#include "shade_tile.h"
-#include "trace_area.h"
 
 #if MLRT_COUNTING
-const struct mlrt_kernels KERNELS_COUNTING = {trace_tile, NULL};
-#else
-const struct mlrt_kernels KERNELS = {trace_tile, trace_lone_ray};
+#undef KERNELS
+#define KERNELS            KERNELS_COUNTING
+#define trace_lone_ray     NULL
+#define make_shadow_packet NULL
 #endif
+const struct mlrt_kernels KERNELS = {mlrt_trace_levels,
+                                     MLRT_COUNTING,
+                                     fetch_block,
+                                     check_block,
+                                     write_packet,
+                                     trace_lone_ray,
+                                     trace_singles,
+                                     gather_camera_cells,
+                                     sum_up_cells,
+                                     gather_packets,
+                                     add_packet,
+                                     lanes_near_first,
+                                     traverse_bvh,
+                                     open_packet,
+                                     make_shadow_packet};

@@ -18,7 +18,7 @@ struct leaf_corners {
     vf to[3][3];
 };
 
-MLRT_INLINE void load_leaf_corners(const struct cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t v,
+MLRT_INLINE void load_leaf_corners(const struct mlrt_cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t v,
                                    struct leaf_corners *corners)
 {
     for (uint32_t i = 0; i < 3; ++i) {
@@ -30,7 +30,7 @@ MLRT_INLINE void load_leaf_corners(const struct cells *cells, const struct mlrt_
 }
 
 /* Sets where one vector of triangles is seen. */
-MLRT_INLINE void set_leaf_outline(const struct cells *cells, const struct leaf_corners *corners, uint32_t v,
+MLRT_INLINE void set_leaf_outline(const struct mlrt_cells *cells, const struct leaf_corners *corners, uint32_t v,
                                   struct mlrt_leaf_setup *leaf)
 {
     const int a = cells->main_axis;
@@ -57,7 +57,7 @@ MLRT_INLINE void set_leaf_outline(const struct cells *cells, const struct leaf_c
 }
 
 /* Sets the terms of one vector of triangles, and returns those whose plane the apex may lie in. */
-MLRT_INLINE uint32_t set_leaf_terms(const struct cells *cells, const struct leaf_corners *corners, uint32_t v,
+MLRT_INLINE uint32_t set_leaf_terms(const struct mlrt_cells *cells, const struct leaf_corners *corners, uint32_t v,
                                     struct mlrt_leaf_setup *leaf)
 {
     const uint32_t a = (uint32_t)cells->main_axis;
@@ -88,11 +88,11 @@ MLRT_INLINE uint32_t set_leaf_terms(const struct cells *cells, const struct leaf
  * Decides the sign of N for a triangle of which float does not know it. Returns 0 if it is 0: no ray from the apex hits
  * the triangle.
  */
-static MLRT_SMALL int settle_sign(const struct mlrt_tree *tree, const struct cells *cells, uint32_t place,
+static MLRT_SMALL int settle_sign(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t place,
                                   struct mlrt_leaf_setup *leaf)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
-    const int side = are_sheared(cells) ? -mlrt_facing(triangle, cells->shear.along)
+    const int side = mlrt_are_sheared(cells) ? -mlrt_facing(triangle, cells->shear.along)
                                         : mlrt_side_of_plane(triangle, cells->apex); /* that of -N */
     if (side == 0) return 0;
     if ((leaf->negative >> place & 1) != (side > 0)) {
@@ -104,10 +104,10 @@ static MLRT_SMALL int settle_sign(const struct mlrt_tree *tree, const struct cel
 }
 
 /* Sets the terms of triangles whose vectors have some of `wanted`. */
-static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct cells *cells, uint32_t wanted,
+static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t wanted,
                                            struct mlrt_leaf_setup *leaf)
 {
-    uint32_t doubtful = are_sheared(cells) ? mlrt_set_sheared_terms(&cells->shear, wanted, leaf) : 0;
+    uint32_t doubtful = mlrt_are_sheared(cells) ? mlrt_set_sheared_terms(&cells->shear, wanted, leaf) : 0;
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
         struct leaf_corners corners;
@@ -122,7 +122,7 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
 }
 
 /* Begins the set-up of a leaf: which places there are for rays with this mask, and where they are seen. */
-static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
+static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t child,
                                      uint32_t mask, struct mlrt_leaf_setup *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
@@ -132,10 +132,10 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
     leaf->ready = leaf->negative = leaf->there = 0;
-    if (are_sheared(cells)) mlrt_set_sheared_outlines(&cells->shear, leaf);
+    if (mlrt_are_sheared(cells)) mlrt_set_sheared_outlines(&cells->shear, leaf);
     for (uint32_t v = 0; v < row; v += VW) {
         struct leaf_corners corners;
-        if (!are_sheared(cells)) {
+        if (!mlrt_are_sheared(cells)) {
             load_leaf_corners(cells, leaf, v, &corners);
             set_leaf_outline(cells, &corners, v, leaf);
         }
@@ -146,7 +146,7 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
 }
 
 /* Triangles of a leaf that cells may hit, by their outlines. */
-MLRT_INLINE uint32_t seen_by_cells(const struct cells *cells, const struct mlrt_leaf_setup *leaf)
+MLRT_INLINE uint32_t seen_by_cells(const struct mlrt_cells *cells, const struct mlrt_leaf_setup *leaf)
 {
     uint32_t seen = 0;
     KEEP_LANES_LOOP
@@ -166,7 +166,7 @@ MLRT_INLINE uint32_t seen_by_cells(const struct cells *cells, const struct mlrt_
  * The set-up of a leaf, and in *seen which of its triangles cells may hit: these have their terms. A worker keeps the
  * last set-ups for its next tiles.
  */
-static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const struct cells *cells, uint32_t child,
+static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t child,
                                            const struct mlrt_worker *worker, struct mlrt_leaf_cache *cache,
                                            uint32_t *seen)
 {
@@ -183,14 +183,14 @@ static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const s
 }
 
 /* Set-ups are for one apex, or one shear. */
-MLRT_INLINE int have_other_leaves(const struct cells *cells, const struct mlrt_leaf_cache *cache)
+MLRT_INLINE int have_other_leaves(const struct mlrt_cells *cells, const struct mlrt_leaf_cache *cache)
 {
     return memcmp(cells->apex, cache->apex, sizeof cells->apex) != 0 ||
            (MLRT_UNLIKELY(cells->shear.scale + cache->shear.scale != 0) &&
             memcmp(&cells->shear, &cache->shear, sizeof cells->shear) != 0);
 }
 
-static MLRT_SMALL void forget_leaves(const struct cells *cells, struct mlrt_leaf_cache *cache)
+static MLRT_SMALL void forget_leaves(const struct mlrt_cells *cells, struct mlrt_leaf_cache *cache)
 {
     for (uint32_t i = 0; i < 1u << MLRT_LEAF_SETUP_BITS; ++i) cache->leaves[i].child = 0;
     memcpy(cache->apex, cells->apex, sizeof cache->apex);
@@ -198,7 +198,7 @@ static MLRT_SMALL void forget_leaves(const struct cells *cells, struct mlrt_leaf
 }
 
 /* Of the triangles `seen`, those that the rays of one cell may hit. */
-MLRT_INLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uint32_t seen,
+MLRT_INLINE uint32_t seen_by_cell(const struct mlrt_cells *cells, uint32_t place, uint32_t seen,
                                   const struct mlrt_leaf_setup *leaf)
 {
     const float *slope_lo[2] = {&cells->slopes[0].lo[place], &cells->slopes[1].lo[place]};
@@ -228,7 +228,7 @@ MLRT_INLINE uint32_t seen_by_cell(const struct cells *cells, uint32_t place, uin
 }
 
 /* Least and greatest values of c . (+-1, s_j, s_l) over the slopes of a vector of cells. */
-MLRT_INLINE void range_over_cells(const struct cells *cells, const struct mlrt_leaf_setup *leaf, int edge,
+MLRT_INLINE void range_over_cells(const struct mlrt_cells *cells, const struct mlrt_leaf_setup *leaf, int edge,
                                   uint32_t place, int v, vf *least, vf *greatest)
 {
     const int a = cells->main_axis;
@@ -249,14 +249,14 @@ MLRT_INLINE void range_over_cells(const struct cells *cells, const struct mlrt_l
  * Edge functions over slopes have the bound of triangle_filter.h with R = 1, or twice the steepest slope, and so has D;
  * all rays of a cell hit what is surely inside at its corners. There their depth is N / D.
  */
-static uint32_t offer_to_closed(struct cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t place, uint32_t among,
+static uint32_t offer_to_closed(struct mlrt_cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t place, uint32_t among,
                                 int any, uint32_t *inside_cells)
 {
     const uint32_t number = leaf->numbers[place];
     const float bound = SLOPE_EDGE_BOUND * cells->slope_bound, width = SLOPE_PLANE_BOUND * cells->slope_bound;
     uint32_t opened = 0;
     *inside_cells = 0;
-    for (int v = 0; v < CELL_COUNT; v += VW) {
+    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         const vf farthest = v_load(cells->farthest + v);
         const vm known =
             m_or(i_eq(i_load(cells->cover + v), i_set1(number)), i_eq(i_load(cells->skip + v), i_set1(number)));
@@ -301,7 +301,7 @@ struct lone_triangle {
     uint32_t number;
 };
 
-static void set_up_lone_triangle(const struct mlrt_tree *tree, const struct cells *cells, uint32_t number,
+static void set_up_lone_triangle(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t number,
                                  struct lone_triangle *lone)
 {
     const float *corner = tree->triangles[number].v[0];

@@ -18,13 +18,13 @@ struct pending_box {
 #define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
 
 /* The children of a node whose boxes the cells may meet; their least depths go to `near`. */
-MLRT_INLINE uint32_t children_met(const struct cells *cells, const struct mlrt_bvh_node *node,
+MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct mlrt_bvh_node *node,
                                   float near[MLRT_BVH_WIDTH])
 {
     const int a = cells->main_axis;
     const vf apex = v_set1(cells->apex[a]), zero = v_set1(0);
     uint32_t met = 0;
-    if (are_sheared(cells)) {
+    if (mlrt_are_sheared(cells)) {
         return mlrt_sheared_children_met(&cells->shear, cells->slope_lo, cells->slope_hi, cells->begin,
                                          cells->whole_farthest, node, near);
     }
@@ -49,7 +49,7 @@ MLRT_INLINE uint32_t children_met(const struct cells *cells, const struct mlrt_b
 }
 
 /* The cells that may meet a box, which is child `place` of a node. */
-MLRT_INLINE uint32_t cells_met(const struct cells *cells, const struct mlrt_bvh_node *node, uint32_t place)
+MLRT_INLINE uint32_t cells_met(const struct mlrt_cells *cells, const struct mlrt_bvh_node *node, uint32_t place)
 {
     const int a = cells->main_axis;
     const float below = node->lo[a][place] - cells->apex[a], above = node->hi[a][place] - cells->apex[a];
@@ -61,13 +61,13 @@ MLRT_INLINE uint32_t cells_met(const struct cells *cells, const struct mlrt_bvh_
         end[side] = node->hi[j][place] - cells->apex[j];
     }
     vf first = v_set1(nearest), last = v_set1(exit);
-    if (are_sheared(cells)) {
+    if (mlrt_are_sheared(cells)) {
         nearest = mlrt_shear_box(&cells->shear, enter, exit, begin, end);
         first = last = v_set1(cells->shear.size);
     }
     uint32_t met = 0;
     KEEP_LANES_LOOP
-    for (int v = 0; v < CELL_COUNT; v += VW) {
+    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         vm may = v_le(v_set1(nearest), v_load(cells->farthest + v));
         for (int side = 0; side < 2; ++side) {
             const vf lo = v_load(cells->slopes[side].lo + v), hi = v_load(cells->slopes[side].hi + v);
@@ -245,7 +245,7 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
 }
 
 /* Tests a packet against triangles of a leaf. */
-static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                                       const struct mlrt_leaf_setup *leaf, uint32_t triangles, uint32_t place)
 {
     struct mlrt_packet *packet = &tile->packets[place];
@@ -263,14 +263,14 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
 }
 
 /* Opens a closed cell: makes its rays, if they are not there, and tests them against its cover. */
-static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile,
+static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                                       uint32_t place)
 {
-    struct cells *cells = &tile->cells;
+    struct mlrt_cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
     if (!(tile->made >> place & 1)) {
-        make_rays(job, tile, place);
-        if (are_sheared(cells)) mlrt_shear_packet(&cells->shear, packet, &(float){0}, &(int){0});
+        mlrt_make_rays(job, tile, place);
+        if (mlrt_are_sheared(cells)) mlrt_shear_packet(&cells->shear, packet, &(float){0}, &(int){0});
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
     }
     cells->closed &= ~(1u << place);
@@ -287,7 +287,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
  * A triangle in the plane of a cell's cover is hit where that is, if at all, and the first of the two in the input
  * wins: the later one changes nothing, and the earlier one may cover the cell instead. 0 if it is not as simple.
  */
-static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct cells *cells, uint32_t place,
+static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells, uint32_t place,
                         uint32_t number, int is_inside)
 {
     const uint32_t cover = cells->cover[place];
@@ -298,7 +298,7 @@ static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker
 }
 
 /* Offers the triangles of a leaf to closed cells. Opens those that are left in doubt. */
-static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
+static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells,
                               const struct mlrt_leaf_setup *leaf, uint32_t seen, uint32_t met)
 {
     for (; seen; seen &= seen - 1) {
@@ -314,13 +314,13 @@ static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *wo
                 open_packet(job, worker, cells->tile, place);
             } else {
                 cells->closed &= ~(1u << place);
-                leave_out_cell(cells, place);
+                mlrt_leave_out_cell(cells, place);
             }
         }
     }
 }
 
-static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells,
+static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells,
                                          uint32_t child, uint32_t met)
 {
     uint32_t seen;
@@ -337,7 +337,7 @@ static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt
 }
 
 /* Takes cells down the hierarchy. */
-static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_worker *worker, struct cells *cells)
+static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];

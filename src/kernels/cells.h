@@ -22,8 +22,6 @@
  * 1 / (1 - z). Only to boxes, which do not become boxes, they are what they were.
  */
 
-#define CELL_COUNT MLRT_CELL_COUNT
-
 /* Slopes of cells are at most this: the main axis is nearly the main one for all their rays. */
 #define STEEPEST_SLOPE 2.0f
 
@@ -36,57 +34,17 @@
 /* What slopes of cells without rays are moved apart at least: see gather_camera_cells. */
 #define SLOPE_FLOOR 0x1p-100f
 
-struct cells {
-    struct mlrt_slopes slopes[2]; /* over axes main + 1, main + 2; empty for cells that do not take part */
-    MLRT_ALIGNED(64) float farthest[CELL_COUNT]; /* depth; -inf: done */
-    MLRT_ALIGNED(64) float shortest[CELL_COUNT]; /* of closed cells: all rays reach this depth */
-    MLRT_ALIGNED(64) uint32_t skip[CELL_COUNT];  /* of closed cells: the triangle that all rays pass */
-    MLRT_ALIGNED(64) float cover_near[CELL_COUNT];
-    MLRT_ALIGNED(64) uint32_t cover[CELL_COUNT]; /* of a closed cell: the triangle; MLRT_NONE: nothing met so far */
-    float apex[3];                               /* with a shear: its centre */
-    struct mlrt_shear shear;                     /* of rays of one direction; scale 0: of one apex */
-    float begin;                                 /* with a shear: the distance before which no ray begins */
-    int main_axis;
-    float sign;      /* of the main components: +-1 */
-    uint32_t closed; /* bit per cell: no rays yet */
-    /* Of all cells together. */
-    float slope_lo[2];
-    float slope_hi[2];
-    float whole_farthest;
-    float slope_bound;     /* of edge functions over slopes (bvh_leaf.h) */
-    struct ray_tile *tile; /* whose packets the cells are; NULL: they are tiles */
-};
-
-MLRT_INLINE void set_whole_farthest(struct cells *cells)
+MLRT_INLINE void set_whole_farthest(struct mlrt_cells *cells)
 {
     vf farthest = v_set1(-INFINITY);
-    for (int v = 0; v < CELL_COUNT; v += VW) farthest = v_max(v_load(cells->farthest + v), farthest);
+    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) farthest = v_max(v_load(cells->farthest + v), farthest);
     cells->whole_farthest = v_hmax(farthest);
 }
 
-/* Do the rays of all cells have one direction? */
-MLRT_INLINE int are_sheared(const struct cells *cells)
-{
-    return MLRT_UNLIKELY(cells->shear.scale != 0);
-}
-
-MLRT_INLINE void set_cell_slopes(struct cells *cells, uint32_t place, int side, float lo, float hi)
-{
-    cells->slopes[side].lo[place] = lo;
-    cells->slopes[side].hi[place] = hi;
-}
-
-/* A cell that meets nothing. */
-MLRT_INLINE void leave_out_cell(struct cells *cells, uint32_t place)
-{
-    cells->farthest[place] = -INFINITY;
-    for (int side = 0; side < 2; ++side) set_cell_slopes(cells, place, side, INFINITY, -INFINITY);
-}
-
 /* Sets what holds for all cells. None of them has a cover. */
-static MLRT_NOINLINE void sum_up_cells(struct cells *cells)
+static MLRT_NOINLINE void sum_up_cells(struct mlrt_cells *cells)
 {
-    for (int v = 0; v < CELL_COUNT; v += VW) {
+    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         v_store(cells->cover_near + v, v_set1(INFINITY));
         i_store(cells->cover + v, i_set1(MLRT_NONE));
     }
@@ -94,7 +52,7 @@ static MLRT_NOINLINE void sum_up_cells(struct cells *cells)
     for (int side = 0; side < 2; ++side) {
         vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
         KEEP_LANES_LOOP
-        for (int v = 0; v < CELL_COUNT; v += VW) {
+        for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
             lo = v_min(v_load(cells->slopes[side].lo + v), lo);
             hi = v_max(v_load(cells->slopes[side].hi + v), hi);
         }
@@ -107,7 +65,7 @@ static MLRT_NOINLINE void sum_up_cells(struct cells *cells)
 }
 
 /* The main axis of a direction, for all cells. */
-static MLRT_NOINLINE void set_main_axis_of(const float direction[3], struct cells *cells)
+static MLRT_NOINLINE void set_main_axis_of(const float direction[3], struct mlrt_cells *cells)
 {
     const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
     cells->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
@@ -116,7 +74,7 @@ static MLRT_NOINLINE void set_main_axis_of(const float direction[3], struct cell
 
 /* From where rays of one direction see things, one of which begins at `origin`. */
 static MLRT_SMALL void set_shear(const struct mlrt_job *job, const float direction[3], const float origin[3],
-                                 struct cells *cells)
+                                 struct mlrt_cells *cells)
 {
     mlrt_make_shear(job->tree, &job->source, direction, origin, job->any, &cells->shear);
     cells->main_axis = cells->shear.main_axis;
@@ -144,7 +102,7 @@ struct corner_slopes {
 };
 
 /* Adds the corners at these columns and rows. */
-static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct cells *cells, const float *columns,
+static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct mlrt_cells *cells, const float *columns,
                                      const float *rows, struct corner_slopes *of)
 {
     const int a = cells->main_axis;
@@ -176,8 +134,8 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
  * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them
  * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
-static int gather_camera_cells(const struct mlrt_job *job, const struct rectangle *area, uint32_t side,
-                               struct cells *cells)
+static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                               struct mlrt_cells *cells)
 {
     const struct mlrt_view *view = &job->source.view;
     const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
@@ -205,10 +163,10 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct rectangl
     }
 
     const int a = cells->main_axis;
-    MLRT_ALIGNED(64) float samples[4][CELL_COUNT];
+    MLRT_ALIGNED(64) float samples[4][MLRT_CELL_COUNT];
     cells->closed = 0;
     MLRT_KEEP_LOOP
-    for (uint32_t i = 0; i < CELL_COUNT; ++i) {
+    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
         const uint32_t column = i % 4, row = i / 4;
         cells->closed |= (uint32_t)(column * side < width && row * side < height) << i;
         for (int end = 0; end < 2; ++end) {
@@ -217,7 +175,7 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct rectangl
         }
     }
     KEEP_LANES_LOOP
-    for (int v = 0; v < CELL_COUNT; v += VW) {
+    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         v_store(cells->farthest + v, v_select(m_from_bits(cells->closed >> v), v_set1(INFINITY), v_set1(-INFINITY)));
         v_store(cells->shortest + v, v_set1(INFINITY));
         i_store(cells->skip + v, i_set1(MLRT_NONE));
@@ -228,7 +186,7 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct rectangl
         return 1;
     }
     MLRT_KEEP_LOOP
-    for (int v = 0; v < CELL_COUNT; v += VW) {
+    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         struct corner_slopes of = {
             v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)}, {v_set1(-INFINITY), v_set1(-INFINITY)}};
         MLRT_KEEP_LOOP

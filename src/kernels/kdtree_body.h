@@ -15,4 +15,8 @@
 #include "entry_point.h"
 #include "kdtree_levels.h"
 
-const struct mlrt_kernels KERNELS = {trace_tile, NULL};
+const struct mlrt_kernels KERNELS = {.trace_tile = trace_tile,
+                                     .counts = MLRT_COUNTING,
+                                     .fetch_block = fetch_block,
+                                     .check_block = check_block,
+                                     .write_packet = write_packet};

@@ -24,31 +24,31 @@ MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_lis
 }
 
 /* Traces a block of at most 4x4 rays from where they may start and writes the results. */
-static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *block,
+static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
                         const struct entry_list *list)
 {
-    const uint32_t lanes = existing_lanes(&job->source, block);
+    const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
     struct mlrt_packet packet;
-    get_packet(&job->source, block, lanes, &packet);
+    mlrt_get_packet(job, block, lanes, &packet);
     if (job->method == MLRT_METHOD_RAY || !job->tree->float_safe) {
         packet.single |= packet.active;
         packet.active = 0;
     }
     if (packet.active) trace_active(job, list, &packet, worker);
-    if (packet.single) trace_single_rays(job, packet.single, &packet, &worker->counters);
+    if (packet.single) mlrt_trace_single_rays(job, packet.single, &packet, &worker->counters);
     write_packet(job, worker, &packet, lanes, block);
     if (MLRT_LIKELY(!job->light_count)) return;
     uint8_t shadows[MLRT_PACKET_RAYS];
     mlrt_find_shadows(job, &packet, lanes, shadows, &worker->counters);
-    write_shadows(job, worker, shadows, lanes, block);
+    mlrt_write_packet_shadows(job, worker, shadows, lanes, block);
 }
 
-static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile,
+static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                          const struct entry_list *list)
 {
     for (uint32_t j = 0; j < tile->height; j += 4) {
         for (uint32_t i = 0; i < tile->width; i += 4) {
-            const struct rectangle block = cut_piece(tile, i, j, 4);
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
             trace_block(job, worker, &block, list);
         }
     }
@@ -56,19 +56,19 @@ static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
 
 /* Done with a tile that needs no rays to be traced. */
 static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
-                        const struct rectangle *tile)
+                        const struct mlrt_rectangle *tile)
 {
     if (found == BEAM_MISSES) {
         COUNT(&worker->counters, missed_beam_count, 1);
-        write_misses(job, worker, tile);
+        mlrt_write_picture_misses(job, worker, tile);
     } else {
         COUNT(&worker->counters, covered_beam_count, 1);
-        write_cover(job, worker, cover, tile);
+        mlrt_write_cover(job, worker, cover, tile);
     }
 }
 
 static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct entry_list *list,
-                       const struct rectangle *tile)
+                       const struct mlrt_rectangle *tile)
 {
     for (uint32_t i = 0; i < list->count; ++i) {
         COUNT(&worker->counters, entry_point_count, 1);
@@ -78,7 +78,7 @@ static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
 }
 
 /* A tile of the smallest size, whose rays may all start at `above`. */
-static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile,
+static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                              const struct entry_point *above)
 {
     struct mlrt_beam beam;
@@ -99,7 +99,7 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
 }
 
 /* A tile of side at most `size`, whose rays may all start at `above`. */
-static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile,
+static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                         uint32_t size, const struct entry_point *above)
 {
     if (size <= job->minimum_tile_size) {
@@ -128,24 +128,22 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
     if (side < job->minimum_tile_size) side = job->minimum_tile_size;
     for (uint32_t j = 0; j < tile->height; j += side) {
         for (uint32_t i = 0; i < tile->width; i += side) {
-            const struct rectangle piece = cut_piece(tile, i, j, side);
+            const struct mlrt_rectangle piece = mlrt_cut_piece(tile, i, j, side);
             trace_level(job, worker, &piece, side, entry);
         }
     }
 }
 
-static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
-                       uint32_t height)
+static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
 {
     struct entry_list root;
     root.count = 1;
     root.axis_code = NO_OUTLINES;
     root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
-    const struct rectangle tile = {x, y, width, height};
-    COUNT(&worker->counters, ray_count, (uint64_t)width * height);
+    COUNT(&worker->counters, ray_count, (uint64_t)tile->width * tile->height);
     if (job->method == MLRT_METHOD_MULTILEVEL && job->tree->float_safe) {
-        trace_level(job, worker, &tile, job->initial_tile_size, &root.entries[0]);
+        trace_level(job, worker, tile, job->initial_tile_size, &root.entries[0]);
     } else {
-        trace_blocks(job, worker, &tile, &root);
+        trace_blocks(job, worker, tile, &root);
     }
 }

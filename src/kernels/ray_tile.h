@@ -3,33 +3,6 @@
  * A tile of sixteen packets: the rays of its cells (cells.h), made when they are needed.
  */
 
-struct ray_tile {
-    struct cells cells;
-    struct rectangle area;
-    uint32_t column_bits; /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
-    struct mlrt_packet packets[CELL_COUNT];
-    float greatest_depth[CELL_COUNT]; /* of the directions of a packet, along the main axis */
-    int limits_below;                 /* some t_min is not 0 */
-    uint32_t made;                    /* packets that have their rays */
-    const struct mlrt_job *picture;   /* of shadow rays: the call whose hits they come from, */
-    struct ray_tile *seen;            /* and the tile with them; else NULL */
-    uint32_t dark[CELL_COUNT];        /* of shadow rays: lanes without one, as the light is on the other side */
-};
-
-/* The part of a tile that is at a place, if there is one. */
-MLRT_INLINE struct rectangle block_of_tile(const struct ray_tile *tile, uint32_t place)
-{
-    const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
-    return cut_piece(&tile->area, 4 * column, 4 * row, 4);
-}
-
-/* Is there a packet at this place? */
-MLRT_INLINE int has_block(const struct ray_tile *tile, uint32_t place)
-{
-    const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
-    return 4 * column < tile->area.width && 4 * row < tile->area.height;
-}
-
 /* The greatest depth at which rays of a packet still look. */
 MLRT_INLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis)
 {
@@ -80,20 +53,20 @@ MLRT_INLINE float greatest_direction(const struct mlrt_packet *packet, int main_
 }
 
 /* triangle_filter.h's R of a packet: no |d_j| is more than the steepest slope times the greatest |d_main|. */
-MLRT_INLINE float packet_reach(const struct ray_tile *tile, uint32_t place)
+MLRT_INLINE float packet_reach(const struct mlrt_ray_tile *tile, uint32_t place)
 {
     return tile->greatest_depth[place] * tile->cells.slope_bound;
 }
 
 /* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. */
-static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
+static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
 {
-    struct cells *cells = &tile->cells;
+    struct mlrt_cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
     const int a = cells->main_axis;
     int limits_below = 0;
-    if (are_sheared(cells) && !mlrt_shear_packet(&cells->shear, packet, &cells->begin, &limits_below)) return 0;
-    const float slack = are_sheared(cells) ? MLRT_SHEAR_SLACK : 0;
+    if (mlrt_are_sheared(cells) && !mlrt_shear_packet(&cells->shear, packet, &cells->begin, &limits_below)) return 0;
+    const float slack = mlrt_are_sheared(cells) ? MLRT_SHEAR_SLACK : 0;
     uint32_t forward = 0;
     vf lo[2] = {v_set1(INFINITY), v_set1(INFINITY)}, hi[2] = {v_set1(-INFINITY), v_set1(-INFINITY)};
     KEEP_LANES_LOOP
@@ -117,7 +90,7 @@ static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
         if (greatest[side] - least[side] > WIDEST_PACKET) return 0;
     }
     for (int side = 0; side < 2; ++side) {
-        set_cell_slopes(cells, place, side, least[side] - fabsf(least[side]) * SLOPE_SLACK - slack,
+        mlrt_set_cell_slopes(cells, place, side, least[side] - fabsf(least[side]) * SLOPE_SLACK - slack,
                         greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK + slack);
     }
     tile->greatest_depth[place] = greatest_direction(packet, a);
@@ -137,9 +110,9 @@ static MLRT_NOINLINE int add_packet(struct ray_tile *tile, uint32_t place)
 
 /* Of packets of these widths, those wider than MLRT_WIDE_FACTOR times most: than a quarter of them, as edges may be
  * many. */
-static MLRT_SMALL uint32_t find_widest(const float widths[CELL_COUNT], uint32_t gathered, float *limit)
+static MLRT_SMALL uint32_t find_widest(const float widths[MLRT_CELL_COUNT], uint32_t gathered, float *limit)
 {
-    float sorted[CELL_COUNT] = {0};
+    float sorted[MLRT_CELL_COUNT] = {0};
     uint32_t count = 0, wide = 0;
     for (uint32_t left = gathered; left; left &= left - 1) {
         const float width = widths[mlrt_lowest_bit(left)];
@@ -159,11 +132,11 @@ static MLRT_SMALL uint32_t find_widest(const float widths[CELL_COUNT], uint32_t 
  * Of the packets `gathered`, those far wider than most, which lie across an edge of what the tile is about: they would
  * meet all that lies between their rays. If there are any, *limit receives how wide the others are at most.
  */
-static uint32_t find_wide_packets(const struct cells *cells, uint32_t gathered, float *limit)
+static uint32_t find_wide_packets(const struct mlrt_cells *cells, uint32_t gathered, float *limit)
 {
-    MLRT_ALIGNED(64) float widths[CELL_COUNT];
+    MLRT_ALIGNED(64) float widths[MLRT_CELL_COUNT];
     vf least = v_set1(INFINITY), greatest = v_set1(0);
-    for (int v = 0; v < CELL_COUNT; v += VW) {
+    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         const vf columns = v_sub(v_load(cells->slopes[0].hi + v), v_load(cells->slopes[0].lo + v));
         const vf rows = v_sub(v_load(cells->slopes[1].hi + v), v_load(cells->slopes[1].lo + v));
         const vf width = v_max(columns, rows);
@@ -193,7 +166,7 @@ static uint32_t lanes_near_first(const struct mlrt_packet *packet, uint32_t lane
 
 /* Likewise, from rays of one direction, of which this lane has one. */
 static MLRT_SMALL void set_packet_shear(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lane,
-                                        struct cells *cells)
+                                        struct mlrt_cells *cells)
 {
     const float direction[3] = {packet->direction[0][lane], packet->direction[1][lane], packet->direction[2][lane]};
     const float origin[3] = {packet->origin[0][lane], packet->origin[1][lane], packet->origin[2][lane]};
@@ -201,20 +174,20 @@ static MLRT_SMALL void set_packet_shear(const struct mlrt_job *job, const struct
 }
 
 /* Does a packet that is to go with others see things as these cells do? */
-MLRT_INLINE int is_seen_so(const struct mlrt_packet *packet, const struct cells *cells)
+MLRT_INLINE int is_seen_so(const struct mlrt_packet *packet, const struct mlrt_cells *cells)
 {
     if (MLRT_UNLIKELY(!packet->has_apex)) return mlrt_has_direction(packet, &cells->shear);
-    return !are_sheared(cells) && memcmp(packet->apex, cells->apex, sizeof cells->apex) == 0;
+    return !mlrt_are_sheared(cells) && memcmp(packet->apex, cells->apex, sizeof cells->apex) == 0;
 }
 
 /*
  * Makes cells of the packets of `waiting` (bit per place) that can go together with the first of them, and returns
  * which. *wide receives those that are wider than *width, which is too much; or the first, if not even that can go.
  */
-static uint32_t gather_packets(const struct mlrt_job *job, struct ray_tile *tile, uint32_t waiting, uint32_t *wide,
+static uint32_t gather_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t waiting, uint32_t *wide,
                                float *width)
 {
-    struct cells *cells = &tile->cells;
+    struct mlrt_cells *cells = &tile->cells;
     const struct mlrt_packet *first = &tile->packets[mlrt_lowest_bit(waiting)];
     const uint32_t lane = mlrt_lowest_bit(first->active);
     if (MLRT_LIKELY(first->has_apex)) {
@@ -230,17 +203,17 @@ static uint32_t gather_packets(const struct mlrt_job *job, struct ray_tile *tile
     cells->tile = tile;
     tile->limits_below = 0;
     uint32_t gathered = 0;
-    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         if (waiting >> place & 1 && is_seen_so(&tile->packets[place], cells) && add_packet(tile, place)) {
             gathered |= 1u << place;
         } else {
             if (tile->packets[place].shear && waiting >> place & 1) mlrt_unshear_packet(&tile->packets[place]);
-            leave_out_cell(cells, place);
+            mlrt_leave_out_cell(cells, place);
         }
     }
     *width = WIDEST_PART;
     *wide = find_wide_packets(cells, gathered, width);
-    for (uint32_t left = *wide; left; left &= left - 1) leave_out_cell(cells, mlrt_lowest_bit(left));
+    for (uint32_t left = *wide; left; left &= left - 1) mlrt_leave_out_cell(cells, mlrt_lowest_bit(left));
     cells->closed &= ~*wide;
     if (!gathered) *wide = waiting & (0u - waiting);
     return gathered & ~*wide;

@@ -12,8 +12,12 @@
 #include "counters.h"
 #include "hit.h"
 #include "kernels.h"
+#include "levels.h"
 #include "rounding.h"
+#include "results.h"
 #include "shadow.h"
+#include "tile.h"
+#include "tile_packets.h"
 #include "trace_ray.h"
 
 #include "extremes.h"
@@ -24,6 +28,5 @@
 #include "outcome.h"
 #include "undecided.h"
 #include "write_packet.h"
-#include "results.h"
 
 #endif

@@ -73,3 +73,12 @@ static void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker
     if (outputs) write_numbers(job, packet, hit, lanes, x, y, outputs, sink);
     if (job->any && sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
 }
+
+static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                         uint32_t lanes, const struct mlrt_rectangle *block)
+{
+    if (job->has_frame) write_to_sink(job, worker, packet, lanes, block->x, block->y, &job->frame);
+    if (job->callback) {
+        write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
+    }
+}

@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The levels of the tile method: an area of 64x64 pixels is sixteen cells of 16x16, and one of those sixteen packets of
- * 4x4. Cells that one triangle covers, or nothing, are done at once; the others are cut.
- *
- * Only a camera's rays are known before they are made. Tiles of other sources begin with their packets.
+ * The levels of the tile method: see levels.h.
  */
+#include "levels.h"
+
+#include "results.h"
+#include "shade.h"
+#include "tile_packets.h"
 
 /* A list of rays is a picture four rays wide: its tiles are one packet wide. */
-MLRT_INLINE int is_list(const struct mlrt_source *source)
+static int is_list(const struct mlrt_source *source)
 {
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
 /* The closed cells of a camera's picture; 0 if there are none to be made. */
-static int gather_picture_cells(const struct mlrt_job *job, const struct rectangle *area, uint32_t side,
-                                struct cells *cells)
+static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                                struct mlrt_cells *cells)
 {
     if (job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
-        gather_camera_cells(job, area, side, cells)) {
+        job->kernels->gather_camera_cells(job, area, side, cells)) {
         return 1;
     }
     cells->closed = 0;
@@ -25,32 +27,32 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct rectang
 }
 
 /* One triangle, or nothing, for a rectangle of pixels of a camera. */
-static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
-                                       const struct rectangle *area)
+static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
+                                       const struct mlrt_rectangle *area)
 {
     if (cover == MLRT_NONE) {
-        write_misses(job, worker, area);
+        mlrt_write_picture_misses(job, worker, area);
     } else {
-        write_cover(job, worker, cover, area);
+        mlrt_write_cover(job, worker, cover, area);
     }
 }
 
 /* Makes all packets of a tile, and returns those with rays from one origin. Others are traced. */
-static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
+static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
 {
-    uint32_t lanes[CELL_COUNT] = {0}, waiting = 0;
-    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
-        if (!has_block(tile, place)) continue;
-        const struct rectangle block = block_of_tile(tile, place);
+    uint32_t lanes[MLRT_CELL_COUNT] = {0}, waiting = 0;
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        if (!mlrt_has_block(tile, place)) continue;
+        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         if (tile->column_bits && place % 4 == 0 && place < 12)
             mlrt_prefetch_rays(&job->source, block.x, block.y + 4, 4);
-        lanes[place] = existing_lanes(&job->source, &block);
-        fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
+        lanes[place] = mlrt_existing_lanes(&job->source, &block);
+        job->kernels->fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
     }
-    for (uint32_t place = 0; place < CELL_COUNT; ++place) {
-        if (!has_block(tile, place)) continue;
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        if (!mlrt_has_block(tile, place)) continue;
         struct mlrt_packet *packet = &tile->packets[place];
-        check_block(&job->source, lanes[place], packet);
+        job->kernels->check_block(&job->source, lanes[place], packet);
         if (!job->tree->bvh.float_safe) {
             packet->single |= packet->active;
             packet->active = 0;
@@ -58,7 +60,7 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
         const int is_alike = packet->has_apex || (!packet->has_masks &&
                                                   (mlrt_is_parallel(&job->source) || mlrt_have_one_direction(packet)));
         if (packet->active && !is_alike) {
-            trace_singles(job, packet->active, packet, worker);
+            job->kernels->trace_singles(job, packet->active, packet, worker);
         } else {
             waiting |= (packet->active != 0u) << place;
         }
@@ -66,23 +68,23 @@ static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *wor
     return waiting;
 }
 
-static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile, uint32_t place)
+static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile, uint32_t place)
 {
     struct mlrt_packet *packet = &tile->packets[place];
-    const struct rectangle block = block_of_tile(tile, place);
-    finish_packet(job, worker, packet);
-    write_packet(job, worker, packet, existing_lanes(&job->source, &block), &block);
+    const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+    mlrt_finish_packet(job, worker, packet);
+    job->kernels->write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
 }
 
-static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct ray_tile *tile)
+static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
 {
     for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
-        open_packet(job, worker, tile, mlrt_lowest_bit(left));
+        job->kernels->open_packet(job, worker, tile, mlrt_lowest_bit(left));
     }
 }
 
 /* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
-static void find_next_tile(const struct mlrt_source *source, const struct rectangle *tile, uint32_t *x, uint32_t *y)
+static void find_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t *x, uint32_t *y)
 {
     const uint32_t first = tile->x & ~63u;
     const int is_last = tile->x % 64 == 48 || tile->x + 16 >= source->width, is_lowest = tile->y % 64 == 48;
@@ -94,7 +96,7 @@ static void find_next_tile(const struct mlrt_source *source, const struct rectan
  * What comes after a tile, and where its own results go. Rows of a picture lie too far apart for the processor to
  * foresee; lists are read and written in order.
  */
-static void prefetch_around(const struct mlrt_job *job, const struct rectangle *tile)
+static void prefetch_around(const struct mlrt_job *job, const struct mlrt_rectangle *tile)
 {
     uint32_t x, y;
     find_next_tile(&job->source, tile, &x, &y);
@@ -107,9 +109,11 @@ static void prefetch_around(const struct mlrt_job *job, const struct rectangle *
  * which the hierarchy does not. Where all lanes hit one, that is soon there by itself. Always inlined: to the compiler
  * a function that only prefetches does nothing, and a call of it is dropped.
  */
-MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
+static void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
 {
-    if (lanes_of_triangle(packet, packet->triangle[0]) == 0xFFFF) return;
+    int is_one = 1;
+    for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) is_one &= packet->triangle[lane] == packet->triangle[0];
+    if (is_one) return;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint32_t number = packet->triangle[lane];
         if (number != MLRT_NONE) mlrt_prefetch(&tree->triangles[number]);
@@ -117,10 +121,10 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
 }
 
 /* Traces a rectangle of at most 16 blocks. `known`: what is known of all of it; NULL: nothing. */
-static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area,
-                           const struct known_lights *known)
+static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area,
+                           const struct mlrt_known_lights *known)
 {
-    struct ray_tile tile;
+    struct mlrt_ray_tile tile;
     tile.area = *area;
     tile.column_bits = is_list(&job->source) ? 0 : 2;
     tile.seen = NULL;
@@ -129,59 +133,59 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         tile.made = 0;
         tile.cells.tile = &tile;
         if (known) {
-            for (uint32_t place = 0; place < CELL_COUNT; ++place) tile.cells.cover[place] = known->cover;
+            for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) tile.cells.cover[place] = known->cover;
         } else {
             if (worker->open_tiles) open_packets(job, worker, &tile);
-            traverse_bvh(job, worker, &tile.cells);
+            job->kernels->traverse(job, worker, &tile.cells);
             worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? MLRT_TILE_RUN : 0;
         }
     } else {
         tile.made = 0xFFFF;
         const uint32_t waiting = make_packets(job, worker, &tile);
         if (!is_list(&job->source)) prefetch_around(job, area);
-        trace_packets(job, worker, &tile, waiting);
+        mlrt_trace_packets(job, worker, &tile, waiting);
     }
     const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;
     if (known) write_closed(job, worker, known->cover, area);
-    for (uint32_t place = 0; place < CELL_COUNT && !known; ++place) {
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT && !known; ++place) {
         const uint32_t ahead = place + 2;
-        if (!has_block(&tile, place)) continue;
-        if (has_numbers && ahead < CELL_COUNT && has_block(&tile, ahead) && !(tile.cells.closed >> ahead & 1)) {
+        if (!mlrt_has_block(&tile, place)) continue;
+        if (has_numbers && ahead < MLRT_CELL_COUNT && mlrt_has_block(&tile, ahead) && !(tile.cells.closed >> ahead & 1)) {
             prefetch_triangles(job->tree, &tile.packets[ahead]);
         }
         if (tile.cells.closed >> place & 1) {
-            const struct rectangle block = block_of_tile(&tile, place);
+            const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
             write_closed(job, worker, tile.cells.cover[place], &block);
         } else {
             finish_block(job, worker, &tile, place);
         }
     }
-    if (MLRT_UNLIKELY(job->light_count)) shade_tile(job, worker, &tile, known);
+    if (MLRT_UNLIKELY(job->light_count)) mlrt_shade_tile(job, worker, &tile, known);
 }
 
 /* Traces a rectangle of at most 4 x 4 tiles. */
-static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
-    struct cells cells;
+    struct mlrt_cells cells;
     cells.closed = 0;
     if (worker->open_squares) {
         --worker->open_squares;
     } else if (gather_picture_cells(job, area, 16, &cells)) {
         cells.tile = NULL;
-        traverse_bvh(job, worker, &cells);
+        job->kernels->traverse(job, worker, &cells);
         if (!cells.closed) worker->open_squares = MLRT_SQUARE_RUN;
     }
-    struct known_lights known[CELL_COUNT];
+    struct mlrt_known_lights known[MLRT_CELL_COUNT];
     uint32_t known_cells = cells.closed;
-    if (MLRT_UNLIKELY(job->light_count) && cells.closed) known_cells &= shade_cells(job, worker, &cells, known);
+    if (MLRT_UNLIKELY(job->light_count) && cells.closed) known_cells &= mlrt_shade_cells(job, worker, &cells, known);
     for (uint32_t j = 0; j < area->height; j += 16) {
         for (uint32_t i = 0; i < area->width; i += 16) {
-            const struct rectangle tile = cut_piece(area, i, j, 16);
+            const struct mlrt_rectangle tile = mlrt_cut_piece(area, i, j, 16);
             const uint32_t place = j / 4 + i / 16;
             if (known_cells >> place & 1) {
                 write_closed(job, worker, cells.cover[place], &tile);
                 if (MLRT_UNLIKELY(job->light_count) && cells.cover[place] != MLRT_NONE) {
-                    write_same_shadow(job, worker, known[place].dark, &tile);
+                    mlrt_write_picture_shadow(job, worker, known[place].dark, &tile);
                 }
             } else {
                 trace_ray_tile(job, worker, &tile, cells.closed >> place & 1 ? &known[place] : NULL);
@@ -191,11 +195,11 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
 }
 
 /* Traces a part of a picture that starts at multiples of 4. */
-static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *area)
+static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
     if (is_list(&job->source)) {
         for (uint32_t j = 0; j < area->height; j += 64) {
-            const struct rectangle tile = {area->x, area->y + j, area->width,
+            const struct mlrt_rectangle tile = {area->x, area->y + j, area->width,
                                            area->height - j < 64 ? area->height - j : 64};
             trace_ray_tile(job, worker, &tile, NULL);
         }
@@ -203,16 +207,14 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
     }
     for (uint32_t j = 0; j < area->height; j += 64) {
         for (uint32_t i = 0; i < area->width; i += 64) {
-            const struct rectangle square = cut_piece(area, i, j, 64);
+            const struct mlrt_rectangle square = mlrt_cut_piece(area, i, j, 64);
             trace_square(job, worker, &square);
         }
     }
 }
 
-static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t x, uint32_t y, uint32_t width,
-                       uint32_t height)
+void mlrt_trace_levels(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
-    const struct rectangle area = {x, y, width, height};
-    COUNT(&worker->counters, ray_count, (uint64_t)width * height);
-    trace_area(job, worker, &area);
+    if (job->kernels->counts) worker->counters.ray_count += (uint64_t)area->width * area->height;
+    trace_area(job, worker, area);
 }

@@ -1,32 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What comes after the search: rays that have to be traced one by one, and results on their way to frame and callback.
+ * What comes after the search: see results.h.
  */
+#include "results.h"
 
-static void trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                              mlrt_counters *counters)
+#include "trace_ray.h"
+
+void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                            mlrt_counters *counters)
 {
+    if (!job->kernels->counts) counters = NULL;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;
         mlrt_get_segment(packet, lane, &ray);
         if (!packet->has_masks) ray.mask = job->source.common_mask;
-        COUNT(counters, packet_count, 1);
+        if (counters) ++counters->packet_count;
         packet->triangle[lane] = mlrt_trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE,
-                                                    job->any, MLRT_COUNTING ? counters : NULL);
+                                                    job->any, counters);
     }
 }
 
-static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                         uint32_t lanes, const struct rectangle *block)
-{
-    if (job->has_frame) write_to_sink(job, worker, packet, lanes, block->x, block->y, &job->frame);
-    if (job->callback) {
-        write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
-    }
-}
-
-static void write_misses_of(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
+static void write_misses_to(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
 {
     if (job->has_frame) mlrt_write_misses(tile->x, tile->y, tile->width, tile->height, &job->frame);
     if (job->callback) {
@@ -35,21 +30,21 @@ static void write_misses_of(const struct mlrt_job *job, struct mlrt_worker *work
 }
 
 /* Of a list, the last row may be short. */
-static void write_misses(const struct mlrt_job *job, struct mlrt_worker *worker, const struct rectangle *tile)
+void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
 {
     const uint64_t last = (uint64_t)(tile->y + tile->height - 1) * job->source.width + tile->x;
-    struct rectangle part = *tile;
+    struct mlrt_rectangle part = *tile;
     if (MLRT_UNLIKELY(last + tile->width > job->source.count)) {
-        const struct rectangle row = {tile->x, tile->y + tile->height - 1,
+        const struct mlrt_rectangle row = {tile->x, tile->y + tile->height - 1,
                                       last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
-        write_misses_of(job, worker, &row);
+        write_misses_to(job, worker, &row);
         --part.height;
     }
-    write_misses_of(job, worker, &part);
+    write_misses_to(job, worker, &part);
 }
 
-static void write_same_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
-                              const struct rectangle *tile)
+void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
+                              const struct mlrt_rectangle *tile)
 {
     if (job->has_frame) mlrt_write_same_shadow(shadow, tile->x, tile->y, tile->width, tile->height, &job->frame);
     if (job->callback) {
@@ -65,8 +60,9 @@ static void write_shadows_to(const uint8_t *shadows, uint32_t lanes, uint32_t x,
 }
 
 /* Writes which lights do not reach what the lanes of a packet hit. */
-static void write_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker, const uint8_t *shadows,
-                          uint32_t lanes, const struct rectangle *block)
+void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
+                               const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
+                               const struct mlrt_rectangle *block)
 {
     if (job->has_frame) write_shadows_to(shadows, lanes, block->x, block->y, &job->frame);
     if (job->callback) {
@@ -75,10 +71,10 @@ static void write_shadows(const struct mlrt_job *job, const struct mlrt_worker *
 }
 
 /* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
-static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                        const struct rectangle *tile)
+void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                        const struct mlrt_rectangle *tile)
 {
-    if (job->any) write_same_shadow(job, worker, 1, tile);
+    if (job->any) mlrt_write_picture_shadow(job, worker, 1, tile);
     if (!mlrt_sink_numbers(&job->frame) && !mlrt_sink_numbers(&worker->tile)) {
         if (job->has_frame) {
             mlrt_write_same_ids(job->tree, number, tile->x, tile->y, tile->width, tile->height, &job->frame);
@@ -91,12 +87,12 @@ static void write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
     for (uint32_t j = 0; j < tile->height; j += 4) {
         for (uint32_t i = 0; i < tile->width; i += 4) {
-            const struct rectangle block = cut_piece(tile, i, j, 4);
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
             const uint32_t lanes = mlrt_block_lanes(block.width, block.height);
             struct mlrt_packet packet;
-            get_packet(&job->source, &block, lanes, &packet);
-            for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) i_store(packet.triangle + v, i_set1(number));
-            write_packet(job, worker, &packet, lanes, &block);
+            mlrt_get_packet(job, &block, lanes, &packet);
+            for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet.triangle[lane] = number;
+            job->kernels->write_packet(job, worker, &packet, lanes, &block);
         }
     }
 }

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where one triangle covers a cell of the picture, the light sees a cell there, too, as a rule, and it needs no rays as
+ * long as nothing lies between, or one triangle shades all of it. Other packets have rays of their own to the light.
+ */
+#include "shade.h"
+
+#include <string.h>
+
+#include "results.h"
+#include "shadow.h"
+#include "tile_packets.h"
+
+static uint32_t lanes_with_hit(const struct mlrt_packet *packet)
+{
+    uint32_t lanes = 0;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        lanes |= (uint32_t)(packet->triangle[lane] != MLRT_NONE) << lane;
+    }
+    return lanes;
+}
+
+/* Which lanes of a picture's packet hit something. The rays of one that is closed are made, if they are not there. */
+static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *seen, uint32_t place)
+{
+    struct mlrt_packet *packet = &seen->packets[place];
+    const struct mlrt_rectangle block = mlrt_block_of_tile(seen, place);
+    const uint32_t lanes = mlrt_existing_lanes(&picture->source, &block);
+    if (!(seen->made >> place & 1)) {
+        mlrt_make_rays(picture, seen, place);
+        for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->triangle[lane] = seen->cells.cover[place];
+    }
+    return lanes & lanes_with_hit(packet);
+}
+
+void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    const uint32_t hit = find_seen(tile->picture, tile->seen, place);
+    tile->dark[place] = 0;
+    if (hit) {
+        tile->dark[place] = job->kernels->make_shadow_packet(job, &tile->seen->packets[place], hit, packet);
+        return;
+    }
+    packet->shear = NULL;
+    packet->active = packet->single = 0;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->triangle[lane] = MLRT_NONE;
+}
+
+/* Makes cells of what a point light sees of closed cells of a picture. Returns those; *dark receives those behind. */
+static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_cells *seen, uint32_t among,
+                                               struct mlrt_cells *cells, uint32_t *dark)
+{
+    const struct mlrt_seen_cells given = {seen->slopes, seen->cover, seen->apex, seen->main_axis, seen->sign};
+    struct mlrt_lit_cells lit = {cells->slopes, cells->farthest, cells->shortest, 0, 0};
+    cells->closed = mlrt_make_lit_cells(&job->source, job->tree, &given, among, &lit, dark);
+    if (!cells->closed) return 0;
+    cells->main_axis = lit.main_axis;
+    cells->sign = lit.sign;
+    memcpy(cells->apex, job->source.light, sizeof cells->apex);
+    memset(&cells->shear, 0, sizeof cells->shear);
+    memcpy(cells->skip, seen->cover, sizeof cells->skip);
+    job->kernels->sum_up_cells(cells);
+    return cells->closed;
+}
+
+/* Do closed cells of a picture have what a light's cells are made of? */
+static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
+{
+    return !job->kernels->counts && mlrt_is_pinhole(&job->source) &&
+           light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+}
+
+/* Cells with a cover. */
+static uint32_t covered_cells(const struct mlrt_cells *cells)
+{
+    uint32_t covered = 0;
+    for (int place = 0; place < MLRT_CELL_COUNT; ++place) {
+        covered |= (uint32_t)(cells->cover[place] != MLRT_NONE) << place;
+    }
+    return covered & cells->closed;
+}
+
+/* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
+uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          const struct mlrt_cells *seen, struct mlrt_known_lights known[MLRT_CELL_COUNT])
+{
+    const uint32_t covered = covered_cells(seen);
+    uint32_t all = seen->closed;
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        known[place] = (struct mlrt_known_lights){seen->cover[place], 0, 0};
+    }
+    for (uint32_t i = 0; i < job->light_count; ++i) {
+        const struct mlrt_job *light = &job->lights[i];
+        struct mlrt_cells cells;
+        uint32_t dark = 0, lit = 0;
+        if (covered && have_lit_cells(job, light)) {
+            cells.tile = NULL;
+            if (gather_lit_cells(light, seen, covered, &cells, &dark)) {
+                light->kernels->traverse(light, worker, &cells);
+                const uint32_t shaded = covered_cells(&cells);
+                dark |= shaded;
+                lit = cells.closed & ~shaded;
+            }
+        }
+        for (uint32_t left = dark | lit; left; left &= left - 1) {
+            struct mlrt_known_lights *of = &known[mlrt_lowest_bit(left)];
+            of->known |= (uint8_t)(1u << i);
+            of->dark |= (uint8_t)((dark >> mlrt_lowest_bit(left) & 1) << i);
+        }
+        all &= dark | lit | (seen->closed & ~covered);
+    }
+    return all;
+}
+
+/* The same one ray at a time, for kernels that count: there who asks can wait, and they should be small. */
+static void shade_rays(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
+                       struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
+{
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        const struct mlrt_packet *packet = &seen->packets[place];
+        dark_lanes[place] = 0;
+        for (uint32_t left = mlrt_has_block(seen, place) ? find_seen(job, seen, place) : 0; left; left &= left - 1) {
+            const uint32_t lane = mlrt_lowest_bit(left);
+            struct mlrt_ray_segment ray;
+            mlrt_get_segment(packet, lane, &ray);
+            const int is_shaded = mlrt_is_shaded(light, &ray, packet->triangle[lane], &worker->counters);
+            dark_lanes[place] |= (uint32_t)is_shaded << lane;
+        }
+    }
+}
+
+/* Finds the lanes of a tile's packets that a light does not reach. */
+static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
+                          struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
+{
+    struct mlrt_ray_tile tile;
+    uint32_t dark = 0, lit = 0, waiting = 0, made = 0;
+    tile.area = seen->area;
+    tile.column_bits = 2;
+    tile.limits_below = 0;
+    tile.made = 0;
+    tile.seen = seen;
+    tile.picture = job;
+    const uint32_t covered = covered_cells(&seen->cells), missed = seen->cells.closed & ~covered;
+    if (covered && have_lit_cells(job, light)) {
+        tile.cells.tile = &tile;
+        if (gather_lit_cells(light, &seen->cells, covered, &tile.cells, &dark)) {
+            light->kernels->traverse(light, worker, &tile.cells);
+            const uint32_t shaded = covered_cells(&tile.cells);
+            dark |= shaded;
+            lit = tile.cells.closed & ~shaded;
+            made = tile.made;
+        }
+    }
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        if (!mlrt_has_block(&tile, place) || (dark | lit | missed | made) >> place & 1) continue;
+        mlrt_make_rays_to_light(light, &tile, place);
+        waiting |= (tile.packets[place].active != 0u) << place;
+        made |= 1u << place;
+    }
+    tile.made = 0xFFFF;
+    mlrt_trace_packets(light, worker, &tile, waiting);
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
+        if (!(made >> place & 1)) continue;
+        mlrt_finish_packet(light, worker, &tile.packets[place]);
+        dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);
+    }
+}
+/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL. */
+void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                                     const struct mlrt_known_lights *known)
+{
+    MLRT_ALIGNED(16) uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS];
+    memset(shadows, known ? known->dark : 0, sizeof shadows);
+    for (uint32_t i = 0; i < job->light_count; ++i) {
+        uint32_t dark_lanes[MLRT_CELL_COUNT];
+        if (known && known->known >> i & 1) continue;
+        (job->kernels->counts ? shade_rays : shade_packets)(job, &job->lights[i], worker, tile, dark_lanes);
+        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+            if (dark_lanes[place]) mlrt_add_shadow(shadows[place], dark_lanes[place], (uint8_t)(1u << i));
+        }
+    }
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        if (!mlrt_has_block(tile, place)) continue;
+        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+        mlrt_write_packet_shadows(job, worker, shadows[place], mlrt_existing_lanes(&job->source, &block), &block);
+    }
+}

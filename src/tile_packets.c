@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Packets of a tile go together as far as they can; what is too wide is cut.
+ */
+#include "tile_packets.h"
+
+#include "results.h"
+#include "shade.h"
+
+void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
+{
+    const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+    tile->made |= 1u << place;
+    if (tile->seen) {
+        mlrt_make_rays_to_light(job, tile, place);
+    } else {
+        mlrt_get_packet(job, &block, mlrt_existing_lanes(&job->source, &block), &tile->packets[place]);
+    }
+}
+
+/* All rays of a packet whose cell stayed closed hit its cover. */
+static void close_packets(struct mlrt_ray_tile *tile)
+{
+    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        struct mlrt_packet *packet = &tile->packets[place];
+        for (uint32_t lanes = packet->active; lanes; lanes &= lanes - 1) {
+            packet->triangle[mlrt_lowest_bit(lanes)] = tile->cells.cover[place];
+        }
+    }
+    tile->cells.closed = 0;
+}
+
+/*
+ * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
+ * off. Where either are too few they go alone. Returns the new cells.
+ */
+static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                            struct mlrt_ray_tile *tile, uint32_t wide, float width,
+                                            uint32_t put_off[MLRT_CELL_COUNT])
+{
+    uint32_t cells = 0;
+    for (; wide; wide &= wide - 1) {
+        const uint32_t place = mlrt_lowest_bit(wide);
+        struct mlrt_packet *packet = &tile->packets[place];
+        const uint32_t near = job->kernels->lanes_near_first(packet, packet->active, tile->cells.main_axis, width);
+        const uint32_t others = packet->active & ~near;
+        const uint32_t alone = mlrt_count_bits(others) < MLRT_LEAST_PART ? others : 0;
+        put_off[place] = others & ~alone;
+        packet->active = near;
+        if (alone) job->kernels->trace_singles(job, alone, packet, worker);
+        if (mlrt_count_bits(near) >= MLRT_LEAST_PART && job->kernels->add_packet(tile, place)) {
+            cells |= 1u << place;
+        } else {
+            job->kernels->trace_singles(job, near, packet, worker);
+        }
+    }
+    return cells;
+}
+
+/* Traces packets down the hierarchy of boxes: together, as far as they can go together. */
+void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                          uint32_t waiting)
+{
+    uint32_t put_off[MLRT_CELL_COUNT] = {0}, cut = 0;
+    while (waiting) {
+        uint32_t wide;
+        float width;
+        uint32_t gathered = job->kernels->gather_packets(job, tile, waiting, &wide, &width);
+        waiting &= ~(gathered | wide);
+        if (MLRT_UNLIKELY(wide)) {
+            for (uint32_t again = wide & cut; again; again &= again - 1) {
+                struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(again)];
+                job->kernels->trace_singles(job, packet->active, packet, worker);
+            }
+            wide &= ~cut;
+            cut |= wide;
+            gathered |= cut_wide_packets(job, worker, tile, wide, width, put_off);
+        }
+        if (gathered) {
+            job->kernels->sum_up_cells(&tile->cells);
+            job->kernels->traverse(job, worker, &tile->cells);
+            close_packets(tile);
+            for (; mlrt_are_sheared(&tile->cells) && gathered; gathered &= gathered - 1) {
+                mlrt_unshear_packet(&tile->packets[mlrt_lowest_bit(gathered)]);
+            }
+        }
+        for (; wide; wide &= wide - 1) {
+            const uint32_t place = mlrt_lowest_bit(wide);
+            tile->packets[place].active = put_off[place];
+            waiting |= (put_off[place] != 0u) << place;
+        }
+    }
+}
+
+void mlrt_finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
+{
+    if (packet->shear) mlrt_unshear_packet(packet);
+    if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, &worker->counters);
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The rays of a tile's packets: making them, and tracing those that no cell decides.
+ */
+#ifndef MLRT_TILE_PACKETS_H
+#define MLRT_TILE_PACKETS_H
+
+#include "tile.h"
+
+/* Makes the rays of the packet at a place: those of a picture, or from what its rays hit to a light. */
+void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place);
+
+/* Traces the packets of `waiting` (bit per place) down the hierarchy of boxes: together, as far as they can. */
+void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                        uint32_t waiting);
+
+/* Done with a packet: traces its rays that float cannot carry, and makes it what it was before it was sheared. */
+void mlrt_finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet);
+
+#endif
