@@ -152,9 +152,12 @@ struct mlrt_kernels {
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_cells *cells);
     void (*sum_up_cells)(struct mlrt_cells *cells);
-    /* Makes cells of packets; which lanes are near the first one. ray_tile.h */
+    /* Makes the rays of all packets of a tile; returns those that may go together. tile_rays.h */
+    uint32_t (*make_packets)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
+    /* Makes cells of packets, and takes these down; adds one; which lanes are near the first one. ray_tile.h */
     uint32_t (*gather_packets)(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t waiting,
                                uint32_t *wide, float *width);
+    void (*trace_gathered)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
     int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
     uint32_t (*lanes_near_first)(const struct mlrt_packet *packet, uint32_t lanes, int main_axis, float width);
     /* Takes cells down the hierarchy; makes the rays of one. bvh_tile.h */

@@ -37,37 +37,6 @@ static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
-/* Makes all packets of a tile, and returns those with rays from one origin. Others are traced. */
-static uint32_t make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
-{
-    uint32_t lanes[MLRT_CELL_COUNT] = {0}, waiting = 0;
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        if (!mlrt_has_block(tile, place)) continue;
-        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-        if (tile->column_bits && place % 4 == 0 && place < 12)
-            mlrt_prefetch_rays(&job->source, block.x, block.y + 4, 4);
-        lanes[place] = mlrt_existing_lanes(&job->source, &block);
-        job->kernels->fetch_block(&job->source, &block, lanes[place], &tile->packets[place]);
-    }
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        if (!mlrt_has_block(tile, place)) continue;
-        struct mlrt_packet *packet = &tile->packets[place];
-        job->kernels->check_block(&job->source, lanes[place], packet);
-        if (!job->tree->bvh.float_safe) {
-            packet->single |= packet->active;
-            packet->active = 0;
-        }
-        const int is_alike = packet->has_apex || (!packet->has_masks &&
-                                                  (mlrt_is_parallel(&job->source) || mlrt_have_one_direction(packet)));
-        if (packet->active && !is_alike) {
-            job->kernels->trace_singles(job, packet->active, packet, worker);
-        } else {
-            waiting |= (packet->active != 0u) << place;
-        }
-    }
-    return waiting;
-}
-
 static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile, uint32_t place)
 {
     struct mlrt_packet *packet = &tile->packets[place];
@@ -109,11 +78,11 @@ static void prefetch_around(const struct mlrt_job *job, const struct mlrt_rectan
  * which the hierarchy does not. Where all lanes hit one, that is soon there by itself. Always inlined: to the compiler
  * a function that only prefetches does nothing, and a call of it is dropped.
  */
-static void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
+MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
 {
-    int is_one = 1;
-    for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) is_one &= packet->triangle[lane] == packet->triangle[0];
-    if (is_one) return;
+    uint32_t differences = 0;
+    for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) differences |= packet->triangle[lane] ^ packet->triangle[0];
+    if (!differences) return;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint32_t number = packet->triangle[lane];
         if (number != MLRT_NONE) mlrt_prefetch(&tree->triangles[number]);
@@ -141,7 +110,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         }
     } else {
         tile.made = 0xFFFF;
-        const uint32_t waiting = make_packets(job, worker, &tile);
+        const uint32_t waiting = job->kernels->make_packets(job, worker, &tile);
         if (!is_list(&job->source)) prefetch_around(job, area);
         mlrt_trace_packets(job, worker, &tile, waiting);
     }

@@ -18,19 +18,6 @@ void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint
     }
 }
 
-/* All rays of a packet whose cell stayed closed hit its cover. */
-static void close_packets(struct mlrt_ray_tile *tile)
-{
-    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        struct mlrt_packet *packet = &tile->packets[place];
-        for (uint32_t lanes = packet->active; lanes; lanes &= lanes - 1) {
-            packet->triangle[mlrt_lowest_bit(lanes)] = tile->cells.cover[place];
-        }
-    }
-    tile->cells.closed = 0;
-}
-
 /*
  * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
  * off. Where either are too few they go alone. Returns the new cells.
@@ -78,9 +65,7 @@ void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, 
             gathered |= cut_wide_packets(job, worker, tile, wide, width, put_off);
         }
         if (gathered) {
-            job->kernels->sum_up_cells(&tile->cells);
-            job->kernels->traverse(job, worker, &tile->cells);
-            close_packets(tile);
+            job->kernels->trace_gathered(job, worker, tile);
             for (; mlrt_are_sheared(&tile->cells) && gathered; gathered &= gathered - 1) {
                 mlrt_unshear_packet(&tile->packets[mlrt_lowest_bit(gathered)]);
             }

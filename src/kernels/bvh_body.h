@@ -13,6 +13,7 @@
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
+#include "tile_rays.h"
 
 #if MLRT_COUNTING
 #undef KERNELS
@@ -29,7 +30,9 @@ const struct mlrt_kernels KERNELS = {mlrt_trace_levels,
                                      trace_singles,
                                      gather_camera_cells,
                                      sum_up_cells,
+                                     make_packets,
                                      gather_packets,
+                                     trace_gathered,
                                      add_packet,
                                      lanes_near_first,
                                      traverse_bvh,

@@ -366,3 +366,21 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
         }
     }
 }
+
+/* The same for packets of a tile, whose rays are there: those of a cell that stays closed hit its cover. */
+static void trace_gathered(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
+{
+    sum_up_cells(&tile->cells);
+    traverse_bvh(job, worker, &tile->cells);
+    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        struct mlrt_packet *packet = &tile->packets[place];
+        KEEP_LANES_LOOP
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vm active = m_from_bits(packet->active >> v);
+            i_store(packet->triangle + v,
+                    i_select(active, i_set1(tile->cells.cover[place]), i_load(packet->triangle + v)));
+        }
+    }
+    tile->cells.closed = 0;
+}

@@ -51,7 +51,7 @@ MLRT_INLINE vd size_of_doubles(const vd a[3])
 }
 
 /* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
-static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+MLRT_INLINE void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                            float corners[9][MLRT_PACKET_RAYS])
 {
     const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];

@@ -5,7 +5,7 @@
  */
 
 /* Rule R1 (hit.h), and which rays float can carry (packet.h). */
-static MLRT_NOINLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
+MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
 {
     uint32_t valid = 0, safe = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {

@@ -141,10 +141,10 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     }
     memcpy(packet->apex, light->light, sizeof packet->apex);
     packet->has_apex = is_point;
-    packet->has_skip = 1;
-    packet->has_limits = packet->has_masks = 0;
+    packet->has_limits = packet->has_masks = packet->has_skip = 0;
     packet->shear = NULL;
-    check_packet(hit & facing, packet);
+    check_block(light, hit & facing, packet);
+    packet->has_skip = 1;
     if (!job->tree->bvh.float_safe) {
         packet->single |= packet->active;
         packet->active = 0;
