@@ -340,9 +340,10 @@ static int32_t make_light_jobs(const mlrt_trace_options *options, const struct m
     for (uint32_t i = 0; i < options->light_count; ++i) {
         mlrt_light light;
         const void *given = (const unsigned char *)options->lights + (size_t)i * options->lights->struct_size;
+        /* First, so that nothing behind the array is looked at. */
+        if (((const mlrt_light *)given)->struct_size != options->lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
         int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_light, position), &light, sizeof light);
         if (status != MLRT_OK) return status;
-        if (((const mlrt_light *)given)->struct_size != options->lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
         jobs[i] = *job;
         jobs[i].any = 1;
         jobs[i].has_frame = 0;
@@ -480,11 +481,12 @@ static MLRT_NOINLINE int tell_shadow_ray(const mlrt_tree *tree, const mlrt_ray *
 {
     struct mlrt_ray_segment segment, answer;
     int is_on_side = 0;
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
     if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment) ||
-        !mlrt_hits_triangle(&segment, &tree->triangles[number], NULL)) {
+        !mlrt_triangle_is_finite(triangle) || !mlrt_hits_triangle(&segment, triangle, NULL)) {
         return 0;
     }
-    if (mlrt_make_shadow_ray(light, &tree->triangles[number], &segment, &is_on_side, &answer)) {
+    if (mlrt_make_shadow_ray(light, triangle, &segment, &is_on_side, &answer)) {
         memcpy(shadow->origin, answer.origin, sizeof shadow->origin);
         memcpy(shadow->direction, answer.direction, sizeof shadow->direction);
         shadow->t_max = isinf(answer.t_max) ? 0 : answer.t_max;
@@ -507,7 +509,6 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
         status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
     }
     if (status == MLRT_OK) status = mlrt_check_result_size(shadow, FIRST_RAY_SIZE, sizeof own_ray);
-    if (status == MLRT_OK) status = mlrt_set_light(&own_light, &source);
     if (status != MLRT_OK) return status;
     const uint32_t number = mlrt_triangle_number(tree, own_hit.mesh, own_hit.triangle);
     if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
@@ -516,9 +517,12 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
                        .skip_mesh = own_hit.mesh,
                        .skip_triangle = own_hit.triangle};
     const uint64_t environment = mlrt_enter_fp_environment();
-    const int is_hit = tell_shadow_ray(tree, &own_ray, number, &source, &answer, faces);
+    status = mlrt_set_light(&own_light, &source);
+    if (status == MLRT_OK && !tell_shadow_ray(tree, &own_ray, number, &source, &answer, faces)) {
+        status = MLRT_ERROR_ARGUMENT;
+    }
     mlrt_leave_fp_environment(environment);
-    if (!is_hit) return MLRT_ERROR_ARGUMENT;
+    if (status != MLRT_OK) return status;
     mlrt_give_struct(&answer, sizeof answer, shadow);
     return MLRT_OK;
 }
