@@ -148,6 +148,11 @@ static void subtract(struct exact_vector *out, const struct exact_vector *a, con
     for (int k = 0; k < 3; k++) mpz_sub(out->k[k], a->k[k], b->k[k]);
 }
 
+static void add_vectors(struct exact_vector *out, const struct exact_vector *a, const struct exact_vector *b)
+{
+    for (int k = 0; k < 3; k++) mpz_add(out->k[k], a->k[k], b->k[k]);
+}
+
 /* out must be neither a nor b. */
 static void cross(struct exact_vector *out, const struct exact_vector *a, const struct exact_vector *b)
 {
@@ -952,12 +957,17 @@ size_t reference_zero_area_count(const struct reference_scene *scene)
     return scene->zero_area_count;
 }
 
-/* The sign of (vector - minus) . n, computed in a scene of that triangle alone. */
-static int sign_along_normal(const struct reference_triangle *triangle, const float vector[3], const float minus[3])
+static const float zero[3] = {0, 0, 0};
+
+/* The sign of (vector + plus - minus) . n, computed in a scene of that triangle alone. */
+static int sign_along_normal(const struct reference_triangle *triangle, const float vector[3], const float plus[3],
+                             const float minus[3])
 {
     struct reference_scene *scene = reference_create(triangle, 1);
     load_triangle(scene, triangle);
     set_vector(&scene->p, vector);
+    set_vector(&scene->q, plus);
+    add_vectors(&scene->p, &scene->p, &scene->q);
     set_vector(&scene->q, minus);
     subtract(&scene->p, &scene->p, &scene->q);
     dot(scene->left, &scene->p, &scene->normal);
@@ -968,13 +978,42 @@ static int sign_along_normal(const struct reference_triangle *triangle, const fl
 
 int reference_side(const struct reference_triangle *triangle, const float point[3])
 {
-    return sign_along_normal(triangle, point, triangle->corner[0]);
+    return sign_along_normal(triangle, point, zero, triangle->corner[0]);
+}
+
+int reference_side_of_sum(const struct reference_triangle *triangle, const float from[3], const float by[3])
+{
+    return sign_along_normal(triangle, from, by, triangle->corner[0]);
 }
 
 int reference_facing(const struct reference_triangle *triangle, const float direction[3])
 {
-    const float zero[3] = {0, 0, 0};
-    return sign_along_normal(triangle, direction, zero);
+    return sign_along_normal(triangle, direction, zero, zero);
+}
+
+void reference_distance_to_hit(const struct reference_triangle *triangle, const struct reference_ray *ray,
+                               const float from[3], const float by[3], double distance[3])
+{
+    struct reference_scene *scene = reference_create(triangle, 1);
+    const struct exact_pair *pair = &scene->candidate;
+    mpq_t quotient;
+    mpq_init(quotient);
+    load_ray(scene, ray);
+    evaluate(scene, triangle, &scene->candidate);
+    for (int k = 0; k < 3; k++) {
+        set_fixed(scene->left, from[k]);
+        set_fixed(scene->right, by[k]);
+        mpz_add(scene->left, scene->left, scene->right);
+        mpz_sub(scene->left, scene->left, scene->origin.k[k]);
+        mpz_mul(scene->left, scene->left, pair->d);
+        mpz_submul(scene->left, pair->n, scene->direction.k[k]);
+        mpq_set_num(quotient, scene->left);
+        mpq_set_den(quotient, pair->d);
+        mpq_canonicalize(quotient);
+        distance[k] = ldexp(mpq_get_d(quotient), -SCALE_BITS);
+    }
+    mpq_clear(quotient);
+    reference_destroy(scene);
 }
 
 /* ---- rays of cameras and lights ---------------------------------------------------------------------------------- */

@@ -86,11 +86,21 @@ const struct reference_triangle *reference_find(const struct reference_scene *sc
 size_t reference_non_finite_count(const struct reference_scene *scene);
 size_t reference_zero_area_count(const struct reference_scene *scene);
 
+/*
+ * How far the point from + by is from where the ray meets the triangle's plane, per component, to the precision of
+ * double. D of the hit rule must not be 0.
+ */
+void reference_distance_to_hit(const struct reference_triangle *triangle, const struct reference_ray *ray,
+                               const float from[3], const float by[3], double distance[3]);
+
 /* numerator / denominator rounded once to the nearest float, ties to even, denormals and infinity included. */
 float reference_quotient(const mpz_t numerator, const mpz_t denominator);
 
 /* The sign of (point - a) . n of the triangle. */
 int reference_side(const struct reference_triangle *triangle, const float point[3]);
+
+/* Likewise for the point from + by, a sum that is not rounded. */
+int reference_side_of_sum(const struct reference_triangle *triangle, const float from[3], const float by[3]);
 
 /* The sign of direction . n of the triangle. */
 int reference_facing(const struct reference_triangle *triangle, const float direction[3]);

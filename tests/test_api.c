@@ -103,7 +103,7 @@ static void structs_have_no_padding(void **state)
     assert_int_equal(sizeof(mlrt_pool_options), 2 * 4 + 4 * 8);
     assert_int_equal(sizeof(mlrt_tree_info), 2 * 4 + 11 * 8 + 2 * 8 + 6 * 4);
     assert_int_equal(sizeof(mlrt_counters), 2 * 4 + 19 * 8);
-    assert_int_equal(sizeof(mlrt_trace_options), 12 * 4 + 3 * 8);
+    assert_int_equal(sizeof(mlrt_trace_options), 14 * 4 + 4 * 8);
     assert_int_equal(sizeof(mlrt_hits), 2 * 4 + 7 * 24);
     assert_int_equal(sizeof(mlrt_rays), 2 * 4 + 8 + 6 * 16);
     assert_int_equal(sizeof(mlrt_ray), 12 * 4);
@@ -560,6 +560,8 @@ static void tracing_with_wrong_struct_sizes(void **state)
     }
 }
 
+static void assert_trace_options(mlrt_trace_options options, int32_t expected);
+
 static void reserved_fields_must_be_zero(void **state)
 {
     (void)state;
@@ -571,6 +573,7 @@ static void reserved_fields_must_be_zero(void **state)
     make_call(&call);
     call.options.counters = &counters;
     assert_call(&call, MLRT_ERROR_ARGUMENT);
+    assert_trace_options((mlrt_trace_options){.reserved = 1}, MLRT_ERROR_ARGUMENT);
     const mlrt_build_options options = {.struct_size = sizeof options, .reserved = 1};
     assert_options(&options, MLRT_ERROR_ARGUMENT);
 }
@@ -618,7 +621,7 @@ static void trace_codes_out_of_range(void **state)
         assert_trace_options((mlrt_trace_options){.culling = wrong}, MLRT_ERROR_ARGUMENT);
     }
     assert_trace_options((mlrt_trace_options){.culling_check = 2}, MLRT_ERROR_ARGUMENT);
-    assert_trace_options((mlrt_trace_options){.outputs = 32}, MLRT_ERROR_ARGUMENT);
+    assert_trace_options((mlrt_trace_options){.outputs = 64}, MLRT_ERROR_ARGUMENT);
 }
 
 static void tile_sizes_out_of_range(void **state)
@@ -854,6 +857,293 @@ static void occlusion_errors(void **state)
     mlrt_destroy_tree(tree);
 }
 
+/* The options of a render with lights, one thing changed. What is written is nothing after an error. */
+static void assert_lights(const mlrt_light *lights, uint32_t count, mlrt_trace_options options, int32_t expected)
+{
+    mlrt_tree *tree = some_tree();
+    const mlrt_camera camera = good_camera();
+    uint8_t occluded[16];
+    const mlrt_hits frame = {.struct_size = sizeof frame, .occluded = {occluded, 0, 0}};
+    memset(occluded, 0x5A, sizeof occluded);
+    options.struct_size = sizeof options;
+    options.lights = lights;
+    options.light_count = count;
+    assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), expected);
+    for (int i = 0; i < 16; i++) assert_true(expected == MLRT_OK ? occluded[i] != 0x5A : occluded[i] == 0x5A);
+    mlrt_destroy_tree(tree);
+}
+
+static const mlrt_trace_options no_options;
+
+static void lights_of_a_picture(void **state)
+{
+    (void)state;
+    mlrt_light lights[9];
+    for (int i = 0; i < 9; i++) lights[i] = (mlrt_light){.struct_size = sizeof lights[i], .position = {1, 2, 3}};
+    assert_lights(lights, 1, no_options, MLRT_OK);
+    assert_lights(lights, 8, no_options, MLRT_OK);
+    assert_lights(lights, 9, no_options, MLRT_ERROR_ARGUMENT);
+    assert_lights(lights, 0xFFFFFFFFu, no_options, MLRT_ERROR_ARGUMENT);
+    assert_lights(NULL, 1, no_options, MLRT_ERROR_ARGUMENT);
+    assert_lights(lights, 2, (mlrt_trace_options){.reserved = 1}, MLRT_ERROR_ARGUMENT);
+    assert_lights(lights, 2, (mlrt_trace_options){.query = MLRT_QUERY_ANY}, MLRT_ERROR_ARGUMENT);
+}
+
+static void pictures_without_lights_have_no_shadows(void **state)
+{
+    (void)state;
+    const mlrt_light light = {.struct_size = sizeof light};
+    assert_lights(NULL, 0, no_options, MLRT_ERROR_ARGUMENT);
+    assert_lights(&light, 0, no_options, MLRT_ERROR_ARGUMENT);
+    assert_lights(NULL, 0, (mlrt_trace_options){.query = MLRT_QUERY_ANY}, MLRT_OK);
+}
+
+static void lights_that_are_wrong(void **state)
+{
+    (void)state;
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    for (int at = 0; at < 3; at++) {
+        mlrt_light lights[3];
+        for (int i = 0; i < 3; i++) lights[i] = (mlrt_light){.struct_size = sizeof lights[i], .position = {1, 2, 3}};
+        for (int k = 0; k < 3; k++) {
+            lights[at].position[k] = bad[k];
+            assert_lights(lights, 3, no_options, MLRT_ERROR_ARGUMENT);
+            assert_lights(lights, (uint32_t)at, no_options, at ? MLRT_OK : MLRT_ERROR_ARGUMENT); // it is not looked at
+            lights[at].position[k] = 1;
+        }
+        lights[at].kind = 2;
+        assert_lights(lights, 3, no_options, MLRT_ERROR_ARGUMENT);
+        lights[at].kind = -1;
+        assert_lights(lights, 3, no_options, MLRT_ERROR_ARGUMENT);
+        lights[at].kind = MLRT_LIGHT_DIRECTIONAL;
+        assert_lights(lights, 3, no_options, MLRT_OK);
+        lights[at].struct_size = 0;
+        assert_lights(lights, 3, no_options, MLRT_ERROR_STRUCT_SIZE);
+        lights[at].struct_size = sizeof lights[at] + 1;
+        assert_lights(lights, 3, no_options, MLRT_ERROR_STRUCT_SIZE);
+    }
+}
+
+/* In an array of structs all have the struct_size of the first: what is behind an array that says so is nobody's. */
+static void lights_of_different_sizes(void **state)
+{
+    (void)state;
+    mlrt_light *lights = allocate_guarded(2 * sizeof *lights);
+    for (int i = 0; i < 2; i++) lights[i] = (mlrt_light){.struct_size = sizeof lights[i], .position = {1, 2, 3}};
+    lights[1].struct_size = sizeof lights[1] - 4;
+    assert_lights(lights, 2, no_options, MLRT_ERROR_STRUCT_SIZE);
+    lights[1].struct_size = sizeof lights[1] + 4;
+    assert_lights(lights, 2, no_options, MLRT_ERROR_STRUCT_SIZE);
+    lights[1].struct_size = sizeof lights[1];
+    assert_lights(lights, 2, no_options, MLRT_OK);
+    free_guarded(lights, 2 * sizeof *lights);
+}
+
+/* Elsewhere there are no lights, not even none of them. */
+static void lights_where_there_are_none(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    const mlrt_light light = {.struct_size = sizeof light, .position = {1, 2, 3}};
+    const float position[3] = {0, 0, 0}, direction[3] = {0, 0, 1};
+    uint8_t result = 9;
+    uint32_t total = 9;
+    float t = 9;
+    const mlrt_array occluded = {&result, 0, 0};
+    const mlrt_points points = {.struct_size = sizeof points, .count = 1, .positions = {position, 0}};
+    const mlrt_rays rays = {
+        .struct_size = sizeof rays, .count = 1, .origins = {position, 0}, .directions = {direction, 0}};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .t = {&t, 0, 0}};
+    const mlrt_hit_lists lists = {.struct_size = sizeof lists, .total = {&total, 0, 0}};
+    const mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
+    mlrt_hit hit = {.struct_size = sizeof hit, .t = 9};
+    for (int i = 0; i < 3; i++) {
+        const mlrt_trace_options options = {
+            .struct_size = sizeof options, .lights = i != 1 ? &light : NULL, .light_count = i != 0};
+        assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_trace_ray(tree, &ray, &options, &hit), MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_trace_all_hits(tree, &rays, &options, &lists), MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_occluded_points(tree, &points, &light, &options, &occluded), MLRT_ERROR_ARGUMENT);
+    }
+    assert_true(result == 9 && total == 9 && t == 9 && hit.t == 9);
+    mlrt_destroy_tree(tree);
+}
+
+struct shadow_call {
+    mlrt_ray ray;
+    mlrt_hit hit;
+    mlrt_light light;
+};
+
+static struct shadow_call good_shadow_call(void)
+{
+    return (struct shadow_call){
+        .ray = {.struct_size = sizeof(mlrt_ray), .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}},
+        .hit = {.struct_size = sizeof(mlrt_hit)},
+        .light = {.struct_size = sizeof(mlrt_light), .position = {1, 2, 0}}};
+}
+
+/* After an error nothing is written. */
+static void assert_shadow_call(const mlrt_tree *tree, const struct shadow_call *call, int32_t expected)
+{
+    mlrt_ray shadow = {.struct_size = sizeof shadow, .flags = 77};
+    const mlrt_ray before = shadow;
+    int32_t faces = 77;
+    assert_int_equal(mlrt_shadow_ray(tree, &call->ray, &call->hit, &call->light, &shadow, &faces), expected);
+    if (expected == MLRT_OK) return;
+    assert_memory_equal(&shadow, &before, sizeof shadow);
+    assert_int_equal(faces, 77);
+}
+
+static void shadow_rays_without_arguments(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    const struct shadow_call call = good_shadow_call();
+    mlrt_ray shadow = {.struct_size = sizeof shadow};
+    int32_t faces;
+    const mlrt_ray *ray = &call.ray;
+    const mlrt_hit *hit = &call.hit;
+    const mlrt_light *light = &call.light;
+    assert_int_equal(mlrt_shadow_ray(NULL, ray, hit, light, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_shadow_ray(tree, NULL, hit, light, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_shadow_ray(tree, ray, NULL, light, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_shadow_ray(tree, ray, hit, NULL, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_shadow_ray(tree, ray, hit, light, NULL, &faces), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_shadow_ray(tree, ray, hit, light, &shadow, NULL), MLRT_ERROR_ARGUMENT);
+    assert_shadow_call(tree, &call, MLRT_OK);
+    mlrt_destroy_tree(tree);
+}
+
+static void shadow_rays_with_wrong_struct_sizes(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    static const uint32_t wrong[] = {0, 4, 4096};
+    for (size_t i = 0; i < 3; i++) {
+        struct shadow_call call = good_shadow_call();
+        call.ray.struct_size = wrong[i];
+        assert_shadow_call(tree, &call, MLRT_ERROR_STRUCT_SIZE);
+        call = good_shadow_call();
+        call.hit.struct_size = wrong[i];
+        assert_shadow_call(tree, &call, MLRT_ERROR_STRUCT_SIZE);
+        call = good_shadow_call();
+        call.light.struct_size = wrong[i];
+        assert_shadow_call(tree, &call, MLRT_ERROR_STRUCT_SIZE);
+        call = good_shadow_call();
+        mlrt_ray shadow = {.struct_size = wrong[i]};
+        int32_t faces;
+        assert_int_equal(mlrt_shadow_ray(tree, &call.ray, &call.hit, &call.light, &shadow, &faces),
+                         MLRT_ERROR_STRUCT_SIZE);
+    }
+    mlrt_destroy_tree(tree);
+}
+
+static void shadow_rays_of_wrong_lights_and_rays(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    struct shadow_call call = good_shadow_call();
+    call.light.kind = 2;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call = good_shadow_call();
+    call.light.position[1] = NAN;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call = good_shadow_call();
+    call.ray.flags = 2;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call = good_shadow_call();
+    call.ray.origin[0] = NAN;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call = good_shadow_call();
+    call.ray.direction[2] = INFINITY;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call = good_shadow_call();
+    call.ray.direction[2] = 0;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    mlrt_destroy_tree(tree);
+}
+
+static void shadow_rays_of_misses(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    struct shadow_call call = good_shadow_call();
+    call.ray.origin[0] = 2;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call = good_shadow_call();
+    call.ray.direction[2] = -1; // the triangle is behind it
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call = good_shadow_call();
+    call.ray.t_min = 5; // the interval is half open
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call.ray.t_min = 0;
+    call.ray.t_max = 5;
+    assert_shadow_call(tree, &call, MLRT_OK);
+    call.ray.t_max = 4.9f;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    call.ray.t_max = -INFINITY;
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    mlrt_destroy_tree(tree);
+}
+
+/* Who asks about a triangle behind the first one, or one that the ray skips, has a reason. */
+static void shadow_rays_of_any_hit(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    struct shadow_call call = good_shadow_call();
+    call.hit.triangle = 1;
+    assert_shadow_call(tree, &call, MLRT_OK);
+    call.ray.flags = MLRT_RAY_SKIP;
+    call.ray.skip_triangle = 1;
+    assert_shadow_call(tree, &call, MLRT_OK);
+    mlrt_destroy_tree(tree);
+}
+
+static void shadow_rays_of_triangles_that_do_not_exist(void **state)
+{
+    (void)state;
+    static const uint32_t wrong[][2] = {{1, 0}, {0, 2}, {MLRT_NONE, MLRT_NONE}, {0, MLRT_NONE}, {MLRT_NONE, 0}};
+    mlrt_tree *tree = some_tree();
+    for (size_t i = 0; i < 5; i++) {
+        struct shadow_call call = good_shadow_call();
+        call.hit.mesh = wrong[i][0];
+        call.hit.triangle = wrong[i][1];
+        assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    }
+    mlrt_destroy_tree(tree);
+    assert_int_equal(mlrt_build_kdtree(NULL, 0, NULL, &tree), MLRT_OK);
+    const struct shadow_call call = good_shadow_call();
+    assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+    mlrt_destroy_tree(tree);
+}
+
+/* They are never hit: without an area, or with a corner that is not finite. */
+static void shadow_rays_of_triangles_that_were_left_out(void **state)
+{
+    (void)state;
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 4; i++) {
+        float left_out[9] = {-9, -9, 5, 9, -9, 5, 0, 9, 5};
+        if (i < 3) {
+            left_out[i] = bad[i];
+        } else {
+            memcpy(left_out + 6, left_out, 12);
+        }
+        const mlrt_mesh mesh = {
+            .struct_size = sizeof mesh, .vertices = left_out, .vertex_count = 3, .triangle_count = 1};
+        mlrt_tree *tree;
+        assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+        for (int kind = 0; kind < 2; kind++) {
+            struct shadow_call call = good_shadow_call();
+            call.light.kind = kind;
+            assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
+        }
+        mlrt_destroy_tree(tree);
+    }
+}
+
 static void offset_errors(void **state)
 {
     (void)state;
@@ -910,6 +1200,9 @@ struct answers {
     uint8_t any_pixel[20 * 20];
     uint8_t shadow[64];
     uint8_t directional[64];
+    uint8_t pixel_shadow[20 * 20];
+    float shadow_ray[2][6];
+    int32_t faces[2];
     float list_t[4 * 64];
     uint8_t list_crossing[4 * 64];
     uint32_t list_total[64];
@@ -924,6 +1217,8 @@ struct environment {
     float origins[64][3];
     float directions[64][3];
     mlrt_camera camera;
+    float eye[3]; /* of a ray that hits a denormal triangle */
+    float to_denormals[3];
 };
 
 static void make_environment(struct environment *e)
@@ -948,6 +1243,12 @@ static void make_environment(struct environment *e)
     e->directions[61][2] = INFINITY;
     memset(e->directions[62], 0, sizeof e->directions[62]);
     for (int k = 0; k < 3; k++) e->directions[63][k] = 3e38f, e->origins[63][k] = -3e38f;
+    const float *p = e->soup.corners + 9 * 150;
+    for (int k = 0; k < 3; k++) {
+        const double middle = ((double)p[k] + (double)p[k + 3] + (double)p[k + 6]) / 3;
+        e->eye[k] = (float)(1e-38 * (k + 1));
+        e->to_denormals[k] = (float)(1e38 * (middle - (double)e->eye[k]));
+    }
     e->camera = look_at(eye, target, 1, 20, 20);
     e->camera.dx[0] = 1e-40f;
 }
@@ -961,6 +1262,22 @@ static int32_t compute_single(const struct environment *e, const mlrt_tree *tree
     memcpy(ray.direction, e->directions[i], sizeof ray.direction);
     int32_t status = mlrt_trace_ray(tree, &ray, options, &hit);
     *out = (struct reference_hit){hit.t, hit.u, hit.v, hit.mesh, hit.triangle, hit.facing};
+    return status;
+}
+
+/* That of the middle of the first triangle among the denormal ones. */
+static int32_t compute_shadow_ray(const struct environment *e, const mlrt_tree *tree, const mlrt_light *light,
+                                  int32_t *faces, float out[6])
+{
+    mlrt_ray ray = {.struct_size = sizeof ray}, shadow = {.struct_size = sizeof shadow};
+    const mlrt_hit hit = {.struct_size = sizeof hit, .triangle = 150};
+    for (int k = 0; k < 3; k++) { // without arithmetic on floats, which the caller's environment could change
+        ray.origin[k] = e->eye[k];
+        ray.direction[k] = e->to_denormals[k];
+    }
+    const int32_t status = mlrt_shadow_ray(tree, &ray, &hit, light, &shadow, faces);
+    memcpy(out, shadow.origin, sizeof shadow.origin);
+    memcpy(out + 3, shadow.direction, sizeof shadow.direction);
     return status;
 }
 
@@ -1004,6 +1321,13 @@ static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_
     mlrt_array directional = {a->directional, 0, 0};
     status += mlrt_occluded_points(tree, &points, &light, &options, &shadow);
     status += mlrt_occluded_points(tree, &points, &sun, &options, &directional);
+    const mlrt_light lights[2] = {light, sun};
+    mlrt_hits shadows = {.struct_size = sizeof shadows, .occluded = {a->pixel_shadow, 0, 0}};
+    options.query = MLRT_QUERY_CLOSEST;
+    options.lights = lights;
+    options.light_count = 2;
+    status += mlrt_render_tiles(tree, &e->camera, &options, &shadows, NULL, NULL);
+    for (int i = 0; i < 2; i++) status += compute_shadow_ray(e, tree, &lights[i], a->faces + i, a->shadow_ray[i]);
     for (uint32_t i = 0; i < 150; i += 149) status += mlrt_offset_point(tree, 0, 150 + i, 0.3f, 0.3f, 1, a->point);
     mlrt_destroy_tree(tree);
     return status;
@@ -1300,6 +1624,18 @@ int main(void)
         cmocka_unit_test(pictures_that_are_too_large),
         cmocka_unit_test(rendering_without_arguments),
         cmocka_unit_test(occlusion_errors),
+        cmocka_unit_test(lights_of_a_picture),
+        cmocka_unit_test(pictures_without_lights_have_no_shadows),
+        cmocka_unit_test(lights_that_are_wrong),
+        cmocka_unit_test(lights_of_different_sizes),
+        cmocka_unit_test(lights_where_there_are_none),
+        cmocka_unit_test(shadow_rays_without_arguments),
+        cmocka_unit_test(shadow_rays_with_wrong_struct_sizes),
+        cmocka_unit_test(shadow_rays_of_wrong_lights_and_rays),
+        cmocka_unit_test(shadow_rays_of_misses),
+        cmocka_unit_test(shadow_rays_of_any_hit),
+        cmocka_unit_test(shadow_rays_of_triangles_that_do_not_exist),
+        cmocka_unit_test(shadow_rays_of_triangles_that_were_left_out),
         cmocka_unit_test(offset_errors),
         cmocka_unit_test(nothing_is_printed),
         cmocka_unit_test(callers_that_flush_denormals),

@@ -155,6 +155,69 @@ static void newer_structs(void **state)
     assert_int_equal(mlrt_build_kdtree(&meshes[0].own, 2, NULL, &tree), MLRT_ERROR_STRUCT_SIZE);
 }
 
+/* What options had before there were lights: what lies behind is somebody else's. */
+static void options_from_before_there_were_lights(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = build_one();
+    const mlrt_camera camera = {
+        .struct_size = sizeof camera, .width = 2, .height = 2, .d00 = {0, 0, 1}, .dx = {0.05f}, .dy = {0, 0.05f, 0}};
+    mlrt_trace_options options = {
+        .struct_size = offsetof(mlrt_trace_options, lights), .light_count = 77, .reserved = 78};
+    options.lights = (const mlrt_light *)(uintptr_t)16;
+    float t[4] = {0};
+    uint8_t occluded[4];
+    mlrt_hits frame = {.struct_size = sizeof frame, .t = {t, 0, 0}};
+    assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+    assert_true(t[3] == 5);
+    frame.occluded.data = occluded;
+    assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    mlrt_destroy_tree(tree);
+}
+
+/* Lights of a newer version, with room behind each. */
+static void newer_lights(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = build_one();
+    const mlrt_camera camera = {
+        .struct_size = sizeof camera, .width = 2, .height = 2, .d00 = {0, 0, 1}, .dx = {0.05f}, .dy = {0, 0.05f, 0}};
+    NEWER(mlrt_light) lights[3];
+    for (int i = 0; i < 3; i++) {
+        memset(&lights[i], 0, sizeof lights[i]);
+        lights[i].own = (mlrt_light){.struct_size = sizeof lights[i], .position = {0, 0, i == 1 ? 9.0f : 1.0f}};
+    }
+    const mlrt_trace_options options = {.struct_size = sizeof options, .lights = &lights[0].own, .light_count = 3};
+    uint8_t occluded[4];
+    const mlrt_hits frame = {.struct_size = sizeof frame, .occluded = {occluded, 0, 0}};
+    assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+    for (int i = 0; i < 4; i++) assert_int_equal(occluded[i], 2);
+    lights[2].more[3] = 1;
+    assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), MLRT_ERROR_STRUCT_SIZE);
+    mlrt_destroy_tree(tree);
+}
+
+static void shadow_rays_of_newer_structs(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = build_one();
+    NEWER(mlrt_ray)
+    ray = {.own = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}}};
+    NEWER(mlrt_hit) hit = {.own = {.struct_size = sizeof hit}};
+    NEWER(mlrt_light) light = {.own = {.struct_size = sizeof light, .position = {1, 2, 3}}};
+    NEWER(mlrt_ray) shadow = {.own = {.struct_size = sizeof shadow}, .more = {1, 2, 3, 4}};
+    int32_t faces;
+    assert_int_equal(mlrt_shadow_ray(tree, &ray.own, &hit.own, &light.own, &shadow.own, &faces), MLRT_OK);
+    assert_int_equal(faces, 1);
+    assert_int_equal(shadow.own.struct_size, sizeof shadow);
+    assert_true(shadow.own.t_max == 1);
+    for (int i = 0; i < 4; i++) assert_int_equal(shadow.more[i], 0);
+    hit.more[0] = 1;
+    assert_int_equal(mlrt_shadow_ray(tree, &ray.own, &hit.own, &light.own, &shadow.own, &faces),
+                     MLRT_ERROR_STRUCT_SIZE);
+    mlrt_destroy_tree(tree);
+}
+
 /* With MLRT_QUERY_ANY only `occluded` is written, whatever the length. */
 static void fields_that_the_query_does_not_write_stay(void **state)
 {
@@ -220,6 +283,9 @@ int main(void)
         cmocka_unit_test(results_are_as_long_as_the_callers_struct),
         cmocka_unit_test(older_structs),
         cmocka_unit_test(newer_structs),
+        cmocka_unit_test(options_from_before_there_were_lights),
+        cmocka_unit_test(newer_lights),
+        cmocka_unit_test(shadow_rays_of_newer_structs),
         cmocka_unit_test(fields_that_the_query_does_not_write_stay),
         cmocka_unit_test(sizes_of_structs),
         cmocka_unit_test(capabilities_are_what_can_be_asked_for),

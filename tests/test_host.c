@@ -131,7 +131,7 @@ static struct soup some_soup(size_t count)
     return soup;
 }
 
-enum { BUILD_BOXES, BUILD_KDTREE, TRACE, TRACE_ALL, RENDER, OCCLUDE, CALL_COUNT };
+enum { BUILD_BOXES, BUILD_KDTREE, TRACE, TRACE_ALL, RENDER, RENDER_SHADOWS, OCCLUDE, CALL_COUNT };
 
 #define SIDE 256
 #define RAYS (SIDE * SIDE)
@@ -160,7 +160,7 @@ static int32_t make_call(const struct scene *scene, int kind, const mlrt_host *h
                                       .pool = pool,
                                       .host = host,
                                       .structures = kind == BUILD_KDTREE ? MLRT_STRUCTURE_KDTREE : 0};
-    const mlrt_trace_options trace = {
+    mlrt_trace_options trace = {
         .struct_size = sizeof trace, .pool = pool, .host = host, .outputs = MLRT_OUTPUT_T | MLRT_OUTPUT_IDS};
     const mlrt_rays rays = {.struct_size = sizeof rays,
                             .count = RAYS,
@@ -169,6 +169,7 @@ static int32_t make_call(const struct scene *scene, int kind, const mlrt_host *h
     const mlrt_points points = {.struct_size = sizeof points, .count = RAYS, .positions = {scene->directions, 0}};
     const mlrt_light light = {.struct_size = sizeof light, .position = {1, 2, 3}};
     const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {scene->ids, 0, 0}};
+    const mlrt_hits shadows = {.struct_size = sizeof shadows, .occluded = {scene->occluded, 0, 0}};
     const mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = 1, .triangle = {scene->ids, 0, 0}};
     const mlrt_array occluded = {scene->occluded, 0, 0};
     mlrt_tree *tree = (mlrt_tree *)(uintptr_t)16;
@@ -184,6 +185,11 @@ static int32_t make_call(const struct scene *scene, int kind, const mlrt_host *h
         return mlrt_trace_packet(scene->tree, &rays, &trace, &hits);
     case TRACE_ALL:
         return mlrt_trace_all_hits(scene->tree, &rays, &trace, &lists);
+    case RENDER_SHADOWS:
+        trace.lights = &light;
+        trace.light_count = 1;
+        trace.outputs = MLRT_OUTPUT_OCCLUDED;
+        return mlrt_render_tiles(scene->tree, &scene->camera, &trace, &shadows, ignore_tile, NULL);
     case RENDER:
         return mlrt_render_tiles(scene->tree, &scene->camera, &trace, &hits, ignore_tile, NULL);
     default:

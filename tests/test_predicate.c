@@ -226,6 +226,30 @@ static void make_wide_corner(struct test_case *test)
     }
 }
 
+/* A point and how far it is from there to the plane, or to a vertex: the sum cancels, or is in the plane. */
+static void make_sum_in_plane(struct test_case *test)
+{
+    fill(test, next_random() % 4 ? grid_point : small_integer);
+    const int is_far = next_random() % 2;
+    const float s = small_integer(), t = small_integer(), far = is_far ? 0x1p16f : 0;
+    for (int k = 0; k < 3; ++k) {
+        const float a = test->triangle.v[0][k], ab = test->triangle.v[1][k] - a, ac = test->triangle.v[2][k] - a;
+        test->ray.origin[k] += far;
+        test->ray.direction[k] = a + s * ab + t * ac - test->ray.origin[k];
+    }
+}
+
+/* Likewise where neither of the two is near the triangle, and their sum is not a float. */
+static void make_sum_of_any_sizes(struct test_case *test)
+{
+    fill(test, unit_float);
+    const float size = next_random() % 2 ? 0x1p60f : 0x1p10f;
+    for (int k = 0; k < 3; ++k) {
+        test->ray.origin[k] *= size;
+        test->ray.direction[k] = test->triangle.v[next_random() % 3][k] - test->ray.origin[k];
+    }
+}
+
 /* Moves a coordinate or two by a few steps, so that what was equal is now close. */
 static void disturb(struct test_case *test)
 {
@@ -414,6 +438,18 @@ static void check(int condition, const char *what, const struct test_case *test)
     if (!condition) fail_case(what, test);
 }
 
+/* The origin plus the direction, as a point. */
+static void check_sum(const struct test_case *test)
+{
+    struct integers *z = &first_integers;
+    mpz_sub(z->x, z->d, z->n);
+    const int side = mpz_sgn(z->x);
+    const float *from = test->ray.origin, *by = test->ray.direction;
+    check(mlrt_side_of_sum(&test->triangle, from, by) == side, "side_of_sum", test);
+    check(mlrt_side_of_sum(&test->triangle, by, from) == side, "side_of_sum, swapped", test);
+    check(side_of_sum_exactly(&test->triangle, from, by) == side, "side_of_sum_exactly", test);
+}
+
 static void check_triangle(const struct test_case *test)
 {
     struct integers *z = &first_integers;
@@ -423,6 +459,7 @@ static void check_triangle(const struct test_case *test)
     int side = -mpz_sgn(z->n);
     check(mlrt_side_of_plane(&test->triangle, test->ray.origin) == side, "side_of_plane", test);
     check(side_of_plane_exactly(&test->triangle, test->ray.origin) == side, "side_of_plane_exactly", test);
+    check_sum(test);
 }
 
 static void check_hit(const struct test_case *test)
@@ -516,6 +553,35 @@ static void small_integers(void **state)
 {
     (void)state;
     check_kind(make_small_integers, 2, CASES_PER_KIND / 50);
+}
+
+static void sums_in_the_plane(void **state)
+{
+    (void)state;
+    int zero_count = 0;
+    random_state = 30;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test;
+        make_sum_in_plane(&test);
+        if (i % 4 == 3) disturb(&test);
+        set_integers(&first_integers, &test);
+        check_sum(&test);
+        zero_count += mlrt_side_of_sum(&test.triangle, test.ray.origin, test.ray.direction) == 0;
+    }
+    assert_in_range(zero_count, CASES_PER_KIND / 2, CASES_PER_KIND - CASES_PER_KIND / 10);
+}
+
+static void sums_of_any_sizes(void **state)
+{
+    (void)state;
+    random_state = 31;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test;
+        make_sum_of_any_sizes(&test);
+        if (i % 2) disturb(&test);
+        set_integers(&first_integers, &test);
+        check_sum(&test);
+    }
 }
 
 static void any_exponents(void **state)
@@ -1056,6 +1122,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ordinary_rays),
         cmocka_unit_test(small_integers),
+        cmocka_unit_test(sums_in_the_plane),
+        cmocka_unit_test(sums_of_any_sizes),
         cmocka_unit_test(any_exponents),
         cmocka_unit_test(extremes_in_one_triangle),
         cmocka_unit_test(far_from_the_origin),

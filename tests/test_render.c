@@ -540,7 +540,7 @@ static void a_callback_gets_what_it_asked_for(void **state)
     const float eye[3] = {0.3f, -3, 1}, target[3] = {0, 0, 0};
     struct fixture fixture = torus();
     mlrt_camera camera = look_at(eye, target, 1, WIDTH, HEIGHT);
-    for (uint32_t outputs = 0; outputs < 32; outputs++) {
+    for (uint32_t outputs = 0; outputs < 64; outputs++) {
         float t[WIDTH * HEIGHT];
         struct asked asked = {outputs, 0};
         mlrt_hits frame = {.struct_size = sizeof frame, .t = {t, 0, 0}};
