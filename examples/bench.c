@@ -8,9 +8,10 @@
  *     bench --study build                            seconds and bytes per triangle
  *
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
- * millions of rays per second (medians), the way to call Embree that was the fastest, ratios, and how many answers of
- * the library differ from those of Embree robust, which is no error: where two triangles are equally near, either may
- * be named.
+ * millions of rays per second (medians; of pictures, lit ones too, that is pixels), the way to call Embree that was the
+ * fastest, ratios, and how many answers of the library differ from those of Embree robust, which is no error: where two
+ * triangles are equally near, either may be named. After `lit` follows what shadows alone cost, if `frame` was measured
+ * as well: a line `lit-frame` with pixels by the difference of the two times, for each who takes part.
  *
  * Exit codes: 0, 1 if something failed or answers are wrong, 2 for a mistake on the command line.
  */
@@ -41,7 +42,7 @@ static void report_spin(const struct contest *contest)
     }
 }
 
-static void print_csv(const struct contest *contest)
+static void print_csv_lines(const struct contest *contest)
 {
     for (size_t i = 0; i < contest->count; i++) {
         const struct contender *c = &contest->contenders[i];
@@ -50,6 +51,11 @@ static void print_csv(const struct contest *contest)
         putchar('\n');
     }
     fflush(stdout);
+}
+
+static void print_csv(const struct contest *contest)
+{
+    print_csv_lines(contest);
     report_spin(contest);
 }
 
@@ -74,7 +80,7 @@ static void print_row(const struct contest *contest, const struct contender *con
 {
     const struct contender *fast = find_contender(contest, PEER_FAST, contender->threads);
     const struct contender *robust = find_contender(contest, PEER_ROBUST, contender->threads);
-    printf("%-8s %-10s %-7s %3u ", kind_names[contest->task->kind], method_names[contender->method],
+    printf("%-9s %-10s %-7s %3u ", kind_names[contest->task->kind], method_names[contender->method],
            isa_names[contender->isa], (unsigned)contender->threads);
     if (contender->unsupported) {
         printf("unsupported\n");
@@ -99,11 +105,28 @@ static void print_table(const struct contest *contest)
     }
 }
 
+// What shadows alone cost everyone: one over the time of a lit frame less that of a frame. 0 where chance leaves no
+// time.
+static void print_difference(const struct contest *lit, const struct contest *frame, int csv)
+{
+    struct contest difference = *lit;
+    struct task task = *lit->task;
+    task.kind = LIT_LESS_FRAME;
+    difference.task = &task;
+    for (size_t i = 0; i < difference.count; i++) {
+        struct contender *c = &difference.contenders[i];
+        if (c->unsupported || c->who == SPIN_LOOP) continue;
+        const double microseconds = 1 / c->mrays - 1 / frame->contenders[i].mrays;
+        c->mrays = microseconds > 0 ? 1 / microseconds : 0;
+    }
+    (csv ? print_csv_lines : print_table)(&difference);
+}
+
 static void print_head(const struct subject *subject, uint32_t size, double build_seconds)
 {
     printf("\n%s: %zu triangles, %lu x %lu pixels, tree built in %.2f s\n", subject->name,
            subject->scene.triangle_count, (unsigned long)size, (unsigned long)size, build_seconds);
-    printf("%-8s %-10s %-7s %3s %8s", "kind", "method", "isa", "thr", "Mray/s");
+    printf("%-9s %-10s %-7s %3s %8s", "kind", "method", "isa", "thr", "Mray/s");
     if (have_peer()) {
         printf(" %8s %-3s %8s %-3s %7s %7s %9s %9s", "E. fast", "by", "E.robust", "by", "/ fast", "/robust", "differ",
                "fast diff");
@@ -117,14 +140,16 @@ static void print_head(const struct subject *subject, uint32_t size, double buil
 static int bench_scene(const struct bench_settings *settings, const char *word)
 {
     struct arena arena;
+    struct contest contest, frame = {.count = 0};
     int failed = open_arena(settings, word, &arena) || set_size(&arena.subject, settings->size);
     if (!failed && arena.tree && !settings->csv) print_head(&arena.subject, settings->size, arena.build_seconds);
     for (int kind = 0; kind < KIND_COUNT && arena.tree && !failed; kind++) {
         if (!(settings->kinds & 1u << kind)) continue;
-        struct contest contest;
         struct task task;
         failed = start_contest(settings, &arena, (enum kind)kind, &task, &contest) || hold_contest(&contest);
         if (!failed) (settings->csv ? print_csv : print_table)(&contest);
+        if (!failed && kind == FRAME) frame = contest;
+        if (!failed && kind == LIT && frame.count) print_difference(&contest, &frame, settings->csv);
         free_task(&task);
     }
     close_arena(&arena);
@@ -146,7 +171,8 @@ static int bench_scenes(const struct bench_settings *settings)
 // The kinds of the command line: "array" asks for rows and for lists.
 static uint32_t kinds_of(uint32_t words)
 {
-    static const uint32_t kinds[] = {1u << FRAME,    1u << PRIMARY, 1u << SHADOW, 1u << SUN, 1u << ARRAY | 1u << LIST,
+    static const uint32_t kinds[] = {1u << FRAME,    1u << LIT,   1u << PRIMARY,
+                                     1u << SHADOW,   1u << SUN,   1u << ARRAY | 1u << LIST,
                                      1u << PARALLEL, 1u << BOUNCE};
     uint32_t result = 0;
     for (size_t i = 0; i < LENGTH(kinds); i++) result |= words & 1u << i ? kinds[i] : 0;
@@ -183,8 +209,10 @@ int main(int argc, char **argv)
         {OPTION_TEXT, "--view", &settings.view, "FILE.json:SCENE/VIEW", "one view for all scenes", 0, 0},
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
          16384},
-        {OPTION_SET, "--kind", &kind_words, "frame,primary,shadow,sun,array,parallel,bounce",
-         "kinds of rays, a list (default: all)", 0, 0},
+        {OPTION_SET, "--kind", &kind_words, "frame,lit,primary,shadow,sun,array,parallel,bounce",
+         "kinds of rays, a list (default: all);\nlit is a frame with shadows, after frame also the difference, "
+         "lit-frame",
+         0, 0},
         {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build",
          "time against the number of triangles or pixels; building. CSV", STUDY_NONE, 0},
         {OPTION_HEADING, NULL, NULL, NULL, "How:", 0, 0},

@@ -24,6 +24,7 @@ BLUE, BLACK, GREY = "#0072B2", "#000000", "#777777"
 
 KINDS = {
     "frame": "frame: rays made, traced, shaded",
+    "lit": "lit: and shadow rays to a light",
     "primary": "primary: rays made, traced",
     "shadow": "shadow: light to hits",
     "sun": "sun: hits in one direction",

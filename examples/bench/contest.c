@@ -82,16 +82,20 @@ static void choose_variant(const struct contest *contest, struct contender *cont
 /* ---- comparing ----------------------------------------------------------------------------------------------------
  */
 
-// What everybody says. Frames are asked for their triangles as well.
+// What everybody says. Pictures that are shaded are asked for what they were shaded by as well.
 static int32_t answer(const struct contest *contest, const struct contender *contender, const struct answers *answers)
 {
     const int32_t status = run_once(contest, contender, contest->task, answers);
-    if (contest->task->kind != FRAME || status != MLRT_OK) return status;
-    struct task primary = *contest->task;
+    if (!answers->rgba || status != MLRT_OK) return status;
+    struct task unshaded = *contest->task;
+    struct answers others = *answers;
     struct contender again = *contender;
-    primary.kind = PRIMARY;
-    if (contender->who != LIBRARY) again.variant = 0;
-    return run_once(contest, &again, &primary, answers);
+    others.rgba = NULL;
+    if (unshaded.kind == FRAME) {
+        unshaded.kind = PRIMARY;
+        if (contender->who != LIBRARY) again.variant = 0;
+    }
+    return run_once(contest, &again, &unshaded, &others);
 }
 
 // The peer's answers to a stream, in the order of the elements.
@@ -123,8 +127,8 @@ static size_t count_differences(const struct task *task, const struct answers *a
     return count;
 }
 
-// Pictures may differ by rounding, and where the triangles do. Normals of slivers are nothing but rounding: of
-// dragon_x9 five pixels in a million differ by more than a level.
+// Pictures may differ by rounding, and where the triangles or shadows do. Normals of slivers are nothing but rounding:
+// of dragon_x9 five pixels in a million differ by more than a level.
 #define SLIVERS 1e-5
 
 static int compare_pictures(const struct task *task, const struct answers *a, const struct answers *b, const char *who)
@@ -132,7 +136,8 @@ static int compare_pictures(const struct task *task, const struct answers *a, co
     size_t wrong = 0;
     for (size_t i = 0; i < task->element_count && a->rgba; i++) {
         const int difference = (int)(a->rgba[i] & 255) - (int)(b->rgba[i] & 255);
-        wrong += a->triangles[i] == b->triangles[i] && abs(difference) > 1;
+        const int is_same = a->triangles[i] == b->triangles[i] && (!a->occluded || a->occluded[i] == b->occluded[i]);
+        wrong += is_same && abs(difference) > 1;
     }
     if (wrong)
         fprintf(stderr, "%s: %zu pixels of the picture differ from those of %s\n", task->subject->name, wrong, who);
@@ -162,6 +167,35 @@ static void copy_element(const struct task *task, uint32_t element, struct sampl
     }
 }
 
+// A pixel of a lit picture, ray by ray: what it sees, and whether something lies between that and the light.
+static int32_t ask_pixel(const struct contest *contest, const mlrt_trace_options *options, size_t i,
+                         struct sample *sample)
+{
+    const mlrt_light light = light_of(contest->task->subject);
+    const float *o = sample->origins[i], *d = sample->directions[i];
+    const mlrt_ray ray = {.struct_size = sizeof ray, .origin = {o[0], o[1], o[2]}, .direction = {d[0], d[1], d[2]}};
+    mlrt_trace_options any = *options;
+    mlrt_ray shadow = {.struct_size = sizeof shadow};
+    mlrt_hit hit = {.struct_size = sizeof hit}, between = {.struct_size = sizeof between};
+    int32_t faces = 0;
+    int32_t status = mlrt_trace_ray(contest->tree, &ray, options, &hit);
+    sample->triangles[i] = hit.triangle;
+    sample->occluded[i] = 0;
+    if (status != MLRT_OK || hit.triangle == MLRT_NONE) return status;
+    status = mlrt_shadow_ray(contest->tree, &ray, &hit, &light, &shadow, &faces);
+    any.query = MLRT_QUERY_ANY;
+    if (status == MLRT_OK && faces) status = mlrt_trace_ray(contest->tree, &shadow, &any, &between);
+    sample->occluded[i] = !faces || between.occluded;
+    return status;
+}
+
+static int32_t ask_pixels(const struct contest *contest, const mlrt_trace_options *options, struct sample *sample)
+{
+    int32_t status = MLRT_OK;
+    for (size_t i = 0; i < sample->count && status == MLRT_OK; i++) status = ask_pixel(contest, options, i, sample);
+    return status;
+}
+
 static int32_t ask_other_method(const struct contest *contest, int32_t method, struct sample *sample)
 {
     struct task task = {.kind = is_shadow(contest->task->kind) ? contest->task->kind : LIST,
@@ -174,13 +208,15 @@ static int32_t ask_other_method(const struct contest *contest, int32_t method, s
     const struct answers answers = {.triangles = sample->triangles, .t = sample->t, .occluded = sample->occluded};
     const mlrt_trace_options options = {.struct_size = sizeof options,
                                         .method = method == MLRT_METHOD_RAY ? MLRT_METHOD_DEFAULT : MLRT_METHOD_RAY};
+    if (contest->task->kind == LIT) return ask_pixels(contest, &options, sample);
     return run_library(contest->tree, &options, &task, &answers);
 }
 
 static int sample_differs(const struct sample *sample, const struct answers *answers, size_t i)
 {
     const uint32_t element = sample->elements[i];
-    if (answers->occluded) return answers->occluded[element] != sample->occluded[i];
+    if (answers->occluded && answers->occluded[element] != sample->occluded[i]) return 1;
+    if (!answers->triangles) return 0;
     return answers->triangles[element] != sample->triangles[i] ||
            (answers->t && memcmp(&answers->t[element], &sample->t[i], sizeof sample->t[i]) != 0);
 }

@@ -113,7 +113,9 @@ struct picture {
     const struct normal *normals;
     uint32_t triangle_count;
     uint32_t *triangles, *rgba;
+    uint8_t *occluded; // lit: without `rgba`
     int own_normals;
+    float light[3];
     int32_t lane_columns[16], lane_rows[16]; // in memory: worked out from numbers of lanes they are not vectors
 };
 
@@ -224,24 +226,34 @@ static const struct variant {
     void (*picture)(const struct picture *picture, uint32_t column, uint32_t row);
     void (*closest)(const struct batch *batch, size_t first, size_t end);
     void (*any)(const struct batch *batch, size_t first, size_t end);
-    int table; // only frames
+    void (*lit)(const struct picture *picture, uint32_t column, uint32_t row);
+    int table; // only frames, lit or not
 } variants[PEER_VARIANT_COUNT] = {
-    {"16", trace_picture_16, trace_closest_16, trace_any_16, 0},
-    {"8", trace_picture_8, trace_closest_8, trace_any_8, 0},
-    {"4", trace_picture_4, trace_closest_4, trace_any_4, 0},
-    {"1", trace_picture_1, trace_closest_1, trace_any_1, 0},
-    {"NM", NULL, trace_closest_stream, trace_any_stream, 0},
-    {"16t", trace_picture_16, NULL, NULL, 1},
-    {"8t", trace_picture_8, NULL, NULL, 1},
-    {"4t", trace_picture_4, NULL, NULL, 1},
-    {"1t", trace_picture_1, NULL, NULL, 1},
+    {"16", trace_picture_16, trace_closest_16, trace_any_16, trace_lit_16, 0},
+    {"8", trace_picture_8, trace_closest_8, trace_any_8, trace_lit_8, 0},
+    {"4", trace_picture_4, trace_closest_4, trace_any_4, trace_lit_4, 0},
+    {"1", trace_picture_1, trace_closest_1, trace_any_1, trace_lit_1, 0},
+    {"NM", NULL, trace_closest_stream, trace_any_stream, NULL, 0},
+    {"16t", trace_picture_16, NULL, NULL, trace_lit_16, 1},
+    {"8t", trace_picture_8, NULL, NULL, trace_lit_8, 1},
+    {"4t", trace_picture_4, NULL, NULL, trace_lit_4, 1},
+    {"1t", trace_picture_1, NULL, NULL, trace_lit_1, 1},
 };
 
 const char *peer_variant_name(enum kind kind, int variant)
 {
     const struct variant *v = &variants[variant];
-    const int can = kind == FRAME ? v->picture != NULL : kind == PRIMARY ? v->picture && !v->table : v->closest != NULL;
-    return can ? v->name : NULL;
+    switch ((int)kind) {
+    case FRAME:
+        return v->picture ? v->name : NULL;
+    case LIT:
+    case LIT_LESS_FRAME:
+        return v->lit ? v->name : NULL;
+    case PRIMARY:
+        return v->picture && !v->table ? v->name : NULL;
+    default:
+        return v->closest ? v->name : NULL;
+    }
 }
 
 struct job {
@@ -249,6 +261,7 @@ struct job {
     struct picture picture;
     struct batch batch;
     uint32_t tiles_per_row;
+    int is_lit;
     int any;
 };
 
@@ -256,7 +269,7 @@ static void run_tile(const struct job *job, size_t item)
 {
     const uint32_t column = (uint32_t)(item % job->tiles_per_row) * TILE_SIDE;
     const uint32_t row = (uint32_t)(item / job->tiles_per_row) * TILE_SIDE;
-    job->variant->picture(&job->picture, column, row);
+    (job->is_lit ? job->variant->lit : job->variant->picture)(&job->picture, column, row);
 }
 
 static void run_batch(const struct job *job, size_t item)
@@ -288,8 +301,11 @@ static size_t start_picture(const struct peer *peer, const struct task *task, co
                                     .normals = subject->normals,
                                     .triangle_count = (uint32_t)subject->scene.triangle_count,
                                     .triangles = answers->triangles,
-                                    .rgba = task->kind == FRAME ? answers->rgba : NULL,
+                                    .rgba = task->kind == PRIMARY ? NULL : answers->rgba,
+                                    .occluded = answers->occluded,
                                     .own_normals = !job->variant->table};
+    memcpy(job->picture.light, subject->light, sizeof job->picture.light);
+    job->is_lit = task->kind == LIT;
     job->tiles_per_row = subject->camera.width / TILE_SIDE;
     return (size_t)job->tiles_per_row * (subject->camera.height / TILE_SIDE);
 }
@@ -309,9 +325,8 @@ void run_peer(const struct peer *peer, int variant, const struct task *task, str
               const struct answers *answers)
 {
     struct job job = {.variant = &variants[variant]};
-    const int is_picture = task->kind == FRAME || task->kind == PRIMARY;
     const size_t count =
-        is_picture ? start_picture(peer, task, answers, &job) : start_batches(peer, task, answers, &job);
+        is_picture(task->kind) ? start_picture(peer, task, answers, &job) : start_batches(peer, task, answers, &job);
     run_crew(crew, count, run_item, &job);
 }
 

@@ -2,6 +2,13 @@
 /* library.c - tasks done by the library: see contest.h */
 #include "contest.h"
 
+#include <string.h>
+
+struct copy_job {
+    const struct answers *answers;
+    uint32_t pitch;
+};
+
 static int32_t render_frame(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
                             const struct answers *answers)
 {
@@ -12,6 +19,36 @@ static int32_t render_frame(const mlrt_tree *tree, const mlrt_trace_options *opt
     mlrt_trace_options with_outputs = *options;
     with_outputs.outputs = MLRT_OUTPUT_TRIANGLE;
     return mlrt_render_tiles(tree, job.camera, &with_outputs, NULL, shade_tile_of_ids, &job);
+}
+
+// For MLRT_OUTPUT_TRIANGLE and MLRT_OUTPUT_OCCLUDED: what a lit tile would be shaded by.
+static int32_t copy_tile(void *user, const mlrt_tile *tile)
+{
+    const struct copy_job *job = user;
+    for (uint32_t j = 0; j < tile->height; j++) {
+        const size_t from = (size_t)j * tile->width, to = (size_t)(tile->y + j) * job->pitch + tile->x;
+        memcpy(job->answers->triangles + to, tile->triangle + from, tile->width * sizeof *tile->triangle);
+        memcpy(job->answers->occluded + to, tile->occluded + from, tile->width);
+    }
+    return 0;
+}
+
+// The shaded picture, or without one what it would be shaded by: asked for in the same way.
+static int32_t render_lit_frame(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
+                                const struct answers *answers)
+{
+    const mlrt_light light = light_of(task->subject);
+    struct shade_job job = {.camera = &task->subject->camera,
+                            .normals = task->subject->normals,
+                            .triangle_count = (uint32_t)task->subject->scene.triangle_count,
+                            .rgba = answers->rgba};
+    struct copy_job copy = {answers, job.camera->width};
+    mlrt_trace_options with_light = *options;
+    with_light.lights = &light;
+    with_light.light_count = 1;
+    with_light.outputs = MLRT_OUTPUT_TRIANGLE | MLRT_OUTPUT_OCCLUDED;
+    if (!job.rgba) return mlrt_render_tiles(tree, job.camera, &with_light, NULL, copy_tile, &copy);
+    return mlrt_render_tiles(tree, job.camera, &with_light, NULL, shade_lit_tile, &job);
 }
 
 static int32_t trace_primary(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
@@ -56,6 +93,8 @@ int32_t run_library(const mlrt_tree *tree, const mlrt_trace_options *options, co
     switch (task->kind) {
     case FRAME:
         return render_frame(tree, options, task, answers);
+    case LIT:
+        return render_lit_frame(tree, options, task, answers);
     case PRIMARY:
         return trace_primary(tree, options, task, answers);
     case SHADOW:

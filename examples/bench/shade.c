@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+enum { STRIP_ROWS = 4 };
+
 // Where the directions of a row are: start + x step, and then `row` is added. Numbers that nothing else can change.
 struct row {
     float start[3], step[3], row[3];
@@ -72,6 +74,29 @@ int32_t shade_tile_of_ids(void *user, const mlrt_tile *tile)
             shade_pixels(job, &row, tile->x + i, triangles + i, rgba + i);
         }
         if (i < tile->width) shade_rest(job, &row, tile->x + i, tile->width - i, triangles + i, rgba + i);
+    }
+    return 0;
+}
+
+static void darken_pixels(const uint8_t *restrict occluded, uint32_t count, uint32_t *restrict rgba)
+{
+    for (uint32_t i = 0; i < count; i++) rgba[i] = darken(rgba[i], occluded[i]);
+}
+
+// A few rows at a time: a tile's rows in the picture can be so far apart that they do not stay in the cache.
+int32_t shade_lit_tile(void *user, const mlrt_tile *tile)
+{
+    const struct shade_job *job = user;
+    mlrt_tile part = *tile;
+    for (uint32_t j = 0; j < tile->height; j += part.height) {
+        part.y = tile->y + j;
+        part.height = tile->height - j < STRIP_ROWS ? tile->height - j : STRIP_ROWS;
+        part.triangle = tile->triangle + (size_t)j * tile->width;
+        shade_tile_of_ids(user, &part);
+        for (uint32_t k = 0; k < part.height; k++) {
+            darken_pixels(tile->occluded + (size_t)(j + k) * tile->width, tile->width,
+                          job->rgba + (size_t)(part.y + k) * job->camera->width + tile->x);
+        }
     }
     return 0;
 }

@@ -33,6 +33,12 @@ static inline uint32_t grey_by_angle(float x, float y, float z, const struct nor
     return opaque_grey(255 * fabsf(product) / sqrtf(x * x + y * y + z * z) + normal->level);
 }
 
+// A quarter of the brightness where `is_dark` is not 0: what a shaded pixel of a lit picture becomes.
+static inline uint32_t darken(uint32_t rgba, uint32_t is_dark)
+{
+    return is_dark ? (rgba >> 2 & 0x3F3F3Fu) | 0xFF000000u : rgba;
+}
+
 // Looks up normals by component, and levels. MLRT_NONE, or whatever is not a triangle, is the background.
 static inline void gather_normals(const struct normal *normals, uint32_t triangle_count, const uint32_t *triangles,
                                   float n[4][SHADE_LANES])
@@ -51,7 +57,8 @@ struct shade_job {
     uint32_t *rgba; /* camera->width a row */
 };
 
-/* A tile callback for MLRT_OUTPUT_TRIANGLE; `user` is the struct shade_job. */
+/* Tile callbacks for MLRT_OUTPUT_TRIANGLE, and for MLRT_OUTPUT_OCCLUDED as well; `user` is the struct shade_job. */
 int32_t shade_tile_of_ids(void *user, const mlrt_tile *tile);
+int32_t shade_lit_tile(void *user, const mlrt_tile *tile);
 
 #endif

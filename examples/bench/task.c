@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const kind_names[KIND_COUNT] = {"frame", "primary", "shadow", "sun", "array", "list", "parallel", "bounce"};
+const char *const kind_names[KIND_COUNT + 1] = {"frame", "lit",  "primary",  "shadow", "sun",
+                                                "array", "list", "parallel", "bounce", "lit-frame"};
 
 enum { WIDTH = 16, BLOCK_SIDE = 4, REGION_SIDE = 64, LARGEST_SPHERE = 9 };
 
@@ -109,11 +110,7 @@ static uint32_t pixel_at(uint32_t size, size_t place)
     return y * size + x;
 }
 
-// Where Embree's shadow rays end. Points are a rounding error off their surfaces, which the library knows to skip; up
-// to 1, Embree finds 3 to 30 % of the points to be shaded by the triangle that they lie on.
-#define SHADOW_END 0.9999f
-
-// And where those towards the sun begin: its direction is as long as the light is far.
+// Where Embree's rays towards the sun begin: their direction is as long as the light is far.
 #define SUN_BEGIN 0.0001f
 
 static int allocate_stream(size_t count, int one_origin, int one_direction, struct stream *stream)
@@ -305,7 +302,7 @@ int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tr
     task->kind = kind;
     task->subject = subject;
     task->ray_count = task->element_count = subject->pixel_count;
-    if (kind == FRAME || kind == PRIMARY) return 0;
+    if (is_picture(kind)) return 0;
     if (kind == ARRAY || kind == LIST || kind == PARALLEL) return make_camera_arrays(task) || make_stream(task);
     struct view_hits hits = {NULL, NULL, NULL, NULL};
     task->ray_count = 0;
@@ -333,12 +330,10 @@ int make_answers(const struct task *task, struct answers *answers)
     const size_t n = (task->element_count + WIDTH - 1) / WIDTH * WIDTH;
     memset(answers, 0, sizeof *answers);
     int failed = 0;
-    if (is_shadow(task->kind))
-        failed = !(answers->occluded = allocate(n, 1));
-    else
-        failed = !(answers->triangles = allocate(n, sizeof *answers->triangles));
+    if (is_shadow(task->kind) || task->kind == LIT) failed = !(answers->occluded = allocate(n, 1));
+    if (!is_shadow(task->kind)) failed |= !(answers->triangles = allocate(n, sizeof *answers->triangles));
     if (task->kind >= ARRAY) failed |= !(answers->t = allocate(n, sizeof *answers->t));
-    if (task->kind == FRAME) failed |= !(answers->rgba = allocate(n, sizeof *answers->rgba));
+    if (task->kind == FRAME || task->kind == LIT) failed |= !(answers->rgba = allocate(n, sizeof *answers->rgba));
     return failed;
 }
 

@@ -3,7 +3,8 @@
  * task.h - a scene with a view, and the rays of each kind that all who take part are asked for
  *
  *     frame      rays of the camera, made while tracing; the closest hit, shaded, into a picture
- *     primary    the same rays, numbers of triangles into an array
+ *     lit        the same, and from each hit a shadow ray to the light: where it does not reach, the shade is darker
+ *     primary    the rays of frame, numbers of triangles into an array
  *     shadow     from the light to each hit of the view: is anything between
  *     sun        from each hit of the view in one direction: is anything there
  *     array      the camera's rays ready in arrays, in rows of pixels; numbers and distances into arrays
@@ -19,7 +20,13 @@
 
 #include <mlrt.h>
 
-enum kind { FRAME, PRIMARY, SHADOW, SUN, ARRAY, LIST, PARALLEL, BOUNCE, KIND_COUNT };
+enum kind { FRAME, LIT, PRIMARY, SHADOW, SUN, ARRAY, LIST, PARALLEL, BOUNCE, KIND_COUNT, LIT_LESS_FRAME = KIND_COUNT };
+
+/* Kinds whose rays nobody has made before. */
+static inline int is_picture(enum kind kind)
+{
+    return kind == FRAME || kind == LIT || kind == PRIMARY;
+}
 
 /* Kinds that ask whether anything is hit, of points with triangles to pass. */
 static inline int is_shadow(enum kind kind)
@@ -27,7 +34,13 @@ static inline int is_shadow(enum kind kind)
     return kind == SHADOW || kind == SUN;
 }
 
-extern const char *const kind_names[KIND_COUNT];
+/*
+ * Where Embree's shadow rays end that come from a light. Points are a rounding error off their surfaces, which the
+ * library knows to skip; up to 1, Embree finds 3 to 30 % of the points to be shaded by the triangle that they lie on.
+ */
+#define SHADOW_END 0.9999f
+
+extern const char *const kind_names[KIND_COUNT + 1];
 
 struct subject {
     char name[SCENE_NAME_SIZE];
@@ -49,6 +62,12 @@ int load_subject(const char *word, const char *views, const char *view, struct s
 int set_size(struct subject *subject, uint32_t size);
 
 void free_subject(struct subject *subject);
+
+static inline mlrt_light light_of(const struct subject *subject)
+{
+    const float *p = subject->light;
+    return (mlrt_light){.struct_size = sizeof(mlrt_light), .kind = MLRT_LIGHT_POINT, .position = {p[0], p[1], p[2]}};
+}
 
 /* Pixel (column, row) of a camera: the arithmetic of mlrt.h. */
 void camera_direction(const mlrt_camera *camera, uint32_t column, uint32_t row, float direction[3]);
@@ -74,7 +93,7 @@ struct task {
     float (*directions)[3];
     float sun[3];         /* sun: the direction towards it */
     uint32_t (*skip)[2];  /* shadow, sun: the triangles that points lie on */
-    struct stream stream; /* not for frame and primary */
+    struct stream stream; /* not of pictures */
 };
 
 /* Prepares the rays, using the pool. Returns 0, or 1 after saying on stderr what is wrong. Free it either way. */
@@ -85,7 +104,7 @@ void free_task(struct task *task);
 struct answers {
     uint32_t *triangles; /* MLRT_NONE = miss. Of frames, only when asked for as primary */
     float *t;
-    uint8_t *occluded;
+    uint8_t *occluded; /* lit: 1 = a hit that the light does not reach. Its `triangles` and this only without `rgba` */
     uint32_t *rgba;
 };
 
