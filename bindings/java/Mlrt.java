@@ -66,7 +66,8 @@ public final class Mlrt {
         L, "message_size", P, "pool", I, "structures", I, "reserved", P, "host", L, "memory_limit");
     static final StructLayout TRACE_OPTIONS = struct("mlrt_trace_options", I, "struct_size", I, "query", I, "method", I, "isa",
         I, "culling", I, "culling_check", I, "initial_tile_size", I, "minimum_tile_size", I, "split_factor",
-        I, "outputs", I, "shortcuts_off", I, "mask", P, "pool", P, "counters", P, "host");
+        I, "outputs", I, "shortcuts_off", I, "mask", P, "pool", P, "counters", P, "host",
+        P, "lights", I, "light_count", I, "reserved");
     static final StructLayout HITS = struct("mlrt_hits", I, "struct_size", I, "reserved", ARRAY, "t", ARRAY, "u", ARRAY, "v",
         ARRAY, "mesh", ARRAY, "triangle", ARRAY, "facing", ARRAY, "occluded");
     static final StructLayout RAYS = struct("mlrt_rays", I, "struct_size", I, "row_length", L, "count",

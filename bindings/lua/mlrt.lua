@@ -36,6 +36,7 @@ typedef struct mlrt_trace_options {
     uint32_t struct_size; int32_t query, method, isa, culling;
     uint32_t culling_check, initial_tile_size, minimum_tile_size, split_factor, outputs, shortcuts_off, mask;
     mlrt_pool *pool; void *counters; const void *host;
+    const void *lights; uint32_t light_count, reserved;
 } mlrt_trace_options;
 typedef struct mlrt_hits {
     uint32_t struct_size, reserved;

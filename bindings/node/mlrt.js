@@ -43,7 +43,7 @@ const structs = {
         struct_size: 'uint32_t', query: 'int32_t', method: 'int32_t', isa: 'int32_t', culling: 'int32_t',
         culling_check: 'uint32_t', initial_tile_size: 'uint32_t', minimum_tile_size: 'uint32_t',
         split_factor: 'uint32_t', outputs: 'uint32_t', shortcuts_off: 'uint32_t', mask: 'uint32_t', pool: 'void *',
-        counters: 'void *', host: 'void *',
+        counters: 'void *', host: 'void *', lights: 'const void *', light_count: 'uint32_t', reserved: 'uint32_t',
     },
 };
 const types = Object.fromEntries(Object.entries(structs).map(([name, fields]) => [name, koffi.struct(name, fields)]));

@@ -25,6 +25,7 @@ from ._errors import (
     TooLargeError,
     UnsupportedError,
 )
+from ._lights import DirectionalLight
 from ._meshes import geometry_hash, geometry_hash_of_meshes
 from ._pool import Pool
 from ._results import HitLists, Hits
@@ -55,6 +56,7 @@ __all__ = [
     "CancelledError",
     "Counters",
     "DataError",
+    "DirectionalLight",
     "Error",
     "HitLists",
     "Hits",

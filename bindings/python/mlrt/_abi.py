@@ -21,6 +21,8 @@ METHODS = {None: 0, "ray": 1, "packet2": 2, "packet4": 3, "multilevel": 4, "tile
 ISAS = {None: 0, "scalar": 1, "sse": 2, "avx2": 3, "avx512": 4}
 PROJECTIONS = {"pinhole": 0, "parallel": 1}
 QUERY_CLOSEST, QUERY_ANY = 0, 1
+LIGHT_POINT, LIGHT_DIRECTIONAL = 0, 1
+LIGHT_LIMIT = 8
 CAPABILITIES = {"sse": 1, "avx2": 2, "avx512": 4, "bvh": 8, "kdtree": 16}
 LOAD_IN_PLACE = 1
 LOG_ERROR, LOG_WARNING, LOG_INFO = 0, 1, 2
@@ -157,6 +159,10 @@ class Counters(Struct):
     ]
 
 
+class Light(Struct):
+    _fields_ = [("struct_size", c_uint32), ("kind", c_int32), ("position", Float3)]
+
+
 class TraceOptions(Struct):
     _fields_ = [
         ("struct_size", c_uint32),
@@ -174,6 +180,9 @@ class TraceOptions(Struct):
         ("pool", c_void_p),
         ("counters", POINTER(Counters)),
         ("host", c_void_p),
+        ("lights", POINTER(Light)),
+        ("light_count", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -332,6 +341,7 @@ STRUCT_NUMBERS: dict[Any, int] = {
     HitLists: 15,
     Camera: 16,
     Tile: 17,
+    Light: 18,
 }
 
 # Structs go in as pointers (or as bytes), handles as addresses.

@@ -26,26 +26,36 @@ def _check_names(outputs: Optional[Iterable[str]], known: tuple[str, ...]) -> tu
 
 
 _TYPES = (np.dtype(np.float32), np.dtype(np.uint32), np.dtype(np.int32))
+_WITHOUT_LIGHTS = Hits._fields[:-1]
 
 
 @lru_cache(maxsize=256)
-def _rows(names: Optional[tuple[str, ...]]) -> tuple[int, tuple[tuple[int, int], ...]]:
-    """How many rows a block of results has, and for each field of Hits its row and the number of its type; -1 = none."""
-    names = _check_names(names, Hits._fields)
-    rows = [(names.index(name) if name in names else -1, _TYPES.index(DTYPES[name])) for name in Hits._fields]
-    return len(names), tuple(rows)
+def _rows(names: Optional[tuple[str, ...]], lights: bool) -> tuple[int, tuple[tuple[int, int], ...], bool]:
+    """How many rows a block of results has, for each field of Hits but `occluded` its row and the number of its type (-1 = none),
+    and whether `occluded` is wanted.
+    """
+    known = _check_names(names, Hits._fields if lights else _WITHOUT_LIGHTS)
+    names = tuple(name for name in known if name != "occluded")
+    rows = [(names.index(name) if name in names else -1, _TYPES.index(DTYPES[name])) for name in _WITHOUT_LIGHTS]
+    return len(names), tuple(rows), "occluded" in known
 
 
-def new_hits(outputs: Optional[Iterable[str]], shape: tuple[int, ...]) -> tuple[Hits, bytes]:
-    """The arrays named in `outputs` (None = all), which share one block of memory, and the mlrt_hits of them."""
-    count, rows = _rows((outputs,) if isinstance(outputs, str) else outputs if outputs is None else tuple(outputs))
+def new_hits(outputs: Optional[Iterable[str]], shape: tuple[int, ...], lights: Optional[int] = None) -> tuple[Hits, bytes]:
+    """The arrays named in `outputs` (None = all), which share one block of memory but for `occluded`, and the mlrt_hits of them.
+
+    lights: how many there are; without them (None) there is no `occluded`.
+    """
+    names = (outputs,) if isinstance(outputs, str) else outputs if outputs is None else tuple(outputs)
+    count, rows, shadows = _rows(names, lights is not None)
     block = np.empty((count, *shape), _TYPES[0])
     views = block, block.view(_TYPES[1]), block.view(_TYPES[2])
     start, size = address(block), 4 * prod(shape)
     arrays = [None if row < 0 else views[kind][row, ...] for row, kind in rows]
     t, u, v, mesh, triangle, facing = [0 if row < 0 else start + row * size for row, _ in rows]
-    packed = pack_hits(0, t, 0, 0, u, 0, 0, v, 0, 0, mesh, 0, 0, triangle, 0, 0, facing, 0, 0, 0, 0, 0)
-    return Hits._make(arrays), packed
+    bits = np.zeros(shape, np.uint8) if shadows else None
+    occluded = address(bits) if bits is not None and lights else 0
+    packed = pack_hits(0, t, 0, 0, u, 0, 0, v, 0, 0, mesh, 0, 0, triangle, 0, 0, facing, 0, 0, occluded, 0, 0)
+    return Hits._make([*arrays, bits]), packed
 
 
 def _caller_array(array: np.ndarray, name: str, dtypes: tuple[np.dtype, ...], shape: tuple[int, ...]) -> tuple[int, int, int]:
@@ -62,15 +72,24 @@ def _caller_array(array: np.ndarray, name: str, dtypes: tuple[np.dtype, ...], sh
     return address(array), strides[-1], strides[0] if len(strides) == 2 else 0
 
 
-def given_hits(out: Hits, shape: tuple[int, ...], rows: bool) -> bytes:
-    """The mlrt_hits of the caller's arrays. `rows`: arrays of two axes may have a stride of their own for rows."""
+def given_hits(out: Hits, shape: tuple[int, ...], rows: bool, lights: Optional[int] = None) -> bytes:
+    """The mlrt_hits of the caller's arrays. `rows`: arrays of two axes may have a stride of their own for rows.
+
+    lights: how many there are; without them (None) there is no `occluded`.
+    """
+    if out.occluded is not None and lights is None:
+        raise ValueError("out: occluded is for pictures with lights")
     fields: list[int] = []
-    for name, array in zip(Hits._fields, out):
+    arrays: tuple[Optional[np.ndarray], ...] = out
+    for name, array in zip(Hits._fields, arrays):
         field = _NO_ARRAY if array is None else _caller_array(array, name, (DTYPES[name],), shape)
         if field[2] and not rows:
             raise ValueError(f"out: {name} must be contiguous, or have one axis")
         fields += field
-    return pack_hits(0, *fields, *_NO_ARRAY)
+    if out.occluded is not None and not lights:
+        out.occluded[...] = 0
+        fields[-3:] = _NO_ARRAY
+    return pack_hits(0, *fields)
 
 
 def occluded(out: Optional[np.ndarray], shape: tuple[int, ...]) -> tuple[np.ndarray, bytes]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._abi import NONE
+from ._abi import LIGHT_LIMIT, NONE
 
 # An array that was not asked for. Whoever asked for it need not tell a type checker that it is there.
 _ABSENT: Any = None
@@ -21,6 +21,7 @@ class Hits(NamedTuple):
     mesh: NDArray[np.uint32] = _ABSENT  #: id of the mesh; mlrt.NONE = miss
     triangle: NDArray[np.uint32] = _ABSENT  #: number of the triangle in its mesh; mlrt.NONE = miss
     facing: NDArray[np.int32] = _ABSENT  #: +1: the ray travels along the normal, -1: against it, 0 = miss
+    occluded: NDArray[np.uint8] = _ABSENT  #: of Tree.render with lights: bit k = light k does not reach the hit; 0 = miss
 
     @property
     def hit(self) -> NDArray[np.bool_]:
@@ -30,6 +31,15 @@ class Hits(NamedTuple):
                 hit: NDArray[np.bool_] = array != miss
                 return hit
         raise ValueError("none of triangle, mesh, facing and t was asked for")
+
+    def shadow(self, light: int) -> NDArray[np.bool_]:
+        """Which hits light number `light` does not reach: that bit of `occluded`. A miss has no shadow."""
+        if not 0 <= light < LIGHT_LIMIT:
+            raise IndexError(f"light: {light} is not in 0..{LIGHT_LIMIT - 1}")
+        if self.occluded is None:
+            raise ValueError("occluded was not asked for")
+        shadow: NDArray[np.bool_] = self.occluded & (1 << light) != 0
+        return shadow
 
 
 class HitLists(NamedTuple):
@@ -49,13 +59,14 @@ class HitLists(NamedTuple):
     crossing_total: NDArray[np.uint32] = _ABSENT  #: per ray: how many of these cross
 
 
-DTYPES = {
+DTYPES: dict[str, np.dtype[Any]] = {
     "t": np.dtype(np.float32),
     "u": np.dtype(np.float32),
     "v": np.dtype(np.float32),
     "mesh": np.dtype(np.uint32),
     "triangle": np.dtype(np.uint32),
     "facing": np.dtype(np.int32),
+    "occluded": np.dtype(np.uint8),
     "crossing": np.dtype(np.bool_),
     "total": np.dtype(np.uint32),
     "crossing_total": np.dtype(np.uint32),

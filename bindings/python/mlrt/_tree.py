@@ -18,6 +18,7 @@ from ._build import TreeSettings, build, named
 from ._camera import Camera
 from ._errors import check
 from ._host import TileCounter
+from ._lights import AnyLight, light_structs
 from ._meshes import Meshes, in_32_bits, parts
 from ._outputs import given_hits, new_hit_lists, new_hits, occluded
 from ._pool import Pool
@@ -70,9 +71,10 @@ def _options(
     mask: int,
     pool: Optional[Pool],
     counters: Optional[Counters],
+    lights: Any = None,
 ) -> Any:
-    """A pointer to mlrt_trace_options, which keeps them alive, or None for defaults."""
-    if pool is None and counters is None:
+    """A pointer to mlrt_trace_options, which keeps them alive, or None for defaults. lights: an array of mlrt_light."""
+    if pool is None and counters is None and not lights:
         return _shared_options(query, method, isa, mask)
     options = _make_options(query, method, isa, mask)
     if pool is not None:
@@ -80,6 +82,8 @@ def _options(
         options.pool = options.handle.value
     if counters is not None:
         options.counters = ctypes.pointer(counters)
+    if lights:
+        options.lights, options.light_count = lights, len(lights)
     return ctypes.byref(options)
 
 
@@ -339,6 +343,7 @@ class Tree:
         self,
         camera: Camera,
         *,
+        lights: Optional[Iterable[AnyLight]] = None,
         mask: int = 0,
         outputs: Optional[Iterable[str]] = None,
         out: Optional[Hits] = None,
@@ -352,14 +357,21 @@ class Tree:
 
         Faster than that, since no rays are stored and whole tiles are traced as beams. Arguments as for `trace`, but that arrays in
         `out` may also be windows of larger pictures, and `mask` is one for all.
+
+        lights: up to eight, each a point (3,) or a DirectionalLight. With them there is one more output, `occluded`, uint8 (height,
+        width): bit k says that light k does not reach what the pixel sees, since something lies between, or since it is not on that
+        side of the triangle which is seen; a miss has 0. `Hits.shadow(k)` is that bit as bool. No triangle shades itself, and there
+        is no epsilon: mlrt.h ("Shadows of a picture") says what the rays are. They see the meshes that `mask` says.
         """
         tree = self._open_handle()
         struct, shape = camera.to_struct(), camera.check_shape()
+        structs = None if lights is None else light_structs(lights)
+        light_count = None if structs is None else len(structs)
         if out is None:
-            out, packed = new_hits(outputs, shape)
+            out, packed = new_hits(outputs, shape, light_count)
         else:
-            packed = given_hits(out, shape, rows=True)
-        options = _options(_abi.QUERY_CLOSEST, method, isa, mask_word(mask, "mask"), pool, counters)
+            packed = given_hits(out, shape, rows=True, lights=light_count)
+        options = _options(_abi.QUERY_CLOSEST, method, isa, mask_word(mask, "mask"), pool, counters, structs)
         if not progress:
             check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))
             return out

@@ -52,6 +52,14 @@ def distances(vertices, faces, origins, directions):
     return np.where(hit, t, np.inf), np.where(hit, u, 0), np.where(hit, v, 0), np.where(hit, sign, 0)
 
 
+def assert_same(case, first, second, which=slice(None)):
+    """The same bits in all arrays of two results, and the same arrays in both."""
+    for name, a, b in zip(first._fields, first, second):
+        case.assertEqual(a is None, b is None, name)
+        if a is not None:
+            case.assertEqual(a[which].tobytes(), b[which].tobytes(), name)
+
+
 def isas():
     """The instruction sets of this machine and build."""
     tree = mlrt.Tree(*box())

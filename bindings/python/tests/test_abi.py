@@ -91,6 +91,13 @@ class Sizes(unittest.TestCase):
         rays = ctypes.byref(self.rays)
         self.check(lists, lambda: library.mlrt_trace_all_hits(self.tree._handle, rays, None, ctypes.byref(lists)))
 
+    def test_light(self):
+        light, occluded = _abi.Light(position=_abi.Float3(1, 2, 3)), np.zeros(4, np.uint8)
+        hits = _abi.Hits(occluded=_abi.Array(occluded.ctypes.data))
+        options = _abi.TraceOptions(lights=ctypes.pointer(light), light_count=1)
+        pointers = [ctypes.byref(struct) for struct in (self.camera, options, hits)]
+        self.check(light, lambda: library.mlrt_render_tiles(self.tree._handle, *pointers, None, None))
+
     def test_camera(self):
         self.check(self.camera, lambda: library.mlrt_camera_rays(ctypes.byref(self.camera), None, None))
 

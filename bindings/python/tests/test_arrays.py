@@ -4,7 +4,7 @@
 import unittest
 
 import numpy as np
-from support import box, integer_scene
+from support import assert_same, box, integer_scene
 
 import mlrt
 from mlrt import _abi
@@ -108,8 +108,7 @@ class Rows(unittest.TestCase):
         tree = mlrt.Tree(*box())
         origins, directions = (array.reshape(-1, 3) for array in (self.origins, self.directions))
         guessed, plain = tree.trace(origins, directions), tree.trace(origins, directions, row_length=len(origins))
-        for one, other in zip(guessed, plain):
-            self.assertEqual(one.tobytes(), other.tobytes())
+        assert_same(self, guessed, plain)
 
 
 class Meshes(unittest.TestCase):

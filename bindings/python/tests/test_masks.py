@@ -4,16 +4,11 @@
 import unittest
 
 import numpy as np
-from support import box, integer_scene
+from support import assert_same, box, integer_scene
 
 import mlrt
 
 MASKS = (1, 2, 6)
-
-
-def assert_same(case, first, second, which=slice(None)):
-    for name, a, b in zip(first._fields, first, second):
-        case.assertEqual(a[which].tobytes(), b[which].tobytes(), name)
 
 
 class Masks(unittest.TestCase):

@@ -8,7 +8,7 @@ import unittest
 from unittest import mock
 
 import numpy as np
-from support import integer_scene
+from support import assert_same, integer_scene
 
 import mlrt
 from mlrt import _progress
@@ -66,8 +66,7 @@ class Progress(unittest.TestCase):
                 whole = self.tree.trace(origins, self.directions, **arguments)
                 pieces = self.tree.trace(origins, self.directions, **arguments, progress=True)
                 self.assertEqual(len(self.finished_bar(500).steps), 5)
-                for name, one, other in zip(whole._fields, whole, pieces):
-                    self.assertEqual(one.tobytes(), other.tobytes(), name)
+                assert_same(self, whole, pieces)
 
     def test_into_arrays_with_strides(self):
         table = np.zeros((500, 4), np.float32)
@@ -80,10 +79,7 @@ class Progress(unittest.TestCase):
         self.assertTrue((self.tree.occluded(self.origins, self.directions, progress=True) == whole).all())
         self.finished_bar(500)
         lists = self.tree.hits(self.origins, self.directions, 3)
-        for name, one, other in zip(
-            lists._fields, lists, self.tree.hits(self.origins, self.directions, 3, progress=True)
-        ):
-            self.assertEqual(one.tobytes(), other.tobytes(), name)
+        assert_same(self, lists, self.tree.hits(self.origins, self.directions, 3, progress=True))
         self.finished_bar(500)
 
     def test_rows_stay_together(self):
@@ -98,6 +94,10 @@ class Progress(unittest.TestCase):
             picture = self.tree.render(camera, progress=True, pool=pool)
             self.assertGreater(len(self.finished_bar(150 * 130).steps), 1)
             self.assertTrue((picture.t == self.tree.render(camera).t).all())
+            lights = [(3, 9, 4), mlrt.DirectionalLight((1, 2, 3))]
+            picture = self.tree.render(camera, lights=lights, progress=True, pool=pool)
+            assert_same(self, picture, self.tree.render(camera, lights=lights))
+            self.finished_bar(150 * 130)
 
     def test_errors_arrive(self):
         camera = mlrt.Camera.look_at((3, 20, 4), (0, 0, 0), 150, 130)

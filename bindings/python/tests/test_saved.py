@@ -15,7 +15,7 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from support import box, integer_scene
+from support import assert_same, box, integer_scene
 
 import mlrt
 from mlrt import _saved
@@ -36,8 +36,7 @@ class Saved(unittest.TestCase):
         expected = expected or self.tree
         for options in ({}, {"mask": 1}, {"mask": 2}):
             pair = [one.trace(self.origins, self.directions, **options) for one in (expected, tree)]
-            for name, a, b in zip(pair[0]._fields, *pair):
-                self.assertEqual(a.tobytes(), b.tobytes(), name)
+            assert_same(self, *pair)
         self.assertEqual(tree.info.tree_hash, expected.info.tree_hash)
         self.assertEqual(tree.info.triangle_count, expected.info.triangle_count)
 

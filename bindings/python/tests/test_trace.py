@@ -4,15 +4,9 @@
 import unittest
 
 import numpy as np
-from support import METHODS, box, distances, integer_scene, isas
+from support import METHODS, assert_same, box, distances, integer_scene, isas
 
 import mlrt
-
-
-def assert_same(case, first, second):
-    """The same bits in all arrays of two results."""
-    for name, a, b in zip(first._fields, first, second):
-        case.assertEqual(a.tobytes(), b.tobytes(), name)
 
 
 class AgainstIntegers(unittest.TestCase):
