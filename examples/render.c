@@ -78,10 +78,10 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         TREE_OPTIONS(s->build),
 
         {OPTION_HEADING, 0, 0, 0, "What to tell about it, as lines `name value` on standard output:", 0, 0},
-        {OPTION_COUNT, "--frames", &s->frames, "N", "render N times; median time, frames and rays per second", 1,
+        {OPTION_COUNT, "--frames", &s->frames, "N", "render N times; median time, frames and pixels per second", 1,
          1000000},
         {OPTION_FLAG, "--no-shade", &s->no_shade, NULL, "only find the hits, no colours: for measuring", 0, 0},
-        {OPTION_FLAG, "--stats", &s->stats, NULL, "what tracing and building did, counted", 0, 0},
+        {OPTION_FLAG, "--stats", &s->stats, NULL, "what tracing (without shadows) and building did, counted", 0, 0},
         {OPTION_FLAG, "--hash", &s->hash, NULL,
          "a number that stands for all hits (and one for the shadows): equal if\nand only if every bit is", 0, 0},
     };
@@ -144,6 +144,7 @@ struct session {
     mlrt_tree *tree;
     mlrt_pool *pool;
     mlrt_camera camera;
+    mlrt_light light;
     struct shading shading;
     struct frame frame;
     size_t pixel_count;
@@ -157,10 +158,11 @@ static int allocate_frame(struct session *session)
     int failed = 0;
     if (s->hash) {
         failed |= !(frame->t = malloc(n * sizeof(float))) || !(frame->u = malloc(n * sizeof(float)));
-        failed |= !(frame->v = malloc(n * sizeof(float))) || !(frame->occluded = calloc(n, 1));
+        failed |= !(frame->v = malloc(n * sizeof(float)));
     }
     if (s->hash || s->no_shade) {
         failed |= !(frame->mesh = malloc(n * sizeof(uint32_t))) || !(frame->triangle = malloc(n * sizeof(uint32_t)));
+        failed |= s->shadows && !(frame->occluded = malloc(n));
     }
     if (!s->no_shade) failed |= !(frame->rgb = malloc(3 * n));
     if (failed) fprintf(stderr, "not enough memory for %zu pixels\n", n);
@@ -184,20 +186,21 @@ static int render_frame(struct session *session, int everything, mlrt_counters *
     const struct settings *s = session->settings;
     struct frame *frame = &session->frame;
     struct shading *shading = &session->shading;
+    const int shades = !everything && !s->no_shade;
     mlrt_trace_options options = s->trace;
-    shading->rgb = everything ? NULL : frame->rgb;
-    shading->occluded = everything ? frame->occluded : NULL;
-    shading->counting = counters != NULL;
+    shading->rgb = frame->rgb;
+    shading->shadows = s->shadows && !counters;
     options.struct_size = sizeof options;
-    options.outputs = shading_outputs(shading);
+    options.outputs = shades ? shading_outputs(shading) : 0;
     options.pool = session->pool;
     options.counters = counters;
+    if (shading->shadows) options.lights = &session->light, options.light_count = 1;
 
     mlrt_hits hits = {.struct_size = sizeof hits};
     if (everything) hits.t.data = frame->t, hits.u.data = frame->u, hits.v.data = frame->v;
-    if (everything || s->no_shade) hits.mesh.data = frame->mesh, hits.triangle.data = frame->triangle;
-    int shades = shading->rgb || shading->shadows;
-    int32_t status = mlrt_render_tiles(session->tree, &session->camera, &options, hits.mesh.data ? &hits : NULL,
+    if (!shades) hits.mesh.data = frame->mesh, hits.triangle.data = frame->triangle;
+    if (!shades && shading->shadows) hits.occluded.data = frame->occluded;
+    int32_t status = mlrt_render_tiles(session->tree, &session->camera, &options, shades ? NULL : &hits,
                                        shades ? shade_tile : NULL, shading);
     if (status != MLRT_OK) fprintf(stderr, "cannot render: %s\n", mlrt_status_string(status));
     return status != MLRT_OK;
@@ -217,7 +220,6 @@ static int time_frames(struct session *session)
     int failed = !seconds;
     if (failed) fprintf(stderr, "not enough memory for %lu frames\n", (unsigned long)count);
     for (uint32_t i = 0; i < count && !failed; i++) {
-        reset_shadow_counters(&session->shading);
         double start = seconds_now();
         failed = render_frame(session, 0, NULL);
         seconds[i] = seconds_now() - start;
@@ -225,28 +227,22 @@ static int time_frames(struct session *session)
     if (!failed && session->settings->frames) {
         qsort(seconds, count, sizeof *seconds, compare_doubles);
         double median = 0.5 * (seconds[(count - 1) / 2] + seconds[count / 2]);
-        double rays = (double)session->pixel_count + (double)shadow_ray_count(&session->shading);
         print_count("frame_count", count);
         print_number("frame_milliseconds", 1e3 * median);
         print_number("fastest_frame_milliseconds", 1e3 * seconds[0]);
         print_number("frames_per_second", 1 / median);
-        print_number("million_rays_per_second", 1e-6 * rays / median);
+        print_number("million_pixels_per_second", 1e-6 * (double)session->pixel_count / median);
     }
     free(seconds);
     return failed;
 }
 
-// Counts in a picture of its own, so that counting costs no measured time.
+// Counts in a picture of its own, so that counting costs no measured time. It has no shadows.
 static int print_stats(struct session *session)
 {
-    mlrt_counters primary = {.struct_size = sizeof primary}, shadow = {.struct_size = sizeof shadow};
-    reset_shadow_counters(&session->shading);
+    mlrt_counters primary = {.struct_size = sizeof primary};
     if (render_frame(session, 0, &primary)) return 1;
     print_counters("primary", &primary);
-    if (session->settings->shadows) {
-        add_shadow_counters(&session->shading, &shadow);
-        print_counters("shadow", &shadow);
-    }
     mlrt_tree_info info = {.struct_size = sizeof info};
     mlrt_get_tree_info(session->tree, &info);
     print_tree_info(&info);
@@ -291,12 +287,9 @@ static int prepare(struct session *session)
     }
     struct shading *shading = &session->shading;
     shading->scene = &session->scene;
-    shading->tree = session->tree;
     shading->camera = &session->camera;
     shading->view = &session->scene.view;
-    shading->shadows = s->shadows;
-    shading->shadow_options = s->trace;
-    shading->shadow_options.struct_size = sizeof shading->shadow_options;
+    session->light = light_of_view(shading->view);
     start_shading(shading);
     session->pixel_count = (size_t)s->size[0] * s->size[1];
     return allocate_frame(session);
@@ -308,9 +301,9 @@ static int run(struct session *session)
     if (prepare(session)) return 1;
     say("rendering");
     if ((s->output || s->frames) && time_frames(session)) return 1;
+    if (s->output && write_png(s->output, s->size[0], s->size[1], session->frame.rgb)) return 1;
     if (s->stats && print_stats(session)) return 1;
     if (s->hash && print_hashes(session)) return 1;
-    if (s->output && write_png(s->output, s->size[0], s->size[1], session->frame.rgb)) return 1;
     if (fflush(stdout) == 0) return 0;
     perror("standard output");
     return 1;
@@ -331,7 +324,6 @@ int main(int argc, char **argv)
     static struct session session;
     session.settings = &settings;
     int failed = run(&session);
-    end_shading(&session.shading);
     free_frame(&session.frame);
     mlrt_destroy_pool(session.pool);
     mlrt_destroy_tree(session.tree);

@@ -211,6 +211,12 @@ struct results {
 /* ---- one scene ----------------------------------------------------------------------------------------------------
  */
 
+/* Where shadow rays end, one for each pixel, and the triangle that each passes. */
+struct shadow_points {
+    float (*positions)[3];
+    uint32_t (*skip)[2];
+};
+
 /* All the answers of a picture, and what becomes of them. */
 struct picture {
     float *t, *u, *v;
@@ -316,9 +322,15 @@ static int32_t find_shadows(struct subject *subject, const mlrt_tree *tree, cons
                             uint64_t *hash)
 {
     struct picture *p = &subject->picture;
+    const mlrt_points points = {.struct_size = sizeof points,
+                                .row_length = subject->camera.width,
+                                .count = subject->pixel_count,
+                                .positions = {p->shadow_points.positions, 0},
+                                .skip = {p->shadow_points.skip, 0}};
+    const mlrt_light light = light_of_view(&subject->scene.view);
+    const mlrt_array occluded = {p->occluded, 0, 0};
     memset(p->occluded, 0xFF, subject->pixel_count);
-    int32_t status = trace_shadow_points(tree, &p->shadow_points, subject->camera.width, subject->camera.height,
-                                         subject->scene.view.light, options, p->occluded);
+    int32_t status = mlrt_occluded_points(tree, &points, &light, options, &occluded);
     *hash = hash_bytes(p->occluded, subject->pixel_count);
     return status;
 }
@@ -343,6 +355,22 @@ static int32_t check_shadows(struct subject *subject, const mlrt_tree *tree, con
     check->shadow_count++;
     check->difference_count += hash != check->shadow_hash;
     return MLRT_OK;
+}
+
+// Points just off the surface, on the side that the ray came from. A miss gets one that is nowhere, and never occluded.
+static void place_shadow_points(const mlrt_tree *tree, const mlrt_tile *hits, const struct shadow_points *points)
+{
+    size_t count = (size_t)hits->width * hits->height;
+    for (size_t i = 0; i < count; i++) {
+        float *position = points->positions[i];
+        points->skip[i][0] = hits->mesh[i], points->skip[i][1] = hits->triangle[i];
+        int32_t status = MLRT_ERROR_ARGUMENT;
+        if (hits->facing[i] != 0) {
+            status = mlrt_offset_point(tree, hits->mesh[i], hits->triangle[i], hits->u[i], hits->v[i], -hits->facing[i],
+                                       position);
+        }
+        if (status != MLRT_OK) position[0] = position[1] = position[2] = NAN;
+    }
 }
 
 // The answers that all others are compared with: one ray at a time, in plain C.

@@ -1,104 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* shade.c - colours and hard shadows for a tile of hits: see shade.h */
+/* shade.c - colours for a tile of hits: see shade.h */
 #include "shade.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-// One per worker: what a tile needs on its way.
-struct tile_buffers {
-    size_t capacity; // pixels
-    struct shadow_points points;
-    uint8_t *occluded;
-    uint64_t ray_count;
-    mlrt_counters counters;
-};
-
-/* ---- buffers and counters -----------------------------------------------------------------------------------------
- */
-
-static void free_buffers(struct tile_buffers *buffers)
-{
-    if (!buffers) return;
-    free(buffers->points.positions);
-    free(buffers->points.skip);
-    free(buffers->occluded);
-    free(buffers);
-}
-
-// The worker's buffers with room for `count` pixels, or NULL.
-static struct tile_buffers *get_buffers(struct shading *shading, uint32_t worker, size_t count)
-{
-    struct tile_buffers *buffers = shading->buffers[worker];
-    if (buffers && buffers->capacity >= count) return buffers;
-    struct tile_buffers *bigger = calloc(1, sizeof *bigger);
-    if (!bigger) return NULL;
-    bigger->capacity = count;
-    bigger->points.positions = malloc(count * sizeof *bigger->points.positions);
-    bigger->points.skip = malloc(count * sizeof *bigger->points.skip);
-    bigger->occluded = malloc(count);
-    bigger->counters.struct_size = sizeof bigger->counters;
-    if (!bigger->points.positions || !bigger->points.skip || !bigger->occluded) {
-        free_buffers(bigger);
-        return NULL;
-    }
-    if (buffers) bigger->counters = buffers->counters, bigger->ray_count = buffers->ray_count;
-    free_buffers(buffers);
-    shading->buffers[worker] = bigger;
-    return bigger;
-}
-
-uint64_t shadow_ray_count(const struct shading *shading)
-{
-    uint64_t sum = 0;
-    for (int i = 0; i < MAXIMUM_WORKERS; i++) sum += shading->buffers[i] ? shading->buffers[i]->ray_count : 0;
-    return sum;
-}
-
-void add_shadow_counters(const struct shading *shading, mlrt_counters *sum)
-{
-    for (int i = 0; i < MAXIMUM_WORKERS; i++) {
-        if (!shading->buffers[i]) continue;
-        const mlrt_counters *c = &shading->buffers[i]->counters;
-        sum->ray_count += c->ray_count;
-        sum->packet_count += c->packet_count;
-        sum->beam_count += c->beam_count;
-        sum->cell_count += c->cell_count;
-        sum->entry_point_cell_count += c->entry_point_cell_count;
-        sum->triangle_test_count += c->triangle_test_count;
-        sum->judged_lane_count += c->judged_lane_count;
-        sum->entry_point_count += c->entry_point_count;
-        sum->entry_point_depth_sum += c->entry_point_depth_sum;
-        sum->missed_beam_count += c->missed_beam_count;
-        sum->covered_beam_count += c->covered_beam_count;
-        sum->undecided_cull_count += c->undecided_cull_count;
-        sum->undecided_checked_count += c->undecided_checked_count;
-    }
-}
-
-void reset_shadow_counters(struct shading *shading)
-{
-    for (int i = 0; i < MAXIMUM_WORKERS; i++) {
-        struct tile_buffers *buffers = shading->buffers[i];
-        if (!buffers) continue;
-        buffers->ray_count = 0;
-        memset(&buffers->counters, 0, sizeof buffers->counters);
-        buffers->counters.struct_size = sizeof buffers->counters;
-    }
-}
-
-void end_shading(struct shading *shading)
-{
-    for (int i = 0; i < MAXIMUM_WORKERS; i++) {
-        free_buffers(shading->buffers[i]);
-        shading->buffers[i] = NULL;
-    }
-}
 
 uint32_t shading_outputs(const struct shading *shading)
 {
-    return MLRT_OUTPUT_IDS | MLRT_OUTPUT_FACING | (shading->shadows ? MLRT_OUTPUT_UV : 0);
+    return MLRT_OUTPUT_IDS | MLRT_OUTPUT_FACING | (shading->shadows ? MLRT_OUTPUT_UV | MLRT_OUTPUT_OCCLUDED : 0);
 }
 
 /* ---- tone ---------------------------------------------------------------------------------------------------------
@@ -223,50 +131,9 @@ static void shade_miss(const struct shading *shading, uint32_t row, float light[
 /* ---- tiles --------------------------------------------------------------------------------------------------------
  */
 
-size_t place_shadow_points(const mlrt_tree *tree, const mlrt_tile *hits, const struct shadow_points *points)
+int32_t shade_tile(void *user, const mlrt_tile *tile)
 {
-    size_t count = (size_t)hits->width * hits->height, hit_count = 0;
-    for (size_t i = 0; i < count; i++) {
-        float *position = points->positions[i];
-        points->skip[i][0] = hits->mesh[i], points->skip[i][1] = hits->triangle[i];
-        int32_t status = MLRT_ERROR_ARGUMENT;
-        if (hits->facing[i] != 0) {
-            status = mlrt_offset_point(tree, hits->mesh[i], hits->triangle[i], hits->u[i], hits->v[i], -hits->facing[i],
-                                       position);
-        }
-        if (status == MLRT_OK)
-            hit_count++;
-        else
-            position[0] = position[1] = position[2] = NAN;
-    }
-    return hit_count;
-}
-
-int32_t trace_shadow_points(const mlrt_tree *tree, const struct shadow_points *points, uint32_t width, uint32_t height,
-                            const double light_position[3], const mlrt_trace_options *options, uint8_t *occluded)
-{
-    const mlrt_points rays = {.struct_size = sizeof rays,
-                              .row_length = width,
-                              .count = (size_t)width * height,
-                              .positions = {points->positions, 0},
-                              .skip = {points->skip, 0}};
-    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
-    for (int k = 0; k < 3; k++) light.position[k] = (float)light_position[k];
-    const mlrt_array results = {occluded, 0, 0};
-    return mlrt_occluded_points(tree, &rays, &light, options, &results);
-}
-
-static int32_t trace_shadows(const struct shading *shading, const mlrt_tile *tile, struct tile_buffers *buffers)
-{
-    mlrt_trace_options options = shading->shadow_options;
-    options.counters = shading->counting ? &buffers->counters : NULL;
-    buffers->ray_count += place_shadow_points(shading->tree, tile, &buffers->points);
-    return trace_shadow_points(shading->tree, &buffers->points, tile->width, tile->height, shading->view->light,
-                               &options, buffers->occluded);
-}
-
-static void shade_pixels(const struct shading *shading, const mlrt_tile *tile, const uint8_t *occluded)
-{
+    const struct shading *shading = user;
     const mlrt_camera *camera = shading->camera;
     struct surface surface = {.facing = 0};
     size_t i = 0;
@@ -281,28 +148,13 @@ static void shade_pixels(const struct shading *shading, const mlrt_tile *tile, c
                 }
                 double x = column + 0.5, y = row + 0.5, direction[3], received = 0;
                 for (int k = 0; k < 3; k++) direction[k] = camera->d00[k] + x * camera->dx[k] + y * camera->dy[k];
-                if (occluded && !occluded[i]) {
+                if (shading->shadows && !tile->occluded[i]) {
                     received = light_received(shading, &surface, (double)tile->u[i], (double)tile->v[i]);
                 }
                 shade_hit(shading, &surface, direction, received, light);
             }
             store_pixel(shading, (size_t)row * camera->width + column, light);
         }
-    }
-}
-
-int32_t shade_tile(void *user, const mlrt_tile *tile)
-{
-    struct shading *shading = user;
-    struct tile_buffers *buffers = NULL;
-    if (shading->shadows) {
-        buffers = get_buffers(shading, tile->worker, (size_t)tile->width * tile->height);
-        if (!buffers || trace_shadows(shading, tile, buffers) != MLRT_OK) return 1;
-    }
-    if (shading->rgb) shade_pixels(shading, tile, buffers ? buffers->occluded : NULL);
-    for (uint32_t row = 0; shading->occluded && buffers && row < tile->height; row++) {
-        uint8_t *to = shading->occluded + (size_t)(tile->y + row) * shading->camera->width + tile->x;
-        memcpy(to, buffers->occluded + (size_t)row * tile->width, tile->width);
     }
     return 0;
 }

@@ -51,6 +51,13 @@ int camera_of_view(const struct view *view, uint32_t width, uint32_t height, mlr
     return 0;
 }
 
+mlrt_light light_of_view(const struct view *view)
+{
+    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
+    for (int k = 0; k < 3; k++) light.position[k] = (float)view->light[k];
+    return light;
+}
+
 int load_scene_and_view(const char *word, const char *views, char name[SCENE_NAME_SIZE], struct scene *scene)
 {
     enum { PATH_SIZE = 4096 };

@@ -14,6 +14,9 @@
  */
 int camera_of_view(const struct view *view, uint32_t width, uint32_t height, mlrt_camera *camera);
 
+/* Its light, rounded to float. */
+mlrt_light light_of_view(const struct view *view);
+
 /*
  * Reads a view from "FILE.json:SCENE/VIEW", or the scene's first one from "FILE.json:SCENE". Returns 0, or 1 after
  * saying on stderr what is wrong. The file is an object of scenes; each is a list of views or a string "same views as
