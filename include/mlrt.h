@@ -581,10 +581,10 @@ enum {
 
 /* Results a tile callback receives: mlrt_trace_options.outputs */
 enum {
-    MLRT_OUTPUT_T = 1,        /* t */
-    MLRT_OUTPUT_UV = 2,       /* u and v */
-    MLRT_OUTPUT_IDS = 4,      /* mesh and triangle */
-    MLRT_OUTPUT_FACING = 8,   /* facing */
+    MLRT_OUTPUT_T = 1,         /* t */
+    MLRT_OUTPUT_UV = 2,        /* u and v */
+    MLRT_OUTPUT_IDS = 4,       /* mesh and triangle */
+    MLRT_OUTPUT_FACING = 8,    /* facing */
     MLRT_OUTPUT_TRIANGLE = 16, /* the triangle without its mesh: half as much to write, where there is one mesh only */
     MLRT_OUTPUT_OCCLUDED = 32  /* with `lights`: occluded */
 };
@@ -678,8 +678,8 @@ typedef struct mlrt_hits {
     mlrt_array mesh;      /* uint32_t: the id of the mesh; MLRT_NONE = miss */
     mlrt_array triangle;  /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
     mlrt_array facing;    /* int32_t: sign of d . n; 0 = miss */
-    mlrt_array occluded;  /* uint8_t: 1 = something is hit, 0 = nothing. With lights: bit k = light k of the options does
-                             not reach the hit; of a miss 0 */
+    mlrt_array occluded; /* uint8_t: 1 = something is hit, 0 = nothing. With lights: bit k = light k of the options does
+                            not reach the hit; of a miss 0 */
 } mlrt_hits;
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -948,16 +948,16 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
 
 /*
  * Shadows of a picture. With `lights` in the options mlrt_render_tiles finds out which of them reach what the pixels
- * see: much faster than by mlrt_occluded_points, as no point has to leave the library. For a pixel whose ray o + t d hits
- * a triangle abc, bit k of `occluded` says that light k does not reach it:
+ * see: much faster than by mlrt_occluded_points, as no point has to leave the library. For a pixel whose ray o + t d
+ * hits a triangle abc, bit k of `occluded` says that light k does not reach it:
  *
  *   - A light that is not strictly on that side of abc's plane which the ray came from (for a directional light:
  *     whose direction does not strictly point to that side) does not reach it.
- *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light, from
- *     o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, and surely on that
- *     side: it is moved off by about 2^-22 of the greatest coordinate relative to the eye and to the light, for slivers
- *     and rays that nearly lie in their plane by as many floats as it takes. So no triangle shades itself, nor one that
- *     lies in its plane, nor one behind it. The ray sees what the picture's rays see (`mask`).
+ *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
+ * from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, and surely on
+ * that side: it is moved off by about 2^-22 of the greatest coordinate relative to the eye and to the light, for
+ * slivers and rays that nearly lie in their plane by as many floats as it takes. So no triangle shades itself, nor one
+ * that lies in its plane, nor one behind it. The ray sees what the picture's rays see (`mask`).
  *
  * mlrt_shadow_ray tells the ray; it is the same on every machine, and the answer is that of mlrt_trace_ray.
  *
@@ -966,7 +966,8 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  *   hit     what it hit: mesh and triangle.
  *   light   the light.
  *   shadow  receives the ray that decides, with the triangle to skip (struct_size must be set).
- *   faces   receives 1; or 0 if the light is on the other side: no ray is needed then, and *shadow has a direction of 0.
+ *   faces   receives 1; or 0 if the light is on the other side: no ray is needed then, and *shadow has a direction of
+ * 0.
  *
  * MLRT_ERROR_ARGUMENT if there is no such triangle, or the ray does not hit it.
  */

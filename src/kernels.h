@@ -108,9 +108,9 @@ struct mlrt_worker {
     struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
-    struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
+    struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
     struct mlrt_leaf_cache caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
-    uint32_t mask;       /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
+    uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
     uint32_t open_squares;
     uint32_t open_lit_tiles; /* of shadows, likewise */
@@ -155,8 +155,8 @@ struct mlrt_kernels {
     /* Makes the rays of all packets of a tile; returns those that may go together. tile_rays.h */
     uint32_t (*make_packets)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
     /* Makes cells of packets, and takes these down; adds one; which lanes are near the first one. ray_tile.h */
-    uint32_t (*gather_packets)(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t waiting,
-                               uint32_t *wide, float *width);
+    uint32_t (*gather_packets)(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t waiting, uint32_t *wide,
+                               float *width);
     void (*trace_gathered)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
     int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
     uint32_t (*lanes_near_first)(const struct mlrt_packet *packet, uint32_t lanes, int main_axis, float width);

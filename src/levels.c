@@ -7,6 +7,7 @@
 #include "results.h"
 #include "shade.h"
 #include "tile_packets.h"
+#include "words.h"
 
 /* A list of rays is a picture four rays wide: its tiles are one packet wide. */
 static int is_list(const struct mlrt_source *source)
@@ -28,7 +29,7 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_re
 
 /* One triangle, or nothing, for a rectangle of pixels of a camera. */
 static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
-                                       const struct mlrt_rectangle *area)
+                         const struct mlrt_rectangle *area)
 {
     if (cover == MLRT_NONE) {
         mlrt_write_picture_misses(job, worker, area);
@@ -37,7 +38,8 @@ static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
-static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile, uint32_t place)
+static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                         uint32_t place)
 {
     struct mlrt_packet *packet = &tile->packets[place];
     const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
@@ -53,7 +55,8 @@ static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
 }
 
 /* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
-static void find_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t *x, uint32_t *y)
+static void find_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t *x,
+                           uint32_t *y)
 {
     const uint32_t first = tile->x & ~63u;
     const int is_last = tile->x % 64 == 48 || tile->x + 16 >= source->width, is_lowest = tile->y % 64 == 48;
@@ -80,9 +83,7 @@ static void prefetch_around(const struct mlrt_job *job, const struct mlrt_rectan
  */
 MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
 {
-    uint32_t differences = 0;
-    for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) differences |= packet->triangle[lane] ^ packet->triangle[0];
-    if (!differences) return;
+    if (mlrt_same_words(packet->triangle, packet->triangle[0]) == 0xFFFF) return;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint32_t number = packet->triangle[lane];
         if (number != MLRT_NONE) mlrt_prefetch(&tree->triangles[number]);
@@ -102,7 +103,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         tile.made = 0;
         tile.cells.tile = &tile;
         if (known) {
-            for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) tile.cells.cover[place] = known->cover;
+            mlrt_fill_words(tile.cells.cover, known->cover);
         } else {
             if (worker->open_tiles) open_packets(job, worker, &tile);
             job->kernels->traverse(job, worker, &tile.cells);
@@ -119,7 +120,8 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     for (uint32_t place = 0; place < MLRT_CELL_COUNT && !known; ++place) {
         const uint32_t ahead = place + 2;
         if (!mlrt_has_block(&tile, place)) continue;
-        if (has_numbers && ahead < MLRT_CELL_COUNT && mlrt_has_block(&tile, ahead) && !(tile.cells.closed >> ahead & 1)) {
+        if (has_numbers && ahead < MLRT_CELL_COUNT && mlrt_has_block(&tile, ahead) &&
+            !(tile.cells.closed >> ahead & 1)) {
             prefetch_triangles(job->tree, &tile.packets[ahead]);
         }
         if (tile.cells.closed >> place & 1) {
@@ -169,7 +171,7 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
     if (is_list(&job->source)) {
         for (uint32_t j = 0; j < area->height; j += 64) {
             const struct mlrt_rectangle tile = {area->x, area->y + j, area->width,
-                                           area->height - j < 64 ? area->height - j : 64};
+                                                area->height - j < 64 ? area->height - j : 64};
             trace_ray_tile(job, worker, &tile, NULL);
         }
         return;

@@ -5,7 +5,8 @@
  *
  * Only a camera's rays are known before they are made. Tiles of other sources begin with their packets.
  *
- * All of this decides and hands on: what looks at rays, cells and triangles is in the kernels, once per instruction set.
+ * All of this decides and hands on: what looks at rays, cells and triangles is in the kernels, once per instruction
+ * set.
  */
 #ifndef MLRT_LEVELS_H
 #define MLRT_LEVELS_H

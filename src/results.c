@@ -5,6 +5,7 @@
 #include "results.h"
 
 #include "trace_ray.h"
+#include "words.h"
 
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                             mlrt_counters *counters)
@@ -16,8 +17,8 @@ void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct m
         mlrt_get_segment(packet, lane, &ray);
         if (!packet->has_masks) ray.mask = job->source.common_mask;
         if (counters) ++counters->packet_count;
-        packet->triangle[lane] = mlrt_trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE,
-                                                    job->any, counters);
+        packet->triangle[lane] =
+            mlrt_trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE, job->any, counters);
     }
 }
 
@@ -30,13 +31,14 @@ static void write_misses_to(const struct mlrt_job *job, struct mlrt_worker *work
 }
 
 /* Of a list, the last row may be short. */
-void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
+                               const struct mlrt_rectangle *tile)
 {
     const uint64_t last = (uint64_t)(tile->y + tile->height - 1) * job->source.width + tile->x;
     struct mlrt_rectangle part = *tile;
     if (MLRT_UNLIKELY(last + tile->width > job->source.count)) {
         const struct mlrt_rectangle row = {tile->x, tile->y + tile->height - 1,
-                                      last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
+                                           last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
         write_misses_to(job, worker, &row);
         --part.height;
     }
@@ -44,7 +46,7 @@ void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *w
 }
 
 void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
-                              const struct mlrt_rectangle *tile)
+                               const struct mlrt_rectangle *tile)
 {
     if (job->has_frame) mlrt_write_same_shadow(shadow, tile->x, tile->y, tile->width, tile->height, &job->frame);
     if (job->callback) {
@@ -72,7 +74,7 @@ void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_wor
 
 /* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
 void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                        const struct mlrt_rectangle *tile)
+                      const struct mlrt_rectangle *tile)
 {
     if (job->any) mlrt_write_picture_shadow(job, worker, 1, tile);
     if (!mlrt_sink_numbers(&job->frame) && !mlrt_sink_numbers(&worker->tile)) {
@@ -81,7 +83,7 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
         }
         if (job->callback) {
             mlrt_write_same_ids(job->tree, number, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width,
-                                 tile->height, &worker->tile);
+                                tile->height, &worker->tile);
         }
         return;
     }
@@ -91,7 +93,7 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
             const uint32_t lanes = mlrt_block_lanes(block.width, block.height);
             struct mlrt_packet packet;
             mlrt_get_packet(job, &block, lanes, &packet);
-            for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet.triangle[lane] = number;
+            mlrt_fill_words(packet.triangle, number);
             job->kernels->write_packet(job, worker, &packet, lanes, &block);
         }
     }

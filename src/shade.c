@@ -10,14 +10,11 @@
 #include "results.h"
 #include "shadow.h"
 #include "tile_packets.h"
+#include "words.h"
 
 static uint32_t lanes_with_hit(const struct mlrt_packet *packet)
 {
-    uint32_t lanes = 0;
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        lanes |= (uint32_t)(packet->triangle[lane] != MLRT_NONE) << lane;
-    }
-    return lanes;
+    return ~mlrt_same_words(packet->triangle, MLRT_NONE) & 0xFFFF;
 }
 
 /* Which lanes of a picture's packet hit something. The rays of one that is closed are made, if they are not there. */
@@ -28,7 +25,7 @@ static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *
     const uint32_t lanes = mlrt_existing_lanes(&picture->source, &block);
     if (!(seen->made >> place & 1)) {
         mlrt_make_rays(picture, seen, place);
-        for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->triangle[lane] = seen->cells.cover[place];
+        mlrt_fill_words(packet->triangle, seen->cells.cover[place]);
     }
     return lanes & lanes_with_hit(packet);
 }
@@ -44,12 +41,12 @@ void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *t
     }
     packet->shear = NULL;
     packet->active = packet->single = 0;
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->triangle[lane] = MLRT_NONE;
+    mlrt_fill_words(packet->triangle, MLRT_NONE);
 }
 
 /* Makes cells of what a point light sees of closed cells of a picture. Returns those; *dark receives those behind. */
 static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_cells *seen, uint32_t among,
-                                               struct mlrt_cells *cells, uint32_t *dark)
+                                 struct mlrt_cells *cells, uint32_t *dark)
 {
     const struct mlrt_seen_cells given = {seen->slopes, seen->cover, seen->apex, seen->main_axis, seen->sign};
     struct mlrt_lit_cells lit = {cells->slopes, cells->farthest, cells->shortest, 0, 0};
@@ -67,23 +64,18 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_c
 /* Do closed cells of a picture have what a light's cells are made of? */
 static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
-    return !job->kernels->counts && mlrt_is_pinhole(&job->source) &&
-           light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+    return !job->kernels->counts && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT;
 }
 
 /* Cells with a cover. */
 static uint32_t covered_cells(const struct mlrt_cells *cells)
 {
-    uint32_t covered = 0;
-    for (int place = 0; place < MLRT_CELL_COUNT; ++place) {
-        covered |= (uint32_t)(cells->cover[place] != MLRT_NONE) << place;
-    }
-    return covered & cells->closed;
+    return cells->closed & ~mlrt_same_words(cells->cover, MLRT_NONE);
 }
 
 /* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
-uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                          const struct mlrt_cells *seen, struct mlrt_known_lights known[MLRT_CELL_COUNT])
+uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_cells *seen,
+                          struct mlrt_known_lights known[MLRT_CELL_COUNT])
 {
     const uint32_t covered = covered_cells(seen);
     uint32_t all = seen->closed;
@@ -113,20 +105,14 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
     return all;
 }
 
-/* The same one ray at a time, for kernels that count: there who asks can wait, and they should be small. */
-static void shade_rays(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
-                       struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
+/* All lights, one ray at a time, for kernels that count: there who asks can wait, and they should be small. */
+static void shade_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *seen,
+                       uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS])
 {
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        const struct mlrt_packet *packet = &seen->packets[place];
-        dark_lanes[place] = 0;
-        for (uint32_t left = mlrt_has_block(seen, place) ? find_seen(job, seen, place) : 0; left; left &= left - 1) {
-            const uint32_t lane = mlrt_lowest_bit(left);
-            struct mlrt_ray_segment ray;
-            mlrt_get_segment(packet, lane, &ray);
-            const int is_shaded = mlrt_is_shaded(light, &ray, packet->triangle[lane], &worker->counters);
-            dark_lanes[place] |= (uint32_t)is_shaded << lane;
-        }
+        if (!mlrt_has_block(seen, place)) continue;
+        const uint32_t hit = find_seen(job, seen, place);
+        mlrt_find_shadows(job, &seen->packets[place], hit, shadows[place], &worker->counters);
     }
 }
 
@@ -168,16 +154,18 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);
     }
 }
-/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL. */
+/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL.
+ */
 void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                                     const struct mlrt_known_lights *known)
+                     const struct mlrt_known_lights *known)
 {
     MLRT_ALIGNED(16) uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS];
     memset(shadows, known ? known->dark : 0, sizeof shadows);
-    for (uint32_t i = 0; i < job->light_count; ++i) {
+    if (job->kernels->counts) shade_rays(job, worker, tile, shadows);
+    for (uint32_t i = 0; i < job->light_count && !job->kernels->counts; ++i) {
         uint32_t dark_lanes[MLRT_CELL_COUNT];
         if (known && known->known >> i & 1) continue;
-        (job->kernels->counts ? shade_rays : shade_packets)(job, &job->lights[i], worker, tile, dark_lanes);
+        shade_packets(job, &job->lights[i], worker, tile, dark_lanes);
         for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
             if (dark_lanes[place]) mlrt_add_shadow(shadows[place], dark_lanes[place], (uint8_t)(1u << i));
         }

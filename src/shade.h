@@ -18,7 +18,8 @@ struct mlrt_known_lights {
 uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_cells *seen,
                           struct mlrt_known_lights known[MLRT_CELL_COUNT]);
 
-/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL. */
+/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL.
+ */
 void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                      const struct mlrt_known_lights *known);
 

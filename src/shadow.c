@@ -84,6 +84,19 @@ int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_tria
                                                   : mlrt_make_segment(end, light->light, 0, INFINITY, shadow);
 }
 
+uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t lane,
+                               float (*ends)[MLRT_PACKET_RAYS])
+{
+    const int is_point = job->source.kind == MLRT_SOURCE_POINT_LIGHT;
+    struct mlrt_ray_segment ray, shadow;
+    int faces;
+    mlrt_get_segment(seen, lane, &ray);
+    const int is_ray =
+        mlrt_make_shadow_ray(&job->source, &job->tree->triangles[seen->triangle[lane]], &ray, &faces, &shadow);
+    for (int k = 0; k < 3; ++k) ends[k][lane] = !is_ray ? 0 : is_point ? shadow.direction[k] : shadow.origin[k];
+    return (uint32_t)faces << lane;
+}
+
 int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number,
                    mlrt_counters *counters)
 {

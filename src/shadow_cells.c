@@ -2,18 +2,18 @@
 /*
  * What a light sees of what a camera's cells see: cells again, of shadow rays that nobody has made yet.
  *
- * The rays of a camera's cell have slopes in a rectangle, and all hit one triangle. In units of depth, a ray's direction
- * is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the words of shadow.h. As D > 0 over the whole
- * rectangle, the hits lie in the quadrilateral whose corners are those of the corners' rays, and slopes and depths as
- * seen from the light have their extremes there, as long as all of it lies in front.
+ * The rays of a camera's cell have slopes in a rectangle, and all hit one triangle. In units of depth, a ray's
+ * direction is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the words of shadow.h. As D > 0 over
+ * the whole rectangle, the hits lie in the quadrilateral whose corners are those of the corners' rays, and slopes and
+ * depths as seen from the light have their extremes there, as long as all of it lies in front.
  *
- * m is rounded to float, 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three roundings: it is
- * off by less than 2^-20; N, in double, by 2^-32 of P, the greatest |p_k|, and by 2^-24 of itself. So with D > 2^-8
- * shadow.h's condition on D holds for each ray, as |d| is less than 5.1, and z is off by 2^-32 P / D < 2^-24 P, and 2^-19.9
- * z / D; places by twice that, as |d_k| <= 2: 2^-18.9 z / D < 2^-18 z / D.
- * What is off besides, per component, is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2 z) with something
- * to spare, as much again for the step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray itself, and
- * shadow.h's "place", 3.1 * 2^-34 (P + 2.1 z) 2.1 / D < 2^-23 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more.
+ * m is rounded to float, 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three roundings: it
+ * is off by less than 2^-20; N, in double, by 2^-32 of P, the greatest |p_k|, and by 2^-24 of itself. So with D > 2^-8
+ * shadow.h's condition on D holds for each ray, as |d| is less than 5.1, and z is off by 2^-32 P / D < 2^-24 P, and
+ * 2^-19.9 z / D; places by twice that, as |d_k| <= 2: 2^-18.9 z / D < 2^-18 z / D. What is off besides, per component,
+ * is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2 z) with something to spare, as much again for the
+ * step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray itself, and shadow.h's "place", 3.1 * 2^-34 (P
+ * + 2.1 z) 2.1 / D < 2^-23 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more.
  */
 #include "shadow.h"
 
@@ -34,8 +34,8 @@
 
 /* Of each cell: the plane of its cover. */
 struct planes {
-    MLRT_ALIGNED(16) float m[3][MLRT_CELL_COUNT]; /* with the sign of N */
-    MLRT_ALIGNED(16) float n[MLRT_CELL_COUNT];    /* |N| */
+    MLRT_ALIGNED(16) float m[3][MLRT_CELL_COUNT];  /* with the sign of N */
+    MLRT_ALIGNED(16) float n[MLRT_CELL_COUNT];     /* |N| */
     MLRT_ALIGNED(16) float reach[MLRT_CELL_COUNT]; /* P */
 };
 
@@ -72,7 +72,8 @@ static enum side find_plane(const struct mlrt_triangle *triangle, const float ey
     const double scale = 1 / greatest;
     for (int k = 0; k < 3; ++k) m[k] *= scale;
     const double n = dot(p, m), height = dot(to_light, m);
-    if (!(fabs(n) > 2 * MLRT_SHADOW_SIDE * reach && fabs(height) > 2 * MLRT_SHADOW_SIDE * size_of(to_light))) return UNKNOWN;
+    if (!(fabs(n) > 2 * MLRT_SHADOW_SIDE * reach && fabs(height) > 2 * MLRT_SHADOW_SIDE * size_of(to_light)))
+        return UNKNOWN;
     if ((n > 0) != (height > 0)) return DARK;
     for (int k = 0; k < 3; ++k) planes->m[k][place] = (float)(n > 0 ? m[k] : -m[k]);
     planes->n[place] = (float)fabs(n);
@@ -87,7 +88,8 @@ static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
     planes->reach[to] = planes->reach[from];
 }
 
-/* Planes of the cells that face the light: bit per cell. *dark receives those that do not; about others is nothing known. */
+/* Planes of the cells that face the light: bit per cell. *dark receives those that do not; about others is nothing
+ * known. */
 static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_tree *tree,
                             const struct mlrt_seen_cells *seen, uint32_t among, struct planes *planes, uint32_t *dark)
 {

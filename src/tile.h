@@ -20,14 +20,15 @@ struct mlrt_rectangle {
 };
 
 /* The piece of `whole` that starts at (x, y) relative to it and has at most this side. */
-static inline struct mlrt_rectangle mlrt_cut_piece(const struct mlrt_rectangle *whole, uint32_t x, uint32_t y, uint32_t side)
+MLRT_INLINE struct mlrt_rectangle mlrt_cut_piece(const struct mlrt_rectangle *whole, uint32_t x, uint32_t y,
+                                                 uint32_t side)
 {
     return (struct mlrt_rectangle){whole->x + x, whole->y + y, whole->width - x < side ? whole->width - x : side,
-                              whole->height - y < side ? whole->height - y : side};
+                                   whole->height - y < side ? whole->height - y : side};
 }
 
 /* Lanes of a block that exist: in the last row of a list some may not. */
-static inline uint32_t mlrt_existing_lanes(const struct mlrt_source *source, const struct mlrt_rectangle *block)
+MLRT_INLINE uint32_t mlrt_existing_lanes(const struct mlrt_source *source, const struct mlrt_rectangle *block)
 {
     const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
     const uint64_t past = (uint64_t)(block->y + block->height - 1) * source->width + block->x + block->width;
@@ -40,10 +41,11 @@ struct mlrt_cells {
     MLRT_ALIGNED(64) float shortest[MLRT_CELL_COUNT]; /* of closed cells: all rays reach this depth */
     MLRT_ALIGNED(64) uint32_t skip[MLRT_CELL_COUNT];  /* of closed cells: the triangle that all rays pass */
     MLRT_ALIGNED(64) float cover_near[MLRT_CELL_COUNT];
-    MLRT_ALIGNED(64) uint32_t cover[MLRT_CELL_COUNT]; /* of a closed cell: the triangle; MLRT_NONE: nothing met so far */
-    float apex[3];                               /* with a shear: its centre */
-    struct mlrt_shear shear;                     /* of rays of one direction; scale 0: of one apex */
-    float begin;                                 /* with a shear: the distance before which no ray begins */
+    MLRT_ALIGNED(64)
+    uint32_t cover[MLRT_CELL_COUNT]; /* of a closed cell: the triangle; MLRT_NONE: nothing met so far */
+    float apex[3];                   /* with a shear: its centre */
+    struct mlrt_shear shear;         /* of rays of one direction; scale 0: of one apex */
+    float begin;                     /* with a shear: the distance before which no ray begins */
     int main_axis;
     float sign;      /* of the main components: +-1 */
     uint32_t closed; /* bit per cell: no rays yet */
@@ -51,12 +53,12 @@ struct mlrt_cells {
     float slope_lo[2];
     float slope_hi[2];
     float whole_farthest;
-    float slope_bound;     /* of edge functions over slopes (bvh_leaf.h) */
+    float slope_bound;          /* of edge functions over slopes (bvh_leaf.h) */
     struct mlrt_ray_tile *tile; /* whose packets the cells are; NULL: they are tiles */
 };
 
 /* Do the rays of all cells have one direction? */
-static inline int mlrt_are_sheared(const struct mlrt_cells *cells)
+MLRT_INLINE int mlrt_are_sheared(const struct mlrt_cells *cells)
 {
     return MLRT_UNLIKELY(cells->shear.scale != 0);
 }
@@ -81,22 +83,22 @@ struct mlrt_ray_tile {
     uint32_t column_bits; /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
     struct mlrt_packet packets[MLRT_CELL_COUNT];
     float greatest_depth[MLRT_CELL_COUNT]; /* of the directions of a packet, along the main axis */
-    int limits_below;                 /* some t_min is not 0 */
-    uint32_t made;                    /* packets that have their rays */
-    const struct mlrt_job *picture;   /* of shadow rays: the call whose hits they come from, */
+    int limits_below;                      /* some t_min is not 0 */
+    uint32_t made;                         /* packets that have their rays */
+    const struct mlrt_job *picture;        /* of shadow rays: the call whose hits they come from, */
     struct mlrt_ray_tile *seen;            /* and the tile with them; else NULL */
     uint32_t dark[MLRT_CELL_COUNT];        /* of shadow rays: lanes without one, as the light is on the other side */
 };
 
 /* The part of a tile that is at a place, if there is one. */
-static inline struct mlrt_rectangle mlrt_block_of_tile(const struct mlrt_ray_tile *tile, uint32_t place)
+MLRT_INLINE struct mlrt_rectangle mlrt_block_of_tile(const struct mlrt_ray_tile *tile, uint32_t place)
 {
     const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
     return mlrt_cut_piece(&tile->area, 4 * column, 4 * row, 4);
 }
 
 /* Is there a packet at this place? */
-static inline int mlrt_has_block(const struct mlrt_ray_tile *tile, uint32_t place)
+MLRT_INLINE int mlrt_has_block(const struct mlrt_ray_tile *tile, uint32_t place)
 {
     const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
     return 4 * column < tile->area.width && 4 * row < tile->area.height;

@@ -22,9 +22,8 @@ void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint
  * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
  * off. Where either are too few they go alone. Returns the new cells.
  */
-static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                            struct mlrt_ray_tile *tile, uint32_t wide, float width,
-                                            uint32_t put_off[MLRT_CELL_COUNT])
+static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                                 uint32_t wide, float width, uint32_t put_off[MLRT_CELL_COUNT])
 {
     uint32_t cells = 0;
     for (; wide; wide &= wide - 1) {
@@ -47,7 +46,7 @@ static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker 
 
 /* Traces packets down the hierarchy of boxes: together, as far as they can go together. */
 void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                          uint32_t waiting)
+                        uint32_t waiting)
 {
     uint32_t put_off[MLRT_CELL_COUNT] = {0}, cut = 0;
     while (waiting) {

@@ -21,20 +21,7 @@
 #define trace_lone_ray     NULL
 #define make_shadow_packet NULL
 #endif
-const struct mlrt_kernels KERNELS = {mlrt_trace_levels,
-                                     MLRT_COUNTING,
-                                     fetch_block,
-                                     check_block,
-                                     write_packet,
-                                     trace_lone_ray,
-                                     trace_singles,
-                                     gather_camera_cells,
-                                     sum_up_cells,
-                                     make_packets,
-                                     gather_packets,
-                                     trace_gathered,
-                                     add_packet,
-                                     lanes_near_first,
-                                     traverse_bvh,
-                                     open_packet,
-                                     make_shadow_packet};
+const struct mlrt_kernels KERNELS = {
+    mlrt_trace_levels, MLRT_COUNTING,       fetch_block,  check_block,  write_packet,      trace_lone_ray,
+    trace_singles,     gather_camera_cells, sum_up_cells, make_packets, gather_packets,    trace_gathered,
+    add_packet,        lanes_near_first,    traverse_bvh, open_packet,  make_shadow_packet};

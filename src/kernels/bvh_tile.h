@@ -121,6 +121,7 @@ struct ray_vector {
 
 MLRT_INLINE void load_ray_vector(const struct mlrt_packet *packet, int v, struct ray_vector *rays)
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) rays->direction[k] = v_load(packet->direction[k] + v);
     rays->least_n = v_load(packet->lo + v);
     rays->greatest_n = v_load(packet->hi + v);
@@ -158,6 +159,7 @@ struct leaf_verdict {
 MLRT_INLINE vf least_leaf_edge(const struct mlrt_leaf_setup *leaf, uint32_t place, const struct ray_vector *rays)
 {
     vf product[3];
+    MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         const vf cross[3] = {v_set1(leaf->cross[i][0][place]), v_set1(leaf->cross[i][1][place]),
                              v_set1(leaf->cross[i][2][place])};
@@ -245,8 +247,9 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
 }
 
 /* Tests a packet against triangles of a leaf. */
-static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                                      const struct mlrt_leaf_setup *leaf, uint32_t triangles, uint32_t place)
+static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                      struct mlrt_ray_tile *tile, const struct mlrt_leaf_setup *leaf,
+                                      uint32_t triangles, uint32_t place)
 {
     struct mlrt_packet *packet = &tile->packets[place];
     uint32_t changed = 0;
@@ -263,8 +266,8 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
 }
 
 /* Opens a closed cell: makes its rays, if they are not there, and tests them against its cover. */
-static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                                      uint32_t place)
+static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                      struct mlrt_ray_tile *tile, uint32_t place)
 {
     struct mlrt_cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
@@ -287,8 +290,8 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
  * A triangle in the plane of a cell's cover is hit where that is, if at all, and the first of the two in the input
  * wins: the later one changes nothing, and the earlier one may cover the cell instead. 0 if it is not as simple.
  */
-static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells, uint32_t place,
-                        uint32_t number, int is_inside)
+static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells,
+                        uint32_t place, uint32_t number, int is_inside)
 {
     const uint32_t cover = cells->cover[place];
     if (cover == MLRT_NONE || (number < cover && !is_inside)) return 0;
@@ -320,8 +323,8 @@ static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *wo
     }
 }
 
-static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells,
-                                         uint32_t child, uint32_t met)
+static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                         struct mlrt_cells *cells, uint32_t child, uint32_t met)
 {
     uint32_t seen;
     const struct mlrt_leaf_setup *leaf = set_up_leaf(job->tree, cells, child, worker, &worker->caches[job->any], &seen);

@@ -51,12 +51,13 @@ MLRT_INLINE vd size_of_doubles(const vd a[3])
 }
 
 /* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
-MLRT_INLINE void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                            float corners[9][MLRT_PACKET_RAYS])
 {
     const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const struct mlrt_triangle *triangle = &tree->triangles[hit >> lane & 1 ? packet->triangle[lane] : standard];
+        MLRT_UNROLL
         for (int k = 0; k < 9; ++k) corners[k][lane] = triangle->v[k / 3][k % 3];
     }
 }

@@ -8,7 +8,7 @@
  * what it stores in pieces, the second loads in whole vectors, for which it would have to wait.
  */
 static void fetch_block(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
-                             struct mlrt_packet *packet)
+                        struct mlrt_packet *packet)
 {
     if (mlrt_is_pinhole(source)) {
         get_pinhole_packet(&source->view, block->x, block->y, lanes, packet);

@@ -7,6 +7,7 @@
 #define MLRT_QUAD_SCALAR_H
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "platform.h"
@@ -37,6 +38,13 @@ MLRT_INLINE f4 f4_load_any(const void *p)
 MLRT_INLINE void f4_store_any(void *p, f4 a)
 {
     memcpy(p, a.x, sizeof a.x);
+}
+/* bits of those of any four words that are `word` */
+MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
+{
+    uint32_t words[4];
+    memcpy(words, p, sizeof words);
+    return (words[0] == word) | (words[1] == word) << 1 | (words[2] == word) << 2 | (words[3] == word) << 3;
 }
 MLRT_INLINE f4 f4_add(f4 a, f4 b)
 {

@@ -6,6 +6,7 @@
 #define MLRT_QUAD_SSE_H
 
 #include <emmintrin.h>
+#include <stdint.h>
 
 #include "platform.h"
 
@@ -30,6 +31,11 @@ MLRT_INLINE f4 f4_load_any(const void *p)
 MLRT_INLINE void f4_store_any(void *p, f4 a)
 {
     _mm_storeu_ps(p, a);
+}
+MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
+{
+    const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_set1_epi32((int)word));
+    return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
 MLRT_INLINE f4 f4_add(f4 a, f4 b)
 {

@@ -91,7 +91,7 @@ static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
     }
     for (int side = 0; side < 2; ++side) {
         mlrt_set_cell_slopes(cells, place, side, least[side] - fabsf(least[side]) * SLOPE_SLACK - slack,
-                        greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK + slack);
+                             greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK + slack);
     }
     tile->greatest_depth[place] = greatest_direction(packet, a);
     if (packet->has_limits || packet->shear) {

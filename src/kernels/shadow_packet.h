@@ -71,20 +71,6 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
            d_gt(size, d_set1(MLRT_SHADOW_LEAST)) & d_gt(d_set1(MLRT_SHADOW_GREATEST), size);
 }
 
-/* One lane, by shadow.c. Returns whether it faces the light; a direction of 0 is a ray that hits nothing. */
-static MLRT_SMALL uint32_t make_shadow_lane(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t lane,
-                                            float (*ends)[MLRT_PACKET_RAYS])
-{
-    const int is_point = job->source.kind == MLRT_SOURCE_POINT_LIGHT;
-    struct mlrt_ray_segment ray, shadow;
-    int faces;
-    mlrt_get_segment(seen, lane, &ray);
-    const int is_ray =
-        mlrt_make_shadow_ray(&job->source, &job->tree->triangles[seen->triangle[lane]], &ray, &faces, &shadow);
-    for (int k = 0; k < 3; ++k) ends[k][lane] = !is_ray ? 0 : is_point ? shadow.direction[k] : shadow.origin[k];
-    return (uint32_t)faces << lane;
-}
-
 /* The triangles that lanes hit, and where their rays begin. Returns whether that is the same for all of them. */
 static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
                            struct seen_points *points)
@@ -106,8 +92,8 @@ static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packe
 }
 
 /*
- * Makes the rays to the light of a job from what the lanes `hit` of a packet hit. Returns the lanes that the light is on
- * the other side of: they have no ray.
+ * Makes the rays to the light of a job from what the lanes `hit` of a packet hit. Returns the lanes that the light is
+ * on the other side of: they have no ray.
  */
 static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, const struct mlrt_packet *seen,
                                                  uint32_t hit, struct mlrt_packet *packet)
@@ -129,7 +115,7 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     }
     facing &= certain;
     for (uint32_t left = hit & ~certain; left; left &= left - 1) {
-        facing |= make_shadow_lane(job, seen, mlrt_lowest_bit(left), ends);
+        facing |= mlrt_make_shadow_lane(job, seen, mlrt_lowest_bit(left), ends);
     }
     MLRT_KEEP_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {

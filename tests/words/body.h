@@ -78,6 +78,8 @@ static void run_doubles(const struct word_input *in, int lane, struct word_outpu
     d_store(out->values[WORD_DOUBLE_DIV] + lane, quotient);
     d_store(out->values[WORD_DOUBLE_MUL_ADD] + lane, d_sub(d_mul(quotient, b), a));
     d_store(out->values[WORD_DOUBLE_ABS] + lane, d_abs(quotient));
+    d_store(out->values[WORD_DOUBLE_MAX] + lane, d_max(a, b));
+    d_store(out->values[WORD_DOUBLE_FLIP] + lane, d_flip(a, b));
     put_bits(out, WORD_DOUBLE_GT, lane, d_gt(a, b) ^ d_gt(near, quotient));
     put_bits(out, WORD_DOUBLE_SAME_FLOAT, lane, d_same_float(quotient, nearer));
 }
@@ -96,6 +98,9 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     f4_store(out->values[WORD_QUAD_NEXT] + v, f4_next(a));
     f4_store(out->values[WORD_QUAD_JOIN] + v, f4_join(a, b));
     f4_store_any(out->values[WORD_QUAD_ANY] + v, f4_load_any((const char *)in->a + 3 * v));
+    for (unsigned i = 0, same = f4_same_words(in->a + v, in->words[v]); i < 4; ++i) {
+        out->integers[WORD_QUAD_SAME_WORDS][(unsigned)v + i] = (same >> i & 1) | same >> 4;
+    }
     f4_store(out->values[WORD_QUAD_LOW] + v, f4_low(a, b));
     f4_store(out->values[WORD_QUAD_HIGH] + v, f4_high(a, b));
     f4_store(out->values[WORD_QUAD_EVENS] + v, f4_evens(a, b));
