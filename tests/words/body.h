@@ -98,7 +98,7 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     f4_store(out->values[WORD_QUAD_NEXT] + v, f4_next(a));
     f4_store(out->values[WORD_QUAD_JOIN] + v, f4_join(a, b));
     f4_store_any(out->values[WORD_QUAD_ANY] + v, f4_load_any((const char *)in->a + 3 * v));
-    for (unsigned i = 0, same = f4_same_words(in->a + v, in->words[v]); i < 4; ++i) {
+    for (unsigned i = 0, same = f4_same_words(in->bits_a + v, in->bits_b[v]); i < 4; ++i) {
         out->integers[WORD_QUAD_SAME_WORDS][(unsigned)v + i] = (same >> i & 1) | same >> 4;
     }
     f4_store(out->values[WORD_QUAD_LOW] + v, f4_low(a, b));
