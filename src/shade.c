@@ -129,7 +129,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     tile.seen = seen;
     tile.picture = job;
     const uint32_t covered = covered_cells(&seen->cells), missed = seen->cells.closed & ~covered;
-    if (covered && have_lit_cells(job, light)) {
+    if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
         tile.cells.tile = &tile;
         if (gather_lit_cells(light, &seen->cells, covered, &tile.cells, &dark)) {
             light->kernels->traverse(light, worker, &tile.cells);

@@ -8,12 +8,13 @@
  * depths as seen from the light have their extremes there, as long as all of it lies in front.
  *
  * m is rounded to float, 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three roundings: it
- * is off by less than 2^-20; N, in double, by 2^-32 of P, the greatest |p_k|, and by 2^-24 of itself. So with D > 2^-8
- * shadow.h's condition on D holds for each ray, as |d| is less than 5.1, and z is off by 2^-32 P / D < 2^-24 P, and
+ * is off by less than 2^-20; N, in double, by 2^-32 of P, the greatest |p_k|, and by 2^-24 of itself. So with D > 2^-5
+ * shadow.h's condition on D holds for each ray, as |d| is less than 5.1, and z is off by 2^-32 P / D < 2^-26 P, and
  * 2^-19.9 z / D; places by twice that, as |d_k| <= 2: 2^-18.9 z / D < 2^-18 z / D. What is off besides, per component,
  * is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2 z) with something to spare, as much again for the
  * step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray itself, and shadow.h's "place", 3.1 * 2^-34 (P
- * + 2.1 z) 2.1 / D < 2^-23 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more.
+ * + 2.1 z) 2.1 / D < 2^-26 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more. Where D is less, bounds are wide,
+ * and rays are better.
  */
 #include "shadow.h"
 
@@ -28,7 +29,7 @@
 #define SLOPE_FLOOR    0x1p-100f
 
 /* The least D, and what places are off by: per z / D, and per what else there is. */
-#define LEAST_STEEPNESS 0x1p-8f
+#define LEAST_STEEPNESS 0x1p-5f
 #define ALONG_ERROR     0x1p-18f
 #define PLACE_ERROR     0x1p-20f
 

@@ -37,6 +37,12 @@
 #define MLRT_LEAST_PART 5
 #endif
 
+/* A tile of which so many packets see one triangle each begins its shadows with closed cells of these; others have
+ * rays. */
+#ifndef MLRT_LEAST_LIT_CELLS
+#define MLRT_LEAST_LIT_CELLS 9
+#endif
+
 /* A worker keeps 1 << this set-ups of leaves, of 1.4 KiB. */
 #ifndef MLRT_LEAF_SETUP_BITS
 #define MLRT_LEAF_SETUP_BITS 5

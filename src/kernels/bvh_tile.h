@@ -276,6 +276,8 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
         if (mlrt_are_sheared(cells)) mlrt_shear_packet(&cells->shear, packet, &(float){0}, &(int){0});
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
     }
+    if (MLRT_UNLIKELY(tile->seen != NULL) && packet->active)
+        add_packet(tile, place); /* closer than what was known without rays */
     cells->closed &= ~(1u << place);
     if (cells->cover[place] != MLRT_NONE) {
         struct lone_triangle lone;
