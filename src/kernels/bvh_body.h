@@ -15,13 +15,18 @@
 #include "bvh_single.h"
 #include "tile_rays.h"
 
+/* clang-format off: a table */
+#define KERNELS_OF_BOXES                                                                                               \
+    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .fetch_block = fetch_block, .check_block = check_block,  \
+    .write_packet = write_packet, .trace_singles = trace_singles, .gather_camera_cells = gather_camera_cells,          \
+    .sum_up_cells = sum_up_cells, .make_packets = make_packets, .gather_packets = gather_packets,                      \
+    .trace_gathered = trace_gathered, .add_packet = add_packet, .lanes_near_first = lanes_near_first,                  \
+    .traverse = traverse_bvh, .open_packet = open_packet
+/* clang-format on */
+
 #if MLRT_COUNTING
-#undef KERNELS
-#define KERNELS            KERNELS_COUNTING
-#define trace_lone_ray     NULL
-#define make_shadow_packet NULL
+const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_OF_BOXES};
+#else
+const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES, .trace_ray = trace_lone_ray,
+                                     .make_shadow_packet = make_shadow_packet};
 #endif
-const struct mlrt_kernels KERNELS = {
-    mlrt_trace_levels, MLRT_COUNTING,       fetch_block,  check_block,  write_packet,      trace_lone_ray,
-    trace_singles,     gather_camera_cells, sum_up_cells, make_packets, gather_packets,    trace_gathered,
-    add_packet,        lanes_near_first,    traverse_bvh, open_packet,  make_shadow_packet};
