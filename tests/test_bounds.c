@@ -43,13 +43,11 @@ static f4 remembering_divide_four(f4 a, f4 b)
     return f4_div(a, b);
 }
 
-#define v_div      remembering_divide
-#define f4_div     remembering_divide_four
-#define KERNELS    bounds_kernels_kdtree
-#define trace_tile trace_tile_of_kdtree
+#define v_div  remembering_divide
+#define f4_div remembering_divide_four
+#define KERNELS bounds_kernels_kdtree
 #include "kernels/kdtree_body.h"
 #undef KERNELS
-#undef trace_tile
 #define KERNELS bounds_kernels
 #include "kernels/bvh_body.h"
 #undef v_div
