@@ -596,8 +596,8 @@ enum {
  *
  * Method tile looks at sixteen packets, or at sixteen tiles of them, at once. So cells and tests are shared by up to
  * 256 or 4096 rays, and are not to be compared with those of the kd-tree. It has no beams and entry points: these
- * counters stay as they are. Shadow rays of a picture's lights are counted as rays that went alone, though without counters
- * they do not.
+ * counters stay as they are. Shadow rays of a picture's lights are counted as rays that went alone, though without
+ * counters they do not.
  */
 typedef struct mlrt_counters {
     uint32_t struct_size;  /* sizeof(mlrt_counters) */

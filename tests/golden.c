@@ -121,6 +121,22 @@ static int32_t hash_shadows(uint64_t *hash, const mlrt_tree *tree, const mlrt_tr
     return status;
 }
 
+/* Which lights do not reach the picture's pixels, by the picture itself. */
+static int32_t hash_lights(uint64_t *hash, const mlrt_tree *tree, int scene, const mlrt_trace_options *options)
+{
+    static uint8_t occluded[GOLDEN_COUNT];
+    const mlrt_light lights[2] = {{sizeof *lights, MLRT_LIGHT_POINT, {1.25f, 2.25f, 0.75f}},
+                                  {sizeof *lights, MLRT_LIGHT_DIRECTIONAL, {-0.25f, 1, 0.5f}}};
+    mlrt_camera camera = golden_camera(scene);
+    mlrt_trace_options lit = *options;
+    lit.lights = lights;
+    lit.light_count = 2;
+    mlrt_hits frame = {.struct_size = sizeof frame, .occluded = {occluded, 0, 0}};
+    int32_t status = mlrt_render_tiles(tree, &camera, &lit, &frame, NULL, NULL);
+    for (int i = 0; i < GOLDEN_COUNT; i++) *hash = hash_number(*hash, occluded[i]);
+    return status;
+}
+
 static int32_t hash_all_hits(uint64_t *hash, const mlrt_tree *tree, int scene)
 {
     enum { CAPACITY = 4, STEP = 16, COUNT = GOLDEN_COUNT / STEP };
@@ -156,6 +172,7 @@ int32_t hash_golden_rest(uint64_t *hash, const mlrt_tree *tree, int scene, const
     *hash = hash_number(hash_number(*hash, (uint32_t)info.tree_hash), (uint32_t)(info.tree_hash >> 32));
     if (status == MLRT_OK) status = golden_picture(tree, scene, options, hits);
     if (status == MLRT_OK) status = hash_shadows(hash, tree, options, hits);
+    if (status == MLRT_OK) status = hash_lights(hash, tree, scene, options);
     if (status == MLRT_OK) status = hash_all_hits(hash, tree, scene);
     return status;
 }

@@ -43,8 +43,8 @@ static f4 remembering_divide_four(f4 a, f4 b)
     return f4_div(a, b);
 }
 
-#define v_div  remembering_divide
-#define f4_div remembering_divide_four
+#define v_div   remembering_divide
+#define f4_div  remembering_divide_four
 #define KERNELS bounds_kernels_kdtree
 #include "kernels/kdtree_body.h"
 #undef KERNELS
