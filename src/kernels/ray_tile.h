@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A tile of sixteen packets: the rays of its cells (cells.h), made when they are needed.
+ * Cells made of the packets of a tile (tile.h), and which of them are too wide.
  */
 
 /* The greatest depth at which rays of a packet still look. */
