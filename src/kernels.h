@@ -26,7 +26,6 @@ struct mlrt_job {
     int entry_lists;
     int shared_setups;
     int any;
-    int has_lights;                /* lights are allowed */
     const struct mlrt_job *lights; /* of each light whose shadows are wanted: its source, and `any` */
     uint32_t light_count;
     uint32_t initial_tile_size;
@@ -113,8 +112,6 @@ struct mlrt_worker {
     uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
     uint32_t open_squares;
-    uint32_t open_lit_tiles; /* of shadows, likewise */
-    uint32_t open_lit_squares;
     uint32_t mesh; /* position of the one that was last hit */
     uint32_t tile_x;
     uint32_t tile_y;

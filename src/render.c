@@ -126,7 +126,6 @@ static void begin_worker(const struct mlrt_job *job, struct mlrt_worker *worker)
     worker->mask = job->source.common_mask;
     worker->open_tiles = MLRT_FIRST_OPEN_TILES;
     worker->open_squares = MLRT_FIRST_OPEN_SQUARES;
-    worker->open_lit_tiles = worker->open_lit_squares = 0;
     worker->mesh = 0;
 }
 

@@ -73,6 +73,20 @@ static uint32_t covered_cells(const struct mlrt_cells *cells)
     return cells->closed & ~mlrt_same_words(cells->cover, MLRT_NONE);
 }
 
+/*
+ * Takes what a light sees of covered cells down the hierarchy. Returns the cells that are lit; *dark receives those
+ * that are not. About others `cells` says nothing, or has rays by now.
+ */
+static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker, const struct mlrt_cells *seen,
+                                uint32_t covered, struct mlrt_cells *cells, uint32_t *dark)
+{
+    if (!gather_lit_cells(light, seen, covered, cells, dark)) return 0;
+    light->kernels->traverse(light, worker, cells);
+    const uint32_t shaded = covered_cells(cells);
+    *dark |= shaded;
+    return cells->closed & ~shaded;
+}
+
 /* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
 uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_cells *seen,
                           struct mlrt_known_lights known[MLRT_CELL_COUNT])
@@ -88,12 +102,7 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
         uint32_t dark = 0, lit = 0;
         if (covered && have_lit_cells(job, light)) {
             cells.tile = NULL;
-            if (gather_lit_cells(light, seen, covered, &cells, &dark)) {
-                light->kernels->traverse(light, worker, &cells);
-                const uint32_t shaded = covered_cells(&cells);
-                dark |= shaded;
-                lit = cells.closed & ~shaded;
-            }
+            lit = trace_lit_cells(light, worker, seen, covered, &cells, &dark);
         }
         for (uint32_t left = dark | lit; left; left &= left - 1) {
             struct mlrt_known_lights *of = &known[mlrt_lowest_bit(left)];
@@ -131,13 +140,8 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     const uint32_t covered = covered_cells(&seen->cells), missed = seen->cells.closed & ~covered;
     if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
         tile.cells.tile = &tile;
-        if (gather_lit_cells(light, &seen->cells, covered, &tile.cells, &dark)) {
-            light->kernels->traverse(light, worker, &tile.cells);
-            const uint32_t shaded = covered_cells(&tile.cells);
-            dark |= shaded;
-            lit = tile.cells.closed & ~shaded;
-            made = tile.made;
-        }
+        lit = trace_lit_cells(light, worker, &seen->cells, covered, &tile.cells, &dark);
+        made = tile.made;
     }
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         if (!mlrt_has_block(&tile, place) || (dark | lit | missed | made) >> place & 1) continue;
@@ -154,6 +158,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);
     }
 }
+
 /* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL.
  */
 void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,

@@ -26,37 +26,47 @@ static double greatest_of(const double a[3])
     return fmax(fmax(fabs(a[0]), fabs(a[1])), fabs(a[2]));
 }
 
-/* The ray as shadow.h has it. Returns 0 if its conditions do not hold. */
-static int find_end(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
-                    const struct mlrt_ray_segment *ray, int *faces, float end[3])
+void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
+                       struct mlrt_surface *surface)
 {
-    const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
-    double ab[3], ac[3], p[3], d[3], from[3], to_light[3], m[3], f[3], x[3];
+    double ab[3], ac[3], p[3], to_light[3], *m = surface->m;
     for (int k = 0; k < 3; ++k) {
         const double a = triangle->v[0][k], l = light->light[k];
         ab[k] = triangle->v[1][k] - a;
         ac[k] = triangle->v[2][k] - a;
-        p[k] = a - ray->origin[k];
-        d[k] = ray->direction[k];
-        from[k] = is_point ? ray->origin[k] - l : ray->origin[k];
-        to_light[k] = is_point ? a - l : -l;
+        p[k] = a - origin[k];
+        to_light[k] = light->kind == MLRT_SOURCE_POINT_LIGHT ? a - l : -l;
     }
     for (int k = 0; k < 3; ++k) m[k] = ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3];
-    const double greatest = greatest_of(m);
-    const int is_round = greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac));
-    const double scale = 1 / greatest;
+    const double greatest = greatest_of(m), scale = 1 / greatest;
+    surface->is_round = greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac));
     for (int k = 0; k < 3; ++k) m[k] = m[k] * scale;
-    const double steepness = dot(d, m), t = dot(p, m) / steepness, height = dot(to_light, m);
+    surface->n = dot(p, m);
+    surface->reach = greatest_of(p);
+    surface->height = dot(to_light, m);
+    surface->height_size = size_of(to_light);
+}
+
+/* The ray as shadow.h has it. Returns 0 if its conditions do not hold. */
+static int find_end(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
+                    const struct mlrt_ray_segment *ray, int *faces, float end[3])
+{
+    struct mlrt_surface surface;
+    double d[3], f[3], x[3];
+    mlrt_find_surface(light, triangle, ray->origin, &surface);
+    for (int k = 0; k < 3; ++k) d[k] = ray->direction[k];
+    const double steepness = dot(d, surface.m), t = surface.n / steepness;
     for (int k = 0; k < 3; ++k) {
+        const double o = ray->origin[k];
         f[k] = t * d[k];
-        x[k] = from[k] + f[k];
+        x[k] = (light->kind == MLRT_SOURCE_POINT_LIGHT ? o - light->light[k] : o) + f[k];
     }
-    const double size = fmax(fmax(greatest_of(x), greatest_of(f)), MLRT_SHADOW_PLANE * greatest_of(p));
+    const double size = fmax(fmax(greatest_of(x), greatest_of(f)), MLRT_SHADOW_PLANE * surface.reach);
     const double step = steepness > 0 ? -MLRT_SHADOW_STEP * size : MLRT_SHADOW_STEP * size;
-    for (int k = 0; k < 3; ++k) end[k] = (float)(x[k] + step * m[k]);
-    *faces = (height > 0) == (steepness > 0);
-    return is_round && fabs(steepness) > MLRT_SHADOW_GRAZING * size_of(d) &&
-           fabs(height) > MLRT_SHADOW_SIDE * size_of(to_light) && size > MLRT_SHADOW_LEAST &&
+    for (int k = 0; k < 3; ++k) end[k] = (float)(x[k] + step * surface.m[k]);
+    *faces = (surface.height > 0) == (steepness > 0);
+    return surface.is_round && fabs(steepness) > MLRT_SHADOW_GRAZING * size_of(d) &&
+           fabs(surface.height) > MLRT_SHADOW_SIDE * surface.height_size && size > MLRT_SHADOW_LEAST &&
            size < MLRT_SHADOW_GREATEST;
 }
 

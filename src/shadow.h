@@ -46,6 +46,19 @@
 #define MLRT_SHADOW_STEP     0x1p-22
 #define MLRT_SHADOW_PLANE    0x1p-5
 
+/* A triangle between where a ray begins and a light, in the words above. */
+struct mlrt_surface {
+    double m[3];
+    double n;
+    double reach;       /* greatest |p_k| */
+    double height;      /* H */
+    double height_size; /* h */
+    int is_round;       /* n is more than 2^-16 S: the rest has a meaning */
+};
+
+void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
+                       struct mlrt_surface *surface);
+
 /*
  * The ray from a hit to the light of a source (MLRT_SOURCE_POINT_LIGHT or _DIRECTIONAL_LIGHT), and in *faces whether
  * the light is on the ray's side. Returns 0 if no ray is needed: the light is on the other side, or where the hit is.

@@ -22,11 +22,7 @@
 #include <string.h>
 
 #include "kernels/quad.h"
-
-/* As in kernels/cells.h. */
-#define STEEPEST_SLOPE 2.0f
-#define SLOPE_SLACK    0x1p-20f
-#define SLOPE_FLOOR    0x1p-100f
+#include "kernels/slopes.h"
 
 /* The least D, and what places are off by: per z / D, and per what else there is. */
 #define LEAST_STEEPNESS 0x1p-5f
@@ -40,45 +36,23 @@ struct planes {
     MLRT_ALIGNED(16) float reach[MLRT_CELL_COUNT]; /* P */
 };
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double size_of(const double a[3])
-{
-    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
-}
-
 enum side { UNKNOWN, DARK, FACING };
 
 /* The plane of a triangle, for one cell. */
-static enum side find_plane(const struct mlrt_triangle *triangle, const float eye[3], const float light[3],
+static enum side find_plane(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float eye[3],
                             struct planes *planes, uint32_t place)
 {
-    double ab[3], ac[3], p[3], to_light[3], m[3], greatest = 0, reach = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double a = triangle->v[0][k];
-        ab[k] = triangle->v[1][k] - a;
-        ac[k] = triangle->v[2][k] - a;
-        p[k] = a - eye[k];
-        to_light[k] = a - light[k];
-    }
-    for (int k = 0; k < 3; ++k) {
-        m[k] = ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3];
-        greatest = fmax(greatest, fabs(m[k]));
-        reach = fmax(reach, fabs(p[k]));
-    }
-    if (!(greatest > MLRT_SHADOW_NORMAL * (size_of(ab) * size_of(ac)))) return UNKNOWN;
-    const double scale = 1 / greatest;
-    for (int k = 0; k < 3; ++k) m[k] *= scale;
-    const double n = dot(p, m), height = dot(to_light, m);
-    if (!(fabs(n) > 2 * MLRT_SHADOW_SIDE * reach && fabs(height) > 2 * MLRT_SHADOW_SIDE * size_of(to_light)))
+    struct mlrt_surface surface;
+    mlrt_find_surface(light, triangle, eye, &surface);
+    const double n = surface.n;
+    if (!(surface.is_round && fabs(n) > 2 * MLRT_SHADOW_SIDE * surface.reach &&
+          fabs(surface.height) > 2 * MLRT_SHADOW_SIDE * surface.height_size)) {
         return UNKNOWN;
-    if ((n > 0) != (height > 0)) return DARK;
-    for (int k = 0; k < 3; ++k) planes->m[k][place] = (float)(n > 0 ? m[k] : -m[k]);
+    }
+    if ((n > 0) != (surface.height > 0)) return DARK;
+    for (int k = 0; k < 3; ++k) planes->m[k][place] = (float)(n > 0 ? surface.m[k] : -surface.m[k]);
     planes->n[place] = (float)fabs(n);
-    planes->reach[place] = (float)(reach * (1 + 0x1p-22));
+    planes->reach[place] = (float)(surface.reach * (1 + 0x1p-22));
     return FACING;
 }
 
@@ -100,7 +74,7 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
         const uint32_t place = mlrt_lowest_bit(among);
         if (seen->cover[place] != number) {
             number = seen->cover[place];
-            side = find_plane(&tree->triangles[number], seen->eye, light->light, planes, last = place);
+            side = find_plane(light, &tree->triangles[number], seen->eye, planes, last = place);
         } else if (side == FACING) {
             copy_plane(planes, last, place);
         }

@@ -83,13 +83,6 @@ static int32_t take_options(const mlrt_trace_options *given, struct call *call)
     return mlrt_take_host(call->options.host, &call->run.host);
 }
 
-/* May a call have lights, and are there as many as it says? Only pictures have. */
-static int takes_lights(const mlrt_trace_options *options, const struct mlrt_job *job)
-{
-    return job->has_lights && options->query == MLRT_QUERY_CLOSEST && options->reserved == 0 &&
-           options->light_count <= MLRT_LIGHT_LIMIT && (options->lights || !options->light_count);
-}
-
 /* Checks options and puts what they say, and the tree, into a job whose source is set. */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
@@ -97,9 +90,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
     if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_AVX512) return MLRT_ERROR_ARGUMENT;
     if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if ((options->lights || options->light_count || options->reserved) && !takes_lights(options, job)) {
-        return MLRT_ERROR_ARGUMENT;
-    }
+    if (options->lights || options->light_count || options->reserved) return MLRT_ERROR_ARGUMENT;
     if (options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~63u)
         return MLRT_ERROR_ARGUMENT;
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
@@ -333,15 +324,25 @@ static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
     return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_camera, t_max), camera, sizeof *camera);
 }
 
+/* Takes the lights out of options: nobody but pictures has any. 0 if they cannot be. */
+static int take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count)
+{
+    *lights = options->lights;
+    *count = options->light_count;
+    options->lights = NULL;
+    options->light_count = 0;
+    return (!*lights || options->query == MLRT_QUERY_CLOSEST) && *count <= MLRT_LIGHT_LIMIT && (*lights || !*count);
+}
+
 /* What is asked about each light: as the job, but whether anything is hit. */
-static int32_t make_light_jobs(const mlrt_trace_options *options, const struct mlrt_job *job,
+static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const struct mlrt_job *job,
                                struct mlrt_job jobs[MLRT_LIGHT_LIMIT])
 {
-    for (uint32_t i = 0; i < options->light_count; ++i) {
+    for (uint32_t i = 0; i < count; ++i) {
         mlrt_light light;
-        const void *given = (const unsigned char *)options->lights + (size_t)i * options->lights->struct_size;
+        const void *given = (const unsigned char *)lights + (size_t)i * lights->struct_size;
         /* First, so that nothing behind the array is looked at. */
-        if (((const mlrt_light *)given)->struct_size != options->lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
+        if (((const mlrt_light *)given)->struct_size != lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
         int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_light, position), &light, sizeof light);
         if (status != MLRT_OK) return status;
         jobs[i] = *job;
@@ -359,20 +360,22 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
                                              const mlrt_hits *frame, struct mlrt_job *job,
                                              struct mlrt_job light_jobs[MLRT_LIGHT_LIMIT])
 {
+    mlrt_trace_options options = call->options;
+    const mlrt_light *lights;
+    uint32_t light_count;
     int32_t status = mlrt_make_view_source(camera, &job->source);
-    job->has_lights = 1;
-    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
-    if (status == MLRT_OK) status = make_light_jobs(&call->options, job, light_jobs);
+    if (status == MLRT_OK && !take_lights(&options, &lights, &light_count)) status = MLRT_ERROR_ARGUMENT;
+    if (status == MLRT_OK) status = resolve_options(tree, &options, job);
+    if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
     if (status != MLRT_OK) return status;
-    job->has_lights = call->options.light_count > 0;
     if (frame) {
-        status = mlrt_make_sink(frame, channels_of(job) | (job->has_lights ? MLRT_CHANNELS_OCCLUDED : 0),
-                                job->source.width, 0, &job->frame);
+        status = mlrt_make_sink(frame, channels_of(job) | (light_count ? MLRT_CHANNELS_OCCLUDED : 0), job->source.width,
+                                0, &job->frame);
         job->has_frame = !mlrt_sink_is_empty(&job->frame);
     }
-    if (job->has_lights && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
+    if (light_count && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
         job->lights = light_jobs;
-        job->light_count = call->options.light_count;
+        job->light_count = light_count;
         job->whole_tiles = 0;
     }
     return status;

@@ -1195,3 +1195,15 @@ void free_guarded(void *block, size_t size)
     size_t page = (size_t)sysconf(_SC_PAGESIZE), length = guarded_length(size, page);
     assert_int_equal(munmap((unsigned char *)block + size + page - length, length), 0);
 }
+
+mlrt_light light_at(float x, float y, float z)
+{
+    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {x, y, z}};
+    return light;
+}
+
+mlrt_light light_from(float x, float y, float z)
+{
+    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {x, y, z}};
+    return light;
+}

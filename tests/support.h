@@ -177,4 +177,8 @@ void free_guarded(void *block, size_t size);
 
 void *allocate_or_fail(size_t count, size_t size);
 
+/* A point light at (x, y, z), and a directional light that lies in that direction. */
+mlrt_light light_at(float x, float y, float z);
+mlrt_light light_from(float x, float y, float z);
+
 #endif

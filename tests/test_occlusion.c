@@ -30,18 +30,6 @@ static void free_points(struct points *points)
     free(points->skip);
 }
 
-static mlrt_light light_at(float x, float y, float z)
-{
-    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {x, y, z}};
-    return light;
-}
-
-static mlrt_light light_from(float x, float y, float z)
-{
-    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {x, y, z}};
-    return light;
-}
-
 static void check(const struct fixture *fixture, const struct points *points, const mlrt_light *light)
 {
     check_points(fixture, points->positions, points->skip, points->count, points->row_length, light);

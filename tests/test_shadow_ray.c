@@ -12,18 +12,6 @@
 #include "hostile_rays.h"
 #include "support.h"
 
-static mlrt_light light_at(float x, float y, float z)
-{
-    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {x, y, z}};
-    return light;
-}
-
-static mlrt_light light_from(float x, float y, float z)
-{
-    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {x, y, z}};
-    return light;
-}
-
 /* ---- one ray ----------------------------------------------------------------------------------------------------- */
 
 /* What is known of a hit and a light. */

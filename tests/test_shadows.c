@@ -385,18 +385,6 @@ static void check_picture(struct picture *picture, struct random *random)
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
-static mlrt_light light_at(float x, float y, float z)
-{
-    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {x, y, z}};
-    return light;
-}
-
-static mlrt_light light_from(float x, float y, float z)
-{
-    mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {x, y, z}};
-    return light;
-}
-
 static float power_of_ten(struct random *random, double least, double most)
 {
     return (float)pow(10, least + (most - least) * (double)draw_range(random, 0, 1));

@@ -22,17 +22,11 @@
  * 1 / (1 - z). Only to boxes, which do not become boxes, they are what they were.
  */
 
-/* Slopes of cells are at most this: the main axis is nearly the main one for all their rays. */
-#define STEEPEST_SLOPE 2.0f
-
 /* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
 #define WIDEST_PACKET 0.25f
 
 /* Parts of a packet that cannot go as one are so wide at most. */
 #define WIDEST_PART 0.03f
-
-/* What slopes of cells without rays are moved apart at least: see gather_camera_cells. */
-#define SLOPE_FLOOR 0x1p-100f
 
 MLRT_INLINE void set_whole_farthest(struct mlrt_cells *cells)
 {

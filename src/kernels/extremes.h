@@ -6,7 +6,6 @@
  */
 
 #define RECIPROCAL_SLACK 0x1p-21f
-#define SLOPE_SLACK      0x1p-20f
 
 /* fmaxf without its care for NaNs, which is a call. */
 MLRT_INLINE float larger_of(float a, float b)

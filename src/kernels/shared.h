@@ -20,6 +20,7 @@
 #include "tile_packets.h"
 #include "trace_ray.h"
 
+#include "slopes.h"
 #include "extremes.h"
 #include "camera_packet.h"
 #include "packet_check.h"
