@@ -5,6 +5,7 @@
 #ifndef MLRT_KERNELS_H
 #define MLRT_KERNELS_H
 
+#include "hit_terms.h"
 #include "output.h"
 #include "shear.h"
 #include "source.h"
@@ -112,6 +113,7 @@ struct mlrt_worker {
     uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
     uint32_t open_squares;
+    struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the one that was last hit */
     uint32_t tile_x;
     uint32_t tile_y;
@@ -122,18 +124,25 @@ struct mlrt_rectangle;
 struct mlrt_cells;
 struct mlrt_ray_tile;
 
+/* How packets of a picture are read and written. */
+struct mlrt_picture_kernels {
+    /* The rays of a block, in two steps: `lanes` are those that exist. picture.h */
+    void (*fetch_block)(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
+                        struct mlrt_packet *packet);
+    void (*check_block)(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet);
+    /* Those of all blocks of a tile, in one. tile_rays.h */
+    void (*read_packets)(const struct mlrt_source *source, struct mlrt_ray_tile *tile);
+    /* Writes the results of a packet. write_packet.h */
+    void (*write_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                         uint32_t lanes, const struct mlrt_rectangle *block);
+};
+
 struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
     void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
     int counts; /* it adds to the worker's counters */
 
-    /* The rays of a block of a picture, in two steps: `lanes` are those that exist. picture.h */
-    void (*fetch_block)(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
-                        struct mlrt_packet *packet);
-    void (*check_block)(const struct mlrt_source *source, uint32_t lanes, struct mlrt_packet *packet);
-    /* Writes the results of a packet. write_packet.h */
-    void (*write_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                         uint32_t lanes, const struct mlrt_rectangle *block);
+    const struct mlrt_picture_kernels *picture;
 
     /* What follows is there for the hierarchy of boxes only. */
 
@@ -149,8 +158,6 @@ struct mlrt_kernels {
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_cells *cells);
     void (*sum_up_cells)(struct mlrt_cells *cells);
-    /* Makes the rays of all packets of a tile; returns those that may go together. tile_rays.h */
-    uint32_t (*make_packets)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
     /* Makes cells of packets, and takes these down; adds one; which lanes are near the first one. ray_tile.h */
     uint32_t (*gather_packets)(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t waiting, uint32_t *wide,
                                float *width);
@@ -169,5 +176,8 @@ struct mlrt_kernels {
 /* Which of them there are: dispatch.c. */
 extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
+
+/* Of them, those that every processor of this kind can run. Kernels that count, and those of the kd-tree, use these. */
+extern const struct mlrt_picture_kernels mlrt_plain_picture;
 
 #endif

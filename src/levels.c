@@ -44,7 +44,7 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
     struct mlrt_packet *packet = &tile->packets[place];
     const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
     mlrt_finish_packet(job, worker, packet);
-    job->kernels->write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
+    job->kernels->picture->write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
 }
 
 static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
@@ -64,16 +64,12 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
     *y = !is_last ? tile->y : is_lowest ? tile->y & ~63u : tile->y + 16;
 }
 
-/*
- * What comes after a tile, and where its own results go. Rows of a picture lie too far apart for the processor to
- * foresee; lists are read and written in order.
- */
-static void prefetch_around(const struct mlrt_job *job, const struct mlrt_rectangle *tile)
+void mlrt_prefetch_around(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t place)
 {
     uint32_t x, y;
-    find_next_tile(&job->source, tile, &x, &y);
-    mlrt_prefetch_rays(&job->source, x, y, 16);
-    if (job->has_frame) mlrt_prefetch_sink(tile->x, tile->y, tile->width, tile->height, &job->frame);
+    find_next_tile(source, tile, &x, &y);
+    mlrt_prefetch_rays(source, x, y + place, 1);
+    if (place % 4 == 0 && place < 12) mlrt_prefetch_rays(source, tile->x, tile->y + place + 4, 4);
 }
 
 /*
@@ -111,8 +107,10 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         }
     } else {
         tile.made = 0xFFFF;
-        const uint32_t waiting = job->kernels->make_packets(job, worker, &tile);
-        if (!is_list(&job->source)) prefetch_around(job, area);
+        const uint32_t waiting = mlrt_make_packets(job, worker, &tile);
+        if (job->has_frame && !is_list(&job->source)) {
+            mlrt_prefetch_sink(area->x, area->y, area->width, area->height, &job->frame);
+        }
         mlrt_trace_packets(job, worker, &tile, waiting);
     }
     const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;

@@ -94,7 +94,7 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
             struct mlrt_packet packet;
             mlrt_get_packet(job, &block, lanes, &packet);
             mlrt_fill_words(packet.triangle, number);
-            job->kernels->write_packet(job, worker, &packet, lanes, &block);
+            job->kernels->picture->write_packet(job, worker, &packet, lanes, &block);
         }
     }
 }

@@ -12,8 +12,8 @@
 static inline void mlrt_get_packet(const struct mlrt_job *job, const struct mlrt_rectangle *block, uint32_t lanes,
                                    struct mlrt_packet *packet)
 {
-    job->kernels->fetch_block(&job->source, block, lanes, packet);
-    job->kernels->check_block(&job->source, lanes, packet);
+    job->kernels->picture->fetch_block(&job->source, block, lanes, packet);
+    job->kernels->picture->check_block(&job->source, lanes, packet);
 }
 
 /* Traces lanes of a packet by mlrt_trace_segment. */

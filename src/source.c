@@ -101,6 +101,11 @@ void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_ar
 
 /* ---- reading rays ---- */
 
+int mlrt_are_float_safe(const float vector[3])
+{
+    return mlrt_is_float_safe(vector[0]) && mlrt_is_float_safe(vector[1]) && mlrt_is_float_safe(vector[2]);
+}
+
 static const float *float_at(const mlrt_const_array *array, uint32_t i)
 {
     return (const float *)(const void *)((const unsigned char *)array->data + (size_t)i * array->stride);
@@ -290,17 +295,21 @@ MLRT_INLINE void load_pairs(const mlrt_const_array *array, uint32_t first, f4 *m
     *triangles = f4_odds(low, high);
 }
 
-/* The pairs of mesh and triangle that a block passes. */
-static void fetch_skips(const mlrt_const_array *array, const struct block *block, struct mlrt_packet *packet)
+void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                      struct mlrt_packet *packet)
 {
-    if (MLRT_UNLIKELY(!is_whole(block))) {
-        fetch_lanes(array, block, 2, (void *const[]){packet->skip_mesh, packet->skip});
+    const mlrt_const_array *array = &source->skip;
+    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
+    packet->has_skip = array->data != NULL;
+    if (!array->data) return;
+    if (MLRT_UNLIKELY(!is_whole(&block))) {
+        fetch_lanes(array, &block, 2, (void *const[]){packet->skip_mesh, packet->skip});
         return;
     }
     for (uint32_t row = 0; row < 4; row += 2) {
         f4 even[2], odd[2];
-        load_pairs(array, block->first + row * block->row_length, &even[0], &even[1]);
-        load_pairs(array, block->first + (row + 1) * block->row_length, &odd[0], &odd[1]);
+        load_pairs(array, block.first + row * block.row_length, &even[0], &even[1]);
+        load_pairs(array, block.first + (row + 1) * block.row_length, &odd[0], &odd[1]);
         put_rows(even[0], odd[0], packet->skip_mesh + 4 * row);
         put_rows(even[1], odd[1], packet->skip + 4 * row);
     }
@@ -376,8 +385,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
     } else {
         fetch_light_rays(source, &block, packet);
     }
-    packet->has_skip = source->skip.data != NULL;
-    if (packet->has_skip) fetch_skips(&source->skip, &block, packet);
+    mlrt_fetch_skips(source, x, y, lanes, packet);
 }
 
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)

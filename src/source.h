@@ -72,13 +72,12 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
                  uint32_t *skip);
 
-/* Can float arithmetic carry the ray (packet.h)? */
+/* Can float arithmetic carry the vector, or the ray (packet.h)? */
+int mlrt_are_float_safe(const float vector[3]);
+
 static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
 {
-    for (int k = 0; k < 3; ++k) {
-        if (!mlrt_is_float_safe(ray->origin[k]) || !mlrt_is_float_safe(ray->direction[k])) return 0;
-    }
-    return 1;
+    return mlrt_are_float_safe(ray->origin) && mlrt_are_float_safe(ray->direction);
 }
 
 /* Have all rays one direction, and origins of their own? Arrays may have, too: that is not known before they are read.
@@ -102,6 +101,10 @@ static inline int mlrt_is_pinhole(const struct mlrt_source *source)
  */
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
+
+/* Of these numbers, has_skip, skip_mesh and skip. */
+void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                      struct mlrt_packet *packet);
 
 /* Turns the pairs of mesh and triangle that the rays of a packet pass into triangle numbers. */
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet);

@@ -18,6 +18,28 @@ void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint
     }
 }
 
+uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
+{
+    uint32_t waiting = 0;
+    job->kernels->picture->read_packets(&job->source, tile);
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        if (!mlrt_has_block(tile, place)) continue;
+        struct mlrt_packet *packet = &tile->packets[place];
+        if (!job->tree->bvh.float_safe) {
+            packet->single |= packet->active;
+            packet->active = 0;
+        }
+        const int is_alike = packet->has_apex || (!packet->has_masks &&
+                                                  (mlrt_is_parallel(&job->source) || mlrt_have_one_direction(packet)));
+        if (packet->active && !is_alike) {
+            job->kernels->trace_singles(job, packet->active, packet, worker);
+        } else {
+            waiting |= (packet->active != 0u) << place;
+        }
+    }
+    return waiting;
+}
+
 /*
  * Cuts packets that are too wide to go with the others: the rays near the first one are a cell, and the others are put
  * off. Where either are too few they go alone. Returns the new cells.

@@ -7,26 +7,34 @@
 #include "shared.h"
 #include "sheared.h"
 
+#if !MLRT_COUNTING
+#include "packet_check.h"
+#include "camera_packet.h"
+#include "picture.h"
+#include "packed_rays.h"
+#include "tile_rays.h"
+#include "write_packet.h"
+#include "shadow_packet.h"
+#endif
+
 #include "cells.h"
 #include "ray_tile.h"
-#include "shadow_packet.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
-#include "tile_rays.h"
 
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
-    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .fetch_block = fetch_block, .check_block = check_block,  \
-    .write_packet = write_packet, .trace_singles = trace_singles, .gather_camera_cells = gather_camera_cells,          \
-    .sum_up_cells = sum_up_cells, .make_packets = make_packets, .gather_packets = gather_packets,                      \
+    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles, .gather_camera_cells = gather_camera_cells,          \
+    .sum_up_cells = sum_up_cells, .gather_packets = gather_packets,                      \
     .trace_gathered = trace_gathered, .add_packet = add_packet, .lanes_near_first = lanes_near_first,                  \
     .traverse = traverse_bvh, .open_packet = open_packet
 /* clang-format on */
 
 #if MLRT_COUNTING
-const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_OF_BOXES};
+const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_OF_BOXES, .picture = &mlrt_plain_picture};
 #else
-const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES, .trace_ray = trace_lone_ray,
+const struct mlrt_picture_kernels PICTURE = {fetch_block, check_block, read_packets, write_packet};
+const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES, .picture = &PICTURE, .trace_ray = trace_lone_ray,
                                      .make_shadow_packet = make_shadow_packet};
 #endif

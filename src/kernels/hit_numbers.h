@@ -16,15 +16,7 @@
  * The cross products are the same for all rays from one origin that hit one triangle, and most packets consist of such.
  */
 
-/* Of the rays of a vector: of a triangle, seen from their origin. */
-struct hit_terms {
-    vd normal[3];
-    vd normal_size;
-    vd n;
-    vd n_size;
-    vd edge[2][3]; /* of e_ca and e_ab: before the product with d */
-    vd edge_size[2];
-};
+#define MLRT_FEW_TRIANGLES 4
 
 struct packet_numbers {
     MLRT_ALIGNED(64) float t[MLRT_PACKET_RAYS];
@@ -63,7 +55,7 @@ static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packe
 }
 
 MLRT_INLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
-                                  struct hit_terms *terms)
+                                  vd term[MLRT_HIT_TERM_COUNT])
 {
     vd ab[3], ac[3], p[3];
     for (int k = 0; k < 3; ++k) {
@@ -72,15 +64,15 @@ MLRT_INLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *
         p[k] = d_sub(corner[k], packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane));
     }
     const vd ab_size = size_of_doubles(ab), ac_size = size_of_doubles(ac), p_size = size_of_doubles(p);
-    cross_product_of_doubles(ab, ac, terms->normal);
-    terms->normal_size = d_mul(ab_size, ac_size);
-    terms->n = dot_product_of_doubles(p, terms->normal);
-    terms->n_size = d_mul(p_size, terms->normal_size);
+    cross_product_of_doubles(ab, ac, term + MLRT_HIT_NORMAL);
+    term[MLRT_HIT_NORMAL_SIZE] = d_mul(ab_size, ac_size);
+    term[MLRT_HIT_N] = dot_product_of_doubles(p, term + MLRT_HIT_NORMAL);
+    term[MLRT_HIT_N_SIZE] = d_mul(p_size, term[MLRT_HIT_NORMAL_SIZE]);
     if (!(outputs & MLRT_OUTPUT_UV)) return;
-    cross_product_of_doubles(ac, p, terms->edge[0]);
-    cross_product_of_doubles(p, ab, terms->edge[1]);
-    terms->edge_size[0] = d_mul(ac_size, p_size);
-    terms->edge_size[1] = d_mul(p_size, ab_size);
+    cross_product_of_doubles(ac, p, term + MLRT_HIT_EDGE);
+    cross_product_of_doubles(p, ab, term + MLRT_HIT_EDGE + 3);
+    term[MLRT_HIT_EDGE_SIZE] = d_mul(ac_size, p_size);
+    term[MLRT_HIT_EDGE_SIZE + 1] = d_mul(p_size, ab_size);
 }
 
 /* 1 / D, its magnitude, and what the error of D adds to a quotient relative to it. */
@@ -102,13 +94,13 @@ MLRT_INLINE uint32_t round_quotients(vd x, vd size, const struct lane_denominato
 }
 
 /* The numbers of DW lanes. Returns those that are certain; `positive` receives those with D > 0. */
-MLRT_INLINE uint32_t report_vector(const struct hit_terms *terms, const struct mlrt_packet *packet, uint32_t lane,
+MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const struct mlrt_packet *packet, uint32_t lane,
                                    uint32_t outputs, uint32_t *positive, struct packet_numbers *numbers)
 {
     const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
                              d_load(packet->direction[2] + lane)};
     const vd direction_size = size_of_doubles(direction);
-    const vd d = dot_product_of_doubles(direction, terms->normal), d_size = d_mul(direction_size, terms->normal_size);
+    const vd d = dot_product_of_doubles(direction, term + MLRT_HIT_NORMAL), d_size = d_mul(direction_size, term[MLRT_HIT_NORMAL_SIZE]);
     uint32_t certain = d_gt(d_abs(d), d_mul(d_set1(MLRT_LEAST_DENOMINATOR), d_size));
     *positive = d_gt(d, d_set1(0));
     struct lane_denominator denominator;
@@ -116,11 +108,11 @@ MLRT_INLINE uint32_t report_vector(const struct hit_terms *terms, const struct m
     denominator.inverse_size = d_abs(denominator.inverse);
     denominator.error = d_mul(d_mul(d_set1(MLRT_DENOMINATOR_ERROR), d_size), denominator.inverse_size);
     if (outputs & MLRT_OUTPUT_T) {
-        certain &= round_quotients(terms->n, terms->n_size, &denominator, numbers->t + lane);
+        certain &= round_quotients(term[MLRT_HIT_N], term[MLRT_HIT_N_SIZE], &denominator, numbers->t + lane);
     }
     for (int i = 0; outputs & MLRT_OUTPUT_UV && i < 2; ++i) {
-        certain &= round_quotients(dot_product_of_doubles(direction, terms->edge[i]),
-                                   d_mul(direction_size, terms->edge_size[i]), &denominator, numbers->uv[i] + lane);
+        certain &= round_quotients(dot_product_of_doubles(direction, term + MLRT_HIT_EDGE + 3 * i),
+                                   d_mul(direction_size, term[MLRT_HIT_EDGE_SIZE + i]), &denominator, numbers->uv[i] + lane);
     }
     return certain;
 }
@@ -165,29 +157,70 @@ MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_n
     }
 }
 
+/* The triangles that a packet hits, as long as they are few, and where. */
+struct hit_triangles {
+    uint32_t count;
+    uint32_t lanes[MLRT_FEW_TRIANGLES];
+    const double *term[MLRT_FEW_TRIANGLES];
+};
+
+/* Finds them in a packet with an apex; 0 if they are too many, or two of one place in the cache. */
+MLRT_INLINE int find_few_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                                   struct mlrt_hit_term_cache *cache, struct hit_triangles *triangles)
+{
+    uint32_t numbers[MLRT_FEW_TRIANGLES], count = 0;
+    for (uint32_t left = hit; left; ++count) {
+        if (count == MLRT_FEW_TRIANGLES) return 0;
+        numbers[count] = packet->triangle[mlrt_lowest_bit(left)];
+        triangles->lanes[count] = left & lanes_of_triangle(packet, numbers[count]);
+        left &= ~triangles->lanes[count];
+        for (uint32_t i = 0; i < count; ++i) {
+            if ((numbers[i] ^ numbers[count]) % MLRT_HIT_TERMS_COUNT == 0) return 0;
+        }
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        triangles->term[i] = mlrt_find_hit_terms(tree, numbers[i], packet->apex, cache)->term;
+    }
+    triangles->count = count;
+    return 1;
+}
+
+/* Lanes without a hit get the terms of the first triangle. */
+MLRT_INLINE void choose_terms(const struct hit_triangles *triangles, uint32_t lane, uint32_t outputs,
+                              vd term[MLRT_HIT_TERM_COUNT])
+{
+    const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
+    for (int k = 0; k < count; ++k) term[k] = d_set1(triangles->term[0][k]);
+    for (uint32_t i = 1; i < triangles->count; ++i) {
+        const unsigned chosen = triangles->lanes[i] >> lane;
+        for (int k = 0; k < count; ++k) term[k] = d_select(chosen, d_set1(triangles->term[i][k]), term[k]);
+    }
+}
+
 /* The numbers of a packet's lanes, `hit` those with a hit. */
 static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                                        uint32_t outputs, struct packet_numbers *numbers)
+                                        uint32_t outputs, struct mlrt_hit_term_cache *cache, struct packet_numbers *numbers)
 {
     if (!hit) {
         report_misses(numbers);
         return;
     }
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
-    const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
-    const int is_one = !(hit & ~lanes_of_triangle(packet, number)), shared = is_one && packet->has_apex;
-    if (!is_one) gather_corners(tree, packet, hit, corners);
-    struct hit_terms terms;
+    struct hit_triangles triangles;
+    const int are_few = packet->has_apex && find_few_triangles(tree, packet, hit, cache, &triangles);
+    if (!are_few) gather_corners(tree, packet, hit, corners);
+    vd term[MLRT_HIT_TERM_COUNT];
     uint32_t certain = 0, all_positive = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t positive;
-        if (lane == 0 || !shared) {
+        if (are_few) {
+            if (lane == 0 || triangles.count > 1) choose_terms(&triangles, lane, outputs, term);
+        } else {
             vd corner[9];
-            const float *first = tree->triangles[number].v[0];
-            for (int k = 0; k < 9; ++k) corner[k] = is_one ? d_set1(first[k]) : d_load(corners[k] + lane);
-            set_up_hit_terms(corner, packet, lane, outputs, &terms);
+            for (int k = 0; k < 9; ++k) corner[k] = d_load(corners[k] + lane);
+            set_up_hit_terms(corner, packet, lane, outputs, term);
         }
-        certain |= report_vector(&terms, packet, lane, outputs, &positive, numbers) << lane;
+        certain |= report_vector(term, packet, lane, outputs, &positive, numbers) << lane;
         all_positive |= positive << lane;
     }
     settle_numbers(hit, all_positive, numbers);

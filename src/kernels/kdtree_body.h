@@ -17,6 +17,4 @@
 
 const struct mlrt_kernels KERNELS = {.trace_tile = trace_tile,
                                      .counts = MLRT_COUNTING,
-                                     .fetch_block = fetch_block,
-                                     .check_block = check_block,
-                                     .write_packet = write_packet};
+                                     .picture = &mlrt_plain_picture};

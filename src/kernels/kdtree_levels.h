@@ -36,7 +36,7 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
     if (packet.active) trace_active(job, list, &packet, worker);
     if (packet.single) mlrt_trace_single_rays(job, packet.single, &packet, &worker->counters);
-    write_packet(job, worker, &packet, lanes, block);
+    job->kernels->picture->write_packet(job, worker, &packet, lanes, block);
     if (MLRT_LIKELY(!job->light_count)) return;
     uint8_t shadows[MLRT_PACKET_RAYS];
     mlrt_find_shadows(job, &packet, lanes, shadows, &worker->counters);

@@ -22,12 +22,8 @@
 
 #include "slopes.h"
 #include "extremes.h"
-#include "camera_packet.h"
-#include "packet_check.h"
-#include "picture.h"
 #include "triangle_filter.h"
 #include "outcome.h"
 #include "undecided.h"
-#include "write_packet.h"
 
 #endif

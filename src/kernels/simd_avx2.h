@@ -165,6 +165,26 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b)
     return _mm256_blendv_epi8(b, a, _mm256_castps_si256(m));
 }
 
+MLRT_INLINE __m256 load_halves(const float *low, const float *high)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high), 1);
+}
+/* A row is in a half: columns 0 and 1 of both come first. */
+MLRT_INLINE vf squares_of_rows(__m256 rows)
+{
+    return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(rows), _MM_SHUFFLE(3, 1, 2, 0)));
+}
+MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
+{
+    const __m256 a = load_halves(p, p + step), b = load_halves(p + 4, p + step + 4);
+    const __m256 c = load_halves(p + 8, p + step + 8);
+    const __m256 yz = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 2, 1));
+    const __m256 xy = _mm256_shuffle_ps(b, c, _MM_SHUFFLE(2, 1, 3, 2));
+    by_axis[0] = squares_of_rows(_mm256_shuffle_ps(a, xy, _MM_SHUFFLE(2, 0, 3, 0)));
+    by_axis[1] = squares_of_rows(_mm256_shuffle_ps(yz, xy, _MM_SHUFFLE(3, 1, 2, 0)));
+    by_axis[2] = squares_of_rows(_mm256_shuffle_ps(yz, c, _MM_SHUFFLE(3, 0, 3, 1)));
+}
+
 MLRT_INLINE vd d_set1(double a)
 {
     return _mm256_set1_pd(a);
@@ -208,6 +228,12 @@ MLRT_INLINE vd d_flip(vd a, vd b)
 MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
+}
+MLRT_INLINE vd d_select(unsigned bits, vd a, vd b)
+{
+    const __m256i lanes = _mm256_set_epi64x(8, 4, 2, 1);
+    const __m256i chosen = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits), lanes), lanes);
+    return _mm256_blendv_pd(b, a, _mm256_castsi256_pd(chosen));
 }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

@@ -165,6 +165,19 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b)
     return _mm512_mask_blend_epi32(m, b, a);
 }
 
+MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
+{
+    /* From two rows, squares of 2x2 lanes: columns 0, 1 of the first and of the second, and columns 2, 3. */
+    const __m512i xy = _mm512_setr_epi32(0, 3, 16, 19, 6, 9, 22, 25, 1, 4, 17, 20, 7, 10, 23, 26);
+    const __m512i z = _mm512_setr_epi32(2, 5, 18, 21, 8, 11, 24, 27, 2, 5, 18, 21, 8, 11, 24, 27);
+    const __m512 a = _mm512_maskz_loadu_ps(0xFFF, p), b = _mm512_maskz_loadu_ps(0xFFF, p + step);
+    const __m512 c = _mm512_maskz_loadu_ps(0xFFF, p + 2 * step), d = _mm512_maskz_loadu_ps(0xFFF, p + 3 * step);
+    const __m512 ab = _mm512_permutex2var_ps(a, xy, b), cd = _mm512_permutex2var_ps(c, xy, d);
+    by_axis[0] = _mm512_shuffle_f32x4(ab, cd, 0x44);
+    by_axis[1] = _mm512_shuffle_f32x4(ab, cd, 0xEE);
+    by_axis[2] = _mm512_shuffle_f32x4(_mm512_permutex2var_ps(a, z, b), _mm512_permutex2var_ps(c, z, d), 0x44);
+}
+
 MLRT_INLINE vd d_set1(double a)
 {
     return _mm512_set1_pd(a);
@@ -208,6 +221,10 @@ MLRT_INLINE vd d_flip(vd a, vd b)
 MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
+}
+MLRT_INLINE vd d_select(unsigned bits, vd a, vd b)
+{
+    return _mm512_mask_blend_pd((__mmask8)bits, b, a);
 }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

@@ -50,12 +50,12 @@ static void write_ids(const struct mlrt_job *job, struct mlrt_worker *worker, co
     }
 }
 
-static void write_numbers(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t hit, uint32_t lanes,
+static void write_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet, uint32_t hit, uint32_t lanes,
                           uint32_t x, uint32_t y, uint32_t outputs, const struct mlrt_sink *sink)
 {
     struct packet_numbers numbers;
     const void *values[MLRT_CHANNEL_COUNT] = {numbers.t, numbers.uv[0], numbers.uv[1], NULL, NULL, numbers.facing};
-    report_packet(job->tree, packet, hit, outputs, &numbers);
+    report_packet(job->tree, packet, hit, outputs, &worker->hit_terms, &numbers);
     for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
         if (!values[c] || !sink->channel[c].data) continue;
         mlrt_write_words(values[c], lanes, x, y, (enum mlrt_channel)c, sink);
@@ -70,7 +70,7 @@ static void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker
     if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
         write_ids(job, worker, packet, hit, lanes, x, y, sink);
     }
-    if (outputs) write_numbers(job, packet, hit, lanes, x, y, outputs, sink);
+    if (outputs) write_numbers(job, worker, packet, hit, lanes, x, y, outputs, sink);
     if (job->any && sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
 }
 

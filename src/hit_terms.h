@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What all rays of one apex that hit one triangle share of t, u and v, in double: kernels/hit_numbers.h says what for.
+ */
+#ifndef MLRT_HIT_TERMS_H
+#define MLRT_HIT_TERMS_H
+
+#include "kdtree.h"
+
+/* Which is which: the normal, N, and the vectors of e_ca and e_ab before their product with d. A size is the same with
+ * all factors and sums positive: what errors are relative to. */
+enum mlrt_hit_term {
+    MLRT_HIT_NORMAL,
+    MLRT_HIT_NORMAL_SIZE = 3,
+    MLRT_HIT_N,
+    MLRT_HIT_N_SIZE,
+    MLRT_HIT_EDGE, /* two times three: only u and v need them */
+    MLRT_HIT_EDGE_SIZE = MLRT_HIT_EDGE + 6,
+    MLRT_HIT_TERM_COUNT = MLRT_HIT_EDGE_SIZE + 2
+};
+
+struct mlrt_hit_terms {
+    uint32_t number; /* of the triangle; MLRT_NONE = empty entry */
+    double term[MLRT_HIT_TERM_COUNT];
+};
+
+#define MLRT_HIT_TERMS_COUNT 16
+
+/* Those that were wanted last, from one apex. */
+struct mlrt_hit_term_cache {
+    struct mlrt_hit_terms entries[MLRT_HIT_TERMS_COUNT]; /* number % MLRT_HIT_TERMS_COUNT */
+    float apex[3];
+};
+
+/* The terms of a triangle. They are there until the next call. */
+const struct mlrt_hit_terms *mlrt_find_hit_terms(const struct mlrt_tree *tree, uint32_t number, const float apex[3],
+                                                 struct mlrt_hit_term_cache *cache);
+
+#endif
