@@ -112,8 +112,7 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 # ---- library -------------------------------------------------------------------------------------------------------
 
 # Short loops over axes and corners must be gone from kernels that somebody waits for; gcc does not need the size of -O3
-# for that. Those that count should be small, and so should SSE2's, which few processors are left with: there the loops
-# that matter are marked (MLRT_UNROLL).
+# for that. Those that count should be small.
 FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fpeel-loops || echo -O3))
 SMALL := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -Oz -E -x c /dev/null >/dev/null 2>&1 && echo -Oz || echo -Os))
 
@@ -130,10 +129,10 @@ $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(if $(filter sheared sse,$*),,$(FAST))) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(if $(filter sheared,$*),,$(FAST))) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := library tree shear shadow shadow_cells shade tile_packets results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
+COLD := library tree hit_terms levels shear shadow shadow_cells shade tile_packets results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
         bvh_build bvh_check bvh_collapse bvh_split kdtree_build kdtree_check split clip all_hits hit_list
 
 # What is as fast if it is small, or faster: counted in instructions of examples/render.

@@ -76,7 +76,9 @@ struct single_ray {
 
 MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct reciprocals *reciprocals)
 {
+    KEEP_LANES_LOOP
     for (int k = 0; k < 3; ++k) {
+        KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vf r = v_div(v_set1(1), v_load(packet->direction[k] + v));
             v_store(reciprocals->near[k] + v, v_mul(r, v_set1(1 - RECIPROCAL_SLACK)));

@@ -4,7 +4,7 @@
  */
 
 /* The greatest depth at which rays of a packet still look. */
-MLRT_INLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis)
+static MLRT_NOINLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis)
 {
     vf farthest = v_set1(-INFINITY);
     KEEP_LANES_LOOP
@@ -19,6 +19,7 @@ MLRT_INLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis
 MLRT_INLINE float shortest_depth(const struct mlrt_packet *packet, int main_axis)
 {
     vf shortest = v_set1(INFINITY);
+    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf depth = v_mul(v_load(packet->lo + v), v_abs(v_load(packet->direction[main_axis] + v)));
         shortest = v_min(v_select(m_from_bits(packet->active >> v), depth, v_set1(INFINITY)), shortest);
@@ -94,15 +95,14 @@ static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
                              greatest[side] + fabsf(greatest[side]) * SLOPE_SLACK + slack);
     }
     tile->greatest_depth[place] = greatest_direction(packet, a);
-    if (packet->has_limits || packet->shear) {
+    cells->farthest[place] = cells->shortest[place] = INFINITY;
+    if (packet->has_limits || packet->shear || packet->t_max[mlrt_lowest_bit(packet->active)] < INFINITY) {
         cells->farthest[place] = farthest_depth(packet, a);
         cells->shortest[place] = shortest_depth(packet, a);
+    }
+    if (packet->has_limits || packet->shear) {
         tile->limits_below |= packet->shear ? limits_below : highest(packet->t_min, packet->active) > 0;
         if (limits_below) return 1;
-    } else {
-        const float t_max = packet->t_max[mlrt_lowest_bit(packet->active)];
-        cells->farthest[place] = t_max * tile->greatest_depth[place] * (1 + SLOPE_SLACK);
-        cells->shortest[place] = t_max < INFINITY ? shortest_depth(packet, a) : INFINITY;
     }
     cells->closed |= (uint32_t)can_be_closed(packet, &cells->skip[place]) << place;
     return 1;

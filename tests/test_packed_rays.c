@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays of one origin in packed arrays without limits, which are read in one go (kernels/packed_rays.h): with a ray here
+ * and there that does not belong, of which the others of its block must not notice anything. And what is kept of the
+ * triangles that they hit (hit_terms.h), where places are taken and origins change.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dispatch.h"
+#include "kernels.h"
+#include "source.h"
+#include "support.h"
+#include "tile.h"
+
+enum { WIDTH = 23, HEIGHT = 21, COUNT = WIDTH * HEIGHT };
+
+static const uint32_t ROW_LENGTHS[] = {WIDTH, 0, 16, 32, 5, 100};
+
+struct packed {
+    float (*origins)[3];
+    float (*directions)[3];
+    uint32_t (*skip)[2];
+    float (*points)[3]; /* of a point light */
+};
+
+static struct packed pack(const struct ray_list *list)
+{
+    struct packed packed = {allocate_guarded(list->count * 12), allocate_guarded(list->count * 12),
+                            allocate_guarded(list->count * 8), allocate_guarded(list->count * 12)};
+    for (size_t i = 0; i < list->count; i++) {
+        memcpy(packed.origins[i], list->rays[i].origin, 12);
+        memcpy(packed.directions[i], list->rays[i].direction, 12);
+        memcpy(packed.skip[i], list->rays[i].skip, 8);
+    }
+    return packed;
+}
+
+static void free_packed(struct packed *packed, size_t count)
+{
+    free_guarded(packed->origins, count * 12);
+    free_guarded(packed->directions, count * 12);
+    free_guarded(packed->skip, count * 8);
+    free_guarded(packed->points, count * 12);
+}
+
+static void check_hits(const struct fixture *fixture, const struct ray_list *list, int has_skips)
+{
+    struct reference_hit *expected = allocate_or_fail(list->count, sizeof *expected);
+    struct reference_hit *got = allocate_or_fail(list->count, sizeof *got);
+    uint8_t *occluded = allocate_or_fail(list->count, 1);
+    struct packed packed = pack(list);
+    trace_reference(fixture, list, expected);
+    mlrt_rays rays = {.struct_size = sizeof rays,
+                      .count = list->count,
+                      .origins = {packed.origins, 0},
+                      .directions = {packed.directions, 0}};
+    if (has_skips) rays.skip.data = packed.skip;
+    for (size_t v = 0; v < variant_count() * (sizeof ROW_LENGTHS / sizeof ROW_LENGTHS[0]); v++) {
+        const struct variant *variant = variant_at(v % variant_count());
+        const mlrt_tree *tree = variant_tree(variant, fixture);
+        mlrt_trace_options options = variant->options;
+        mlrt_hits hits = public_hits(got, 0);
+        rays.row_length = ROW_LENGTHS[v / variant_count()];
+        if (!variant->probe) continue;
+        memset(got, 0x77, list->count * sizeof *got);
+        assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+        hits = (mlrt_hits){.struct_size = sizeof hits, .occluded = {occluded, 0, 0}};
+        options.query = MLRT_QUERY_ANY;
+        assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+        for (size_t i = 0; i < list->count; i++) {
+            check_hit(fixture, "packed rays", i, &list->rays[i], &expected[i], &got[i]);
+            assert_int_equal(occluded[i], expected[i].mesh != MLRT_NONE);
+        }
+    }
+    free_packed(&packed, list->count);
+    free(occluded);
+    free(got);
+    free(expected);
+}
+
+/* A number that float arithmetic carries with care, or not at all. */
+static float draw_odd(struct random *random, float from)
+{
+    const float odd[] = {from,    next_float(from, 1), -from,     0.0f,      -0.0f,     0x1p-60f, 0x1p60f,  0x1.8p-61f,
+                         0x1p61f, -0x1p70f,            0x1p-140f, -0x1p-80f, INFINITY, -INFINITY, NAN,      1.5f};
+    return odd[draw_below(random, sizeof odd / sizeof odd[0])];
+}
+
+/* Spoils one ray in `rarity`: one number of it, all of its direction, or its origin. */
+static void spoil(struct ray_list *list, struct random *random, uint32_t rarity)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        float *origin = list->rays[i].origin, *direction = list->rays[i].direction;
+        const uint32_t k = draw_below(random, 3);
+        if (draw_below(random, rarity)) continue;
+        switch (draw_below(random, 4)) {
+        case 0:
+            origin[k] = draw_odd(random, origin[k]);
+            break;
+        case 1:
+            direction[k] = draw_odd(random, direction[k]);
+            break;
+        case 2:
+            draw_point(random, -3, 3, origin);
+            break;
+        default:
+            for (int j = 0; j < 3; j++) direction[j] = draw_odd(random, 0);
+        }
+    }
+}
+
+static struct fixture make_scene(uint64_t seed)
+{
+    struct soup soup = {0};
+    struct random random = {seed};
+    soup_add_torus(&soup, 24, 12, 1, 0.4f);
+    soup_add_random(&soup, &random, 60, 1.5f, 0.7f);
+    return fixture_of_soup("torus and triangles", seed, &soup);
+}
+
+static void add_view(struct ray_list *list, const float eye[3], float field)
+{
+    const float target[3] = {0.1f, 0, 0};
+    const mlrt_camera camera = look_at(eye, target, field, WIDTH, HEIGHT);
+    add_camera_rays(list, &camera);
+}
+
+static void add_skips(const struct fixture *fixture, struct random *random, struct ray_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        struct reference_hit hit;
+        reference_trace(fixture->reference, &list->rays[i], &hit);
+        list->rays[i].skip[0] = draw_below(random, 4) ? hit.mesh : MLRT_NONE;
+        list->rays[i].skip[1] = hit.triangle + (draw_below(random, 8) == 0);
+    }
+}
+
+static void some_rays_do_not_belong(void **state)
+{
+    (void)state;
+    static const float eyes[][3] = {{0.1f, -3, 0.7f}, {0, 0, 0}, {-0.0f, 2, 0}};
+    static const uint32_t rarities[] = {200, 24, 5};
+    for (size_t e = 0; e < sizeof eyes / sizeof eyes[0]; e++) {
+        struct fixture fixture = make_scene(2100 + e);
+        for (size_t r = 0; r < sizeof rarities / sizeof rarities[0]; r++) {
+            struct random random = {2110 + 10 * e + r};
+            struct ray_list list = {0};
+            add_view(&list, eyes[e], 0.9f);
+            spoil(&list, &random, rarities[r]);
+            check_hits(&fixture, &list, 0);
+            add_skips(&fixture, &random, &list);
+            check_hits(&fixture, &list, 1);
+            free_rays(&list);
+        }
+        free_fixture(&fixture);
+    }
+}
+
+/* All of them, so that blocks agree about an origin that float cannot carry, or that no ray has. */
+static void origins_that_are_no_places(void **state)
+{
+    (void)state;
+    struct random random = {2150};
+    struct fixture fixture = make_scene(2151);
+    for (int i = 0; i < 24; i++) {
+        struct ray_list list = {0};
+        const float eye[3] = {0.1f, -3, 0.7f};
+        add_view(&list, eye, 0.9f);
+        const uint32_t k = draw_below(&random, 3);
+        const float odd = draw_odd(&random, eye[k]);
+        for (size_t j = 0; j < list.count; j++) list.rays[j].origin[k] = odd;
+        check_hits(&fixture, &list, 0);
+        free_rays(&list);
+    }
+    free_fixture(&fixture);
+}
+
+static void points_of_a_light(void **state)
+{
+    (void)state;
+    struct fixture fixture = make_scene(2160);
+    static const float lights[][3] = {{0.125f, -3, 0.75f}, {0, 0, 0}, {0x1p70f, 0, 0}, {0, 0x1p-80f, 2}};
+    for (size_t l = 0; l < sizeof lights / sizeof lights[0]; l++) {
+        struct random random = {2170 + l};
+        mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
+        memcpy(light.position, lights[l], sizeof light.position);
+        float positions[COUNT][3];
+        uint32_t skip[COUNT][2];
+        for (int i = 0; i < COUNT; i++) {
+            positions[i][0] = -1.5f + 3 * (float)(i % WIDTH) / WIDTH;
+            positions[i][1] = 0.4f;
+            positions[i][2] = -1.5f + 3 * (float)(i / WIDTH) / HEIGHT;
+            if (draw_below(&random, 40) == 0) positions[i][draw_below(&random, 3)] = draw_odd(&random, lights[l][0]);
+            skip[i][0] = draw_below(&random, 9) ? 0 : MLRT_NONE;
+            skip[i][1] = draw_below(&random, 100);
+        }
+        for (size_t r = 0; r < sizeof ROW_LENGTHS / sizeof ROW_LENGTHS[0]; r++) {
+            check_points(&fixture, positions[0], NULL, COUNT, ROW_LENGTHS[r], &light);
+            check_points(&fixture, positions[0], skip[0], COUNT, ROW_LENGTHS[r], &light);
+        }
+    }
+    free_fixture(&fixture);
+}
+
+/* Sixteen triangles a row, so that a triangle and the one below it have the same place. Packets see two to four. */
+static void triangles_of_one_place(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    soup_add_grid(&soup, 2, 0, 8);
+    struct fixture fixture = fixture_of_soup("grid", 2180, &soup);
+    const float eye[3] = {4.03f, 3.9f, 9}, target[3] = {4.01f, 4.02f, 0};
+    for (uint32_t size = 24; size < 72; size += 7) {
+        const mlrt_camera camera = look_at(eye, target, 0.9f, size, size);
+        struct ray_list list = {0};
+        add_camera_rays(&list, &camera);
+        check_hits(&fixture, &list, 0);
+        check_camera_quickly(&fixture, &camera);
+        free_rays(&list);
+    }
+    free_fixture(&fixture);
+}
+
+/* From tile to tile, the same triangles and another origin. */
+static void origins_in_turn(void **state)
+{
+    (void)state;
+    static const float eyes[][3] = {{0.1f, -3, 0.7f}, {0.1f, -3, 0.75f}, {0.1f, -3, -0.0f}, {0.1f, -3, 0}};
+    struct soup soup = {0};
+    const float lo[3] = {-1, -1, -1}, hi[3] = {1, 1, 1};
+    soup_add_box(&soup, lo, hi);
+    struct fixture fixture = fixture_of_soup("box", 2190, &soup);
+    struct ray_list list = {0};
+    for (int i = 0; i < 12; i++) {
+        const float target[3] = {0, 0, 0};
+        const mlrt_camera camera = look_at(eyes[i % 4], target, 0.8f, 16, 16);
+        add_camera_rays(&list, &camera);
+    }
+    check_hits(&fixture, &list, 0);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+/* ---- packets ------------------------------------------------------------------------------------------------------ */
+
+static void compare_lanes(const char *what, uint32_t place, const void *one, const void *other)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+        const uint32_t a = ((const uint32_t *)one)[lane], b = ((const uint32_t *)other)[lane];
+        if (a != b) fail_msg("%s of lane %u of packet %u is %08x, not %08x", what, lane, place, a, b);
+    }
+}
+
+/* Lanes that do not exist hold anything. */
+static void compare_packets(uint32_t place, const struct mlrt_packet *one, const struct mlrt_packet *other)
+{
+    static const char *const components[] = {"x", "y", "z"};
+    assert_int_equal(one->active, other->active);
+    assert_int_equal(one->single, other->single);
+    assert_int_equal(one->has_apex, other->has_apex);
+    assert_int_equal(one->has_skip, other->has_skip);
+    assert_int_equal(one->has_limits, other->has_limits);
+    assert_int_equal(one->has_masks, other->has_masks);
+    assert_true(one->shear == other->shear);
+    if (one->has_apex) assert_memory_equal(one->apex, other->apex, sizeof one->apex);
+    for (int k = 0; k < 3; k++) compare_lanes(components[k], place, one->direction[k], other->direction[k]);
+    for (int k = 0; !one->has_apex && k < 3; k++) compare_lanes("an origin", place, one->origin[k], other->origin[k]);
+    compare_lanes("t_min", place, one->t_min, other->t_min);
+    compare_lanes("t_max", place, one->t_max, other->t_max);
+    compare_lanes("lo", place, one->lo, other->lo);
+    compare_lanes("hi", place, one->hi, other->hi);
+    compare_lanes("the triangle", place, one->triangle, other->triangle);
+    if (one->has_skip) compare_lanes("the skip", place, one->skip, other->skip);
+}
+
+/* All packets of a source at once, and one by one in two steps. Returns how many there are with an apex. */
+static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlrt_picture_kernels *picture)
+{
+    struct mlrt_ray_tile tile;
+    uint32_t count = 0;
+    for (uint32_t y = 0; y < source->height; y += 16) {
+        for (uint32_t x = 0; x < source->width; x += 16) {
+            const struct mlrt_rectangle whole = {0, 0, source->width, source->height};
+            tile.area = mlrt_cut_piece(&whole, x, y, 16);
+            tile.column_bits = 2;
+            picture->read_packets(source, &tile);
+            for (uint32_t place = 0; place < MLRT_CELL_COUNT; place++) {
+                if (!mlrt_has_block(&tile, place)) continue;
+                struct mlrt_packet packet;
+                const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
+                const uint32_t lanes = mlrt_existing_lanes(source, &block);
+                picture->fetch_block(source, &block, lanes, &packet);
+                picture->check_block(source, lanes, &packet);
+                compare_packets(place, &tile.packets[place], &packet);
+                count += packet.has_apex != 0;
+            }
+        }
+    }
+    return count;
+}
+
+static void packets_are_the_same(void **state)
+{
+    (void)state;
+    struct fixture fixture = make_scene(2200);
+    const float eye[3] = {0.1f, -3, 0.7f};
+    uint32_t with_apex = 0, rounds = 0;
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+        const struct mlrt_kernels *kernels = mlrt_select_kernels(isa, MLRT_METHOD_TILE, 0);
+        if (!kernels) continue;
+        for (uint32_t i = 0; i < 60; i++) {
+            struct random random = {2210 + i};
+            struct ray_list list = {0};
+            add_view(&list, eye, 0.9f);
+            spoil(&list, &random, 1 + draw_below(&random, 60));
+            if (i % 3 == 0) add_skips(&fixture, &random, &list);
+            for (size_t j = 0; i % 5 == 0 && j < list.count; j++) list.rays[j].origin[i % 3] = draw_odd(&random, 0);
+            struct packed packed = pack(&list);
+            mlrt_rays rays = {.struct_size = sizeof rays,
+                              .count = list.count,
+                              .row_length = WIDTH,
+                              .origins = {packed.origins, 0},
+                              .directions = {packed.directions, 0}};
+            if (i % 3 == 0) rays.skip.data = packed.skip;
+            struct mlrt_source source;
+            assert_int_equal(mlrt_make_ray_source(fixture.tree, &rays, &source), MLRT_OK);
+            mlrt_set_masks(fixture.tree, MLRT_MASK_ALL, 1, &source);
+            with_apex += compare_tiles(&source, kernels->picture);
+            rounds++;
+            const mlrt_points points = {.struct_size = sizeof points,
+                                        .row_length = WIDTH,
+                                        .count = list.count,
+                                        .positions = {packed.directions, 0},
+                                        .skip = rays.skip};
+            mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {0.5f, 0.25f, 0}};
+            if (i % 4 == 0) light.position[i % 3] = 0x1p61f;
+            assert_int_equal(mlrt_make_light_source(fixture.tree, &points, &light, &source), MLRT_OK);
+            mlrt_set_masks(fixture.tree, MLRT_MASK_ALL, 1, &source);
+            compare_tiles(&source, kernels->picture);
+            free_packed(&packed, list.count);
+            free_rays(&list);
+        }
+    }
+    assert_true(with_apex > 4 * rounds);
+    free_fixture(&fixture);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(some_rays_do_not_belong), cmocka_unit_test(origins_that_are_no_places),
+        cmocka_unit_test(points_of_a_light),       cmocka_unit_test(triangles_of_one_place),
+        cmocka_unit_test(origins_in_turn),         cmocka_unit_test(packets_are_the_same),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
