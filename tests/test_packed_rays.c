@@ -95,7 +95,7 @@ static void spoil(struct ray_list *list, struct random *random, uint32_t rarity)
         float *origin = list->rays[i].origin, *direction = list->rays[i].direction;
         const uint32_t k = draw_below(random, 3);
         if (draw_below(random, rarity)) continue;
-        switch (draw_below(random, 4)) {
+        switch (draw_below(random, 5)) {
         case 0:
             origin[k] = draw_odd(random, origin[k]);
             break;
@@ -104,6 +104,9 @@ static void spoil(struct ray_list *list, struct random *random, uint32_t rarity)
             break;
         case 2:
             draw_point(random, -3, 3, origin);
+            break;
+        case 3:
+            memset(direction, 0, 3 * sizeof *direction);
             break;
         default:
             for (int j = 0; j < 3; j++) direction[j] = draw_odd(random, 0);
