@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What all rays of one apex that hit one triangle share of t, u and v, in double: kernels/hit_numbers.h says what for.
+ * What all rays of one apex that hit one triangle share of t, u and v, in double: kernels/hit_numbers.h has the
+ * formulas. The next tile hits the same triangles, if they are large.
  */
 #ifndef MLRT_HIT_TERMS_H
 #define MLRT_HIT_TERMS_H

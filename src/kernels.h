@@ -177,7 +177,7 @@ struct mlrt_kernels {
 extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
 
-/* Of them, those that every processor of this kind can run. Kernels that count, and those of the kd-tree, use these. */
-extern const struct mlrt_picture_kernels mlrt_plain_picture;
+/* The plain ones every processor of this kind can run. Kernels that count, and those of the kd-tree, use these. */
+extern const struct mlrt_picture_kernels mlrt_plain_picture, mlrt_picture_avx2, mlrt_picture_avx512;
 
 #endif

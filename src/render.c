@@ -122,8 +122,9 @@ static void begin_worker(const struct mlrt_job *job, struct mlrt_worker *worker)
     memset(&worker->tile, 0, sizeof worker->tile);
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
-    for (int k = 0; k < 3; ++k) worker->apex[k] = worker->caches[0].apex[k] = worker->caches[1].apex[k] = NAN;
-    worker->hit_terms.apex[0] = NAN;
+    for (int k = 0; k < 3; ++k) {
+        worker->apex[k] = worker->caches[0].apex[k] = worker->caches[1].apex[k] = worker->hit_terms.apex[k] = NAN;
+    }
     worker->mask = job->source.common_mask;
     worker->open_tiles = MLRT_FIRST_OPEN_TILES;
     worker->open_squares = MLRT_FIRST_OPEN_SQUARES;

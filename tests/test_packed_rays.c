@@ -83,8 +83,9 @@ static void check_hits(const struct fixture *fixture, const struct ray_list *lis
 /* A number that float arithmetic carries with care, or not at all. */
 static float draw_odd(struct random *random, float from)
 {
-    const float odd[] = {from,    next_float(from, 1), -from,     0.0f,      -0.0f,     0x1p-60f, 0x1p60f,  0x1.8p-61f,
-                         0x1p61f, -0x1p70f,            0x1p-140f, -0x1p-80f, INFINITY, -INFINITY, NAN,      1.5f};
+    const float odd[] = {from,     next_float(from, 1), -from,   0.0f,     -0.0f,     0x1p-60f,
+                         0x1p60f,  0x1.8p-61f,          0x1p61f, -0x1p70f, 0x1p-140f, -0x1p-80f,
+                         INFINITY, -INFINITY,           NAN,     1.5f};
     return odd[draw_below(random, sizeof odd / sizeof odd[0])];
 }
 
@@ -246,7 +247,8 @@ static void origins_in_turn(void **state)
     free_fixture(&fixture);
 }
 
-/* ---- packets ------------------------------------------------------------------------------------------------------ */
+/* ---- packets ------------------------------------------------------------------------------------------------------
+ */
 
 static void compare_lanes(const char *what, uint32_t place, const void *one, const void *other)
 {

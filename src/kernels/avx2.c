@@ -3,5 +3,5 @@
  * come here. */
 #include "simd_avx2.h"
 #define KERNELS mlrt_kernels_avx2
-#define PICTURE picture_avx2
+#define PICTURE mlrt_picture_avx2
 #include "bvh_body.h"

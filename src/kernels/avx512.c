@@ -3,5 +3,5 @@
  * it come here. */
 #include "simd_avx512.h"
 #define KERNELS mlrt_kernels_avx512
-#define PICTURE picture_avx512
+#define PICTURE mlrt_picture_avx512
 #include "bvh_body.h"

@@ -25,8 +25,8 @@
 
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
-    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles, .gather_camera_cells = gather_camera_cells,          \
-    .sum_up_cells = sum_up_cells, .gather_packets = gather_packets,                      \
+    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
+    .gather_camera_cells = gather_camera_cells, .sum_up_cells = sum_up_cells, .gather_packets = gather_packets,        \
     .trace_gathered = trace_gathered, .add_packet = add_packet, .lanes_near_first = lanes_near_first,                  \
     .traverse = traverse_bvh, .open_packet = open_packet
 /* clang-format on */

@@ -13,10 +13,12 @@
  * bounds hold, and so do those of the quotients, which are formed in the same way. A quotient whose enclosure has ends
  * that round to different floats, or whose denominator is uncertain, is left to mlrt_report_hit.
  *
- * The cross products are the same for all rays from one origin that hit one triangle, and most packets consist of such.
+ * The cross products are the same for all rays from one origin that hit one triangle: hit_terms.h keeps them. Packets
+ * that hit few triangles take them from there, and others work them out for each lane.
  */
 
-#define MLRT_FEW_TRIANGLES 4
+/* Few are at most this many. */
+#define FEW_TRIANGLES 4
 
 struct packet_numbers {
     MLRT_ALIGNED(64) float t[MLRT_PACKET_RAYS];
@@ -99,7 +101,8 @@ MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const str
     const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
                              d_load(packet->direction[2] + lane)};
     const vd direction_size = size_of_doubles(direction);
-    const vd d = dot_product_of_doubles(direction, term + MLRT_HIT_NORMAL), d_size = d_mul(direction_size, term[MLRT_HIT_NORMAL_SIZE]);
+    const vd d = dot_product_of_doubles(direction, term + MLRT_HIT_NORMAL),
+             d_size = d_mul(direction_size, term[MLRT_HIT_NORMAL_SIZE]);
     uint32_t certain = d_gt(d_abs(d), d_mul(d_set1(MLRT_LEAST_DENOMINATOR), d_size));
     *positive = d_gt(d, d_set1(0));
     struct lane_denominator denominator;
@@ -110,8 +113,9 @@ MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const str
         certain &= round_quotients(term[MLRT_HIT_N], term[MLRT_HIT_N_SIZE], &denominator, numbers->t + lane);
     }
     for (int i = 0; outputs & MLRT_OUTPUT_UV && i < 2; ++i) {
-        certain &= round_quotients(dot_product_of_doubles(direction, term + MLRT_HIT_EDGE + 3 * i),
-                                   d_mul(direction_size, term[MLRT_HIT_EDGE_SIZE + i]), &denominator, numbers->uv[i] + lane);
+        certain &=
+            round_quotients(dot_product_of_doubles(direction, term + MLRT_HIT_EDGE + 3 * i),
+                            d_mul(direction_size, term[MLRT_HIT_EDGE_SIZE + i]), &denominator, numbers->uv[i] + lane);
     }
     return certain;
 }
@@ -159,17 +163,17 @@ MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_n
 /* The triangles that a packet hits, as long as they are few, and where. */
 struct hit_triangles {
     uint32_t count;
-    uint32_t lanes[MLRT_FEW_TRIANGLES];
-    const double *term[MLRT_FEW_TRIANGLES];
+    uint32_t lanes[FEW_TRIANGLES];
+    const double *term[FEW_TRIANGLES];
 };
 
 /* Finds them in a packet with an apex; 0 if they are too many, or two of one place in the cache. */
 MLRT_INLINE int find_few_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                    struct mlrt_hit_term_cache *cache, struct hit_triangles *triangles)
 {
-    uint32_t numbers[MLRT_FEW_TRIANGLES], count = 0;
+    uint32_t numbers[FEW_TRIANGLES], count = 0;
     for (uint32_t left = hit; left; ++count) {
-        if (count == MLRT_FEW_TRIANGLES) return 0;
+        if (count == FEW_TRIANGLES) return 0;
         numbers[count] = packet->triangle[mlrt_lowest_bit(left)];
         triangles->lanes[count] = left & lanes_of_triangle(packet, numbers[count]);
         left &= ~triangles->lanes[count];
@@ -198,7 +202,8 @@ MLRT_INLINE void choose_terms(const struct hit_triangles *triangles, uint32_t la
 
 /* The numbers of a packet's lanes, `hit` those with a hit. */
 static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                                        uint32_t outputs, struct mlrt_hit_term_cache *cache, struct packet_numbers *numbers)
+                                        uint32_t outputs, struct mlrt_hit_term_cache *cache,
+                                        struct packet_numbers *numbers)
 {
     if (!hit) {
         report_misses(numbers);

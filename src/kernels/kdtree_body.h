@@ -15,6 +15,4 @@
 #include "entry_point.h"
 #include "kdtree_levels.h"
 
-const struct mlrt_kernels KERNELS = {.trace_tile = trace_tile,
-                                     .counts = MLRT_COUNTING,
-                                     .picture = &mlrt_plain_picture};
+const struct mlrt_kernels KERNELS = {.trace_tile = trace_tile, .counts = MLRT_COUNTING, .picture = &mlrt_plain_picture};

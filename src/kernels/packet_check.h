@@ -11,7 +11,8 @@ MLRT_INLINE vm safe_lanes(vf a)
     return m_or(v_eq(a, v_set1(0)), m_and(v_ge(size, v_set1(MLRT_SAFE_MIN)), v_le(size, v_set1(MLRT_SAFE_MAX))));
 }
 
-/* Lanes whose direction is finite and not 0, so that they can hit something; and those whose direction float carries. */
+/* Lanes whose direction is finite and not 0, so that they can hit something; and those whose direction float carries.
+ */
 struct checked_lanes {
     uint32_t valid;
     uint32_t safe;

@@ -50,8 +50,9 @@ static void write_ids(const struct mlrt_job *job, struct mlrt_worker *worker, co
     }
 }
 
-static void write_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet, uint32_t hit, uint32_t lanes,
-                          uint32_t x, uint32_t y, uint32_t outputs, const struct mlrt_sink *sink)
+static void write_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                          uint32_t hit, uint32_t lanes, uint32_t x, uint32_t y, uint32_t outputs,
+                          const struct mlrt_sink *sink)
 {
     struct packet_numbers numbers;
     const void *values[MLRT_CHANNEL_COUNT] = {numbers.t, numbers.uv[0], numbers.uv[1], NULL, NULL, numbers.facing};

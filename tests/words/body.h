@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "packet.h"
 #include "words.h"
 
 static void put_mask(struct word_output *out, int word, int v, vm mask)
@@ -59,6 +60,26 @@ static void run_loads(const struct word_input *in, int v, struct word_output *ou
     i_store(out->integers[WORD_INTEGER_LOAD_ANY] + v, i_load_any(integers + 1 + v));
 }
 
+/* Four rows of four triples, of which the last ends the array. Narrow vectors have no such word: what it means. */
+static void run_blocks(const struct word_input *in, struct word_output *out)
+{
+    enum { STEP = 13 };
+    float rows[3 * STEP + 12];
+    for (int i = 0; i < 3 * STEP + 12; ++i) rows[i] = i % 3 == 1 ? in->b[i % 16] : in->a[i % 16] + (float)(i / 16);
+#if VW >= 8
+    for (int v = 0; v < WORD_LANES; v += VW) {
+        vf by_axis[3];
+        v_triples(rows + v / 4 * STEP, STEP, by_axis);
+        for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES + k] + v, by_axis[k]);
+    }
+#else
+    for (int lane = 0; lane < WORD_LANES; ++lane) {
+        const float *triple = rows + (int)mlrt_lane_y[lane] * STEP + 3 * (int)mlrt_lane_x[lane];
+        for (int k = 0; k < 3; ++k) out->values[WORD_TRIPLES + k][lane] = triple[k];
+    }
+#endif
+}
+
 static void put_bits(struct word_output *out, int word, int lane, unsigned bits)
 {
     const unsigned past = bits >> DW;
@@ -80,6 +101,7 @@ static void run_doubles(const struct word_input *in, int lane, struct word_outpu
     d_store(out->values[WORD_DOUBLE_ABS] + lane, d_abs(quotient));
     d_store(out->values[WORD_DOUBLE_MAX] + lane, d_max(a, b));
     d_store(out->values[WORD_DOUBLE_FLIP] + lane, d_flip(a, b));
+    d_store(out->values[WORD_DOUBLE_SELECT] + lane, d_select(in->lanes >> lane, quotient, b));
     put_bits(out, WORD_DOUBLE_GT, lane, d_gt(a, b) ^ d_gt(near, quotient));
     put_bits(out, WORD_DOUBLE_SAME_FLOAT, lane, d_same_float(quotient, nearer));
 }
@@ -150,6 +172,7 @@ void RUN_WORDS(const struct word_input *in, struct word_output *out)
     }
     for (int v = 0; v < WORD_LANES; v += 4) run_quad(in, v, out);
     for (int lane = 0; lane < WORD_LANES; lane += DW) run_doubles(in, lane, out);
+    run_blocks(in, out);
     run_corners(in, out);
     run_triples(in, out);
     if (in->has_order) run_least(in, out);

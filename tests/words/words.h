@@ -38,6 +38,8 @@ enum {
     WORD_HMIN,
     WORD_HMAX,
     WORD_LOAD_ANY,
+    WORD_TRIPLES, /* by axis: three */
+    WORD_TRIPLES_END = WORD_TRIPLES + 2,
     WORD_INTEGER_SET1,
     WORD_INTEGER_SELECT,
     WORD_INTEGER_LOAD_ANY,
@@ -66,6 +68,7 @@ enum {
     WORD_DOUBLE_MAX,
     WORD_DOUBLE_FLIP,
     WORD_DOUBLE_GT,
+    WORD_DOUBLE_SELECT,
     WORD_DOUBLE_SAME_FLOAT,
     /* four at a time */
     WORD_QUAD_SET1,
