@@ -208,7 +208,7 @@ static void points_of_a_light(void **state)
     free_fixture(&fixture);
 }
 
-/* Sixteen triangles a row, so that a triangle and the one below it have the same place. Packets see two to four. */
+/* Sixteen triangles a row, so that a triangle and the one below it have the same place. */
 static void triangles_of_one_place(void **state)
 {
     (void)state;

@@ -160,46 +160,6 @@ MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_n
     }
 }
 
-/* The triangles that a packet hits, as long as they are few, and where. */
-struct hit_triangles {
-    uint32_t count;
-    uint32_t lanes[FEW_TRIANGLES];
-    const double *term[FEW_TRIANGLES];
-};
-
-/* Finds them in a packet with an apex; 0 if they are too many, or two of one place in the cache. */
-MLRT_INLINE int find_few_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                                   struct mlrt_hit_term_cache *cache, struct hit_triangles *triangles)
-{
-    uint32_t numbers[FEW_TRIANGLES], count = 0;
-    for (uint32_t left = hit; left; ++count) {
-        if (count == FEW_TRIANGLES) return 0;
-        numbers[count] = packet->triangle[mlrt_lowest_bit(left)];
-        triangles->lanes[count] = left & lanes_of_triangle(packet, numbers[count]);
-        left &= ~triangles->lanes[count];
-        for (uint32_t i = 0; i < count; ++i) {
-            if ((numbers[i] ^ numbers[count]) % MLRT_HIT_TERMS_COUNT == 0) return 0;
-        }
-    }
-    for (uint32_t i = 0; i < count; ++i) {
-        triangles->term[i] = mlrt_find_hit_terms(tree, numbers[i], packet->apex, cache)->term;
-    }
-    triangles->count = count;
-    return 1;
-}
-
-/* Lanes without a hit get the terms of the first triangle. */
-MLRT_INLINE void choose_terms(const struct hit_triangles *triangles, uint32_t lane, uint32_t outputs,
-                              vd term[MLRT_HIT_TERM_COUNT])
-{
-    const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
-    for (int k = 0; k < count; ++k) term[k] = d_set1(triangles->term[0][k]);
-    for (uint32_t i = 1; i < triangles->count; ++i) {
-        const unsigned chosen = triangles->lanes[i] >> lane;
-        for (int k = 0; k < count; ++k) term[k] = d_select(chosen, d_set1(triangles->term[i][k]), term[k]);
-    }
-}
-
 /* The numbers of a packet's lanes, `hit` those with a hit. */
 static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                         uint32_t outputs, struct mlrt_hit_term_cache *cache,
@@ -210,18 +170,23 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
         return;
     }
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
-    struct hit_triangles triangles;
-    const int are_few = packet->has_apex && find_few_triangles(tree, packet, hit, cache, &triangles);
-    if (!are_few) gather_corners(tree, packet, hit, corners);
+    const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
+    const int is_one = !(hit & ~lanes_of_triangle(packet, number)), are_shared = is_one && packet->has_apex;
     vd term[MLRT_HIT_TERM_COUNT];
+    if (are_shared) {
+        const double *shared = mlrt_find_hit_terms(tree, number, packet->apex, cache)->term;
+        const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
+        for (int k = 0; k < count; ++k) term[k] = d_set1(shared[k]);
+    } else if (!is_one) {
+        gather_corners(tree, packet, hit, corners);
+    }
     uint32_t certain = 0, all_positive = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t positive;
-        if (are_few) {
-            if (lane == 0 || triangles.count > 1) choose_terms(&triangles, lane, outputs, term);
-        } else {
+        if (!are_shared) {
             vd corner[9];
-            for (int k = 0; k < 9; ++k) corner[k] = d_load(corners[k] + lane);
+            const float *first = tree->triangles[number].v[0];
+            for (int k = 0; k < 9; ++k) corner[k] = is_one ? d_set1(first[k]) : d_load(corners[k] + lane);
             set_up_hit_terms(corner, packet, lane, outputs, term);
         }
         certain |= report_vector(term, packet, lane, outputs, &positive, numbers) << lane;

@@ -229,12 +229,6 @@ MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_GT_OQ));
 }
-MLRT_INLINE vd d_select(unsigned bits, vd a, vd b)
-{
-    const __m256i lanes = _mm256_set_epi64x(8, 4, 2, 1);
-    const __m256i chosen = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits), lanes), lanes);
-    return _mm256_blendv_pd(b, a, _mm256_castsi256_pd(chosen));
-}
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {
     return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(_mm256_cvtpd_ps(a), _mm256_cvtpd_ps(b)));

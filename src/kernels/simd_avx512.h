@@ -222,10 +222,6 @@ MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
 }
-MLRT_INLINE vd d_select(unsigned bits, vd a, vd b)
-{
-    return _mm512_mask_blend_pd((__mmask8)bits, b, a);
-}
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {
     return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(_mm512_cvtpd_ps(a), _mm512_cvtpd_ps(b), _CMP_EQ_OQ));

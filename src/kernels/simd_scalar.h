@@ -237,11 +237,6 @@ MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return a > b;
 }
-/* a where `bits` has the lane, b elsewhere */
-MLRT_INLINE vd d_select(unsigned bits, vd a, vd b)
-{
-    return bits & 1 ? a : b;
-}
 /* bits of the lanes where both round to one float */
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {

@@ -212,13 +212,6 @@ MLRT_INLINE unsigned d_gt(vd a, vd b)
 {
     return (unsigned)_mm_movemask_pd(_mm_cmpgt_pd(a, b));
 }
-MLRT_INLINE vd d_select(unsigned bits, vd a, vd b)
-{
-    const __m128i lanes = _mm_set_epi32(2, 2, 1, 1);
-    const __m128i same = _mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int)bits), lanes), lanes);
-    const __m128d chosen = _mm_castsi128_pd(same);
-    return _mm_or_pd(_mm_and_pd(chosen, a), _mm_andnot_pd(chosen, b));
-}
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {
     return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(_mm_cvtpd_ps(a), _mm_cvtpd_ps(b))) & 3;

@@ -101,7 +101,6 @@ static void run_doubles(const struct word_input *in, int lane, struct word_outpu
     d_store(out->values[WORD_DOUBLE_ABS] + lane, d_abs(quotient));
     d_store(out->values[WORD_DOUBLE_MAX] + lane, d_max(a, b));
     d_store(out->values[WORD_DOUBLE_FLIP] + lane, d_flip(a, b));
-    d_store(out->values[WORD_DOUBLE_SELECT] + lane, d_select(in->lanes >> lane, quotient, b));
     put_bits(out, WORD_DOUBLE_GT, lane, d_gt(a, b) ^ d_gt(near, quotient));
     put_bits(out, WORD_DOUBLE_SAME_FLOAT, lane, d_same_float(quotient, nearer));
 }

@@ -68,7 +68,6 @@ enum {
     WORD_DOUBLE_MAX,
     WORD_DOUBLE_FLIP,
     WORD_DOUBLE_GT,
-    WORD_DOUBLE_SELECT,
     WORD_DOUBLE_SAME_FLOAT,
     /* four at a time */
     WORD_QUAD_SET1,
