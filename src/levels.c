@@ -67,9 +67,10 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
 void mlrt_prefetch_around(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t place)
 {
     uint32_t x, y;
+    if (place % 4) return;
     find_next_tile(source, tile, &x, &y);
-    mlrt_prefetch_rays(source, x, y + place, 1);
-    if (place % 4 == 0 && place < 12) mlrt_prefetch_rays(source, tile->x, tile->y + place + 4, 4);
+    mlrt_prefetch_rays(source, x, y + place, 4);
+    if (place < 12) mlrt_prefetch_rays(source, tile->x, tile->y + place + 4, 4);
 }
 
 /*

@@ -17,7 +17,7 @@ import sys
 # Name -> macros. The first is what all are compared with.
 SETTINGS = {
     "as it is": {},
-    "as it is, again": {},
+    "as it is once more": {},
     "never squares": {"FIRST_OPEN_SQUARES": "0xFFFFFFFFu"},
     "always squares": {"SQUARE_RUN": "0"},
     "tiles always open": {"FIRST_OPEN_TILES": "0xFFFFFFFFu"},
@@ -37,7 +37,7 @@ SETTINGS = {
 
 def program(name, jobs):
     """Builds the bench program with a setting, and returns where it is."""
-    folder = os.path.join("build", "sweep", name.replace(", again", "").replace(" ", "-"))
+    folder = os.path.join("build", "sweep", name.replace(" once more", "").replace(" ", "-"))
     flags = " ".join(f"-DMLRT_{macro}={value}" for macro, value in SETTINGS[name].items())
     path = os.path.join(folder, "bin", "bench")
     make = ["make", "--no-print-directory", f"-j{jobs}", f"BUILD={folder}", f"CPPFLAGS={flags}", path]

@@ -4,7 +4,7 @@
  */
 
 /* The greatest depth at which rays of a packet still look. */
-static MLRT_NOINLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis)
+MLRT_INLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis)
 {
     vf farthest = v_set1(-INFINITY);
     KEEP_LANES_LOOP
