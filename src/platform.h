@@ -44,11 +44,14 @@
 #define MLRT_UNLIKELY(condition) (condition)
 #endif
 
-/* Before a loop that should stay one: it is long, or seldom runs. */
+/* Before a loop that should stay one: it is long, or seldom runs. And before a short one that must not, whatever the
+ * compiler is told. */
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
 #define MLRT_KEEP_LOOP _Pragma("GCC unroll 1")
+#define MLRT_UNROLL    _Pragma("GCC unroll 9")
 #else
 #define MLRT_KEEP_LOOP
+#define MLRT_UNROLL
 #endif
 
 /* Tells the processor that a cache line will be read soon. */

@@ -208,14 +208,17 @@ MLRT_INLINE uint32_t seen_by_cell(const struct mlrt_cells *cells, uint32_t place
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(seen >> v & ALL_LANES)) continue;
         vm may = v_le(v_load(leaf->least_depth + v), farthest);
+        MLRT_UNROLL
         for (int side = 0; side < 2; ++side) {
             may = m_and(may, m_and(v_le(v_load(leaf->slope_lo[side] + v), v_set1(*slope_hi[side])),
                                    v_ge(v_load(leaf->slope_hi[side] + v), v_set1(*slope_lo[side]))));
         }
         if (!m_bits(may)) continue;
         const int a = cells->main_axis;
+        MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
             vf greatest = v_mul(v_load(leaf->cross[i][a] + v), v_set1(cells->sign));
+            MLRT_UNROLL
             for (int side = 0; side < 2; ++side) {
                 const vf c = v_load(leaf->cross[i][(a + 1 + side) % 3] + v);
                 greatest = v_add(greatest, v_max(v_mul(c, v_set1(*slope_lo[side])), v_mul(c, v_set1(*slope_hi[side]))));
@@ -233,6 +236,7 @@ MLRT_INLINE void range_over_cells(const struct mlrt_cells *cells, const struct m
 {
     const int a = cells->main_axis;
     *least = *greatest = v_set1(leaf->cross[edge][a][place] * cells->sign);
+    MLRT_UNROLL
     for (int side = 0; side < 2; ++side) {
         const vf c = v_set1(leaf->cross[edge][(a + 1 + side) % 3][place]);
         const vf p = v_mul(c, v_load(cells->slopes[side].lo + v)), q = v_mul(c, v_load(cells->slopes[side].hi + v));
@@ -262,12 +266,14 @@ static uint32_t offer_to_closed(struct mlrt_cells *cells, const struct mlrt_leaf
             m_or(i_eq(i_load(cells->cover + v), i_set1(number)), i_eq(i_load(cells->skip + v), i_set1(number)));
         vm may = m_andnot(m_from_bits(among >> v), known);
         may = m_and(may, v_le(v_set1(leaf->least_depth[place]), farthest));
+        MLRT_UNROLL
         for (int side = 0; side < 2; ++side) {
             may = m_and(may, v_le(v_set1(leaf->slope_lo[side][place]), v_load(cells->slopes[side].hi + v)));
             may = m_and(may, v_ge(v_set1(leaf->slope_hi[side][place]), v_load(cells->slopes[side].lo + v)));
         }
         if (!m_bits(may)) continue;
         vf inside = v_set1(INFINITY), outside = v_set1(INFINITY), least, greatest;
+        MLRT_UNROLL
         for (int edge = 0; edge < 3; ++edge) {
             range_over_cells(cells, leaf, edge, place, v, &least, &greatest);
             inside = v_min(least, inside);

@@ -121,6 +121,7 @@ struct ray_vector {
 
 MLRT_INLINE void load_ray_vector(const struct mlrt_packet *packet, int v, struct ray_vector *rays)
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) rays->direction[k] = v_load(packet->direction[k] + v);
     rays->least_n = v_load(packet->lo + v);
     rays->greatest_n = v_load(packet->hi + v);
@@ -158,6 +159,7 @@ struct leaf_verdict {
 MLRT_INLINE vf least_leaf_edge(const struct mlrt_leaf_setup *leaf, uint32_t place, const struct ray_vector *rays)
 {
     vf product[3];
+    MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         const vf cross[3] = {v_set1(leaf->cross[i][0][place]), v_set1(leaf->cross[i][1][place]),
                              v_set1(leaf->cross[i][2][place])};

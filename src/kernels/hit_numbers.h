@@ -51,6 +51,7 @@ static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packe
     const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const struct mlrt_triangle *triangle = &tree->triangles[hit >> lane & 1 ? packet->triangle[lane] : standard];
+        MLRT_UNROLL
         for (int k = 0; k < 9; ++k) corners[k][lane] = triangle->v[k / 3][k % 3];
     }
 }
