@@ -13,7 +13,8 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         if (!is_list) mlrt_prefetch_around(source, &tile->area, place);
         lanes[place] = mlrt_existing_lanes(source, &block);
-        are_packed = are_packed && lanes[place] == 0xFFFF && read_packed_rays(source, block.x, block.y, &tile->packets[place]);
+        are_packed =
+            are_packed && lanes[place] == 0xFFFF && read_packed_rays(source, block.x, block.y, &tile->packets[place]);
         if (are_packed) {
             checked |= 1u << place;
         } else {
