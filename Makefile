@@ -132,7 +132,7 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(if $(filter sheared,$*),,$(FAST))) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := library tree hit_terms shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
+COLD := library tree shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
         bvh_build bvh_check bvh_collapse bvh_split kdtree_build kdtree_check split clip all_hits hit_list
 
 # What is as fast if it is small, or faster: counted in instructions of examples/render.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What all rays of one apex that hit one triangle share of t, u and v, in double: kernels/hit_numbers.h has the
- * formulas. The next tile hits the same triangles, if they are large.
+ * What all rays of one apex that hit one triangle share of t, u and v, in double, as a worker keeps it: the next tile
+ * hits the same triangles, if they are large. kernels/hit_numbers.h has the formulas.
  */
 #ifndef MLRT_HIT_TERMS_H
 #define MLRT_HIT_TERMS_H
@@ -32,9 +32,5 @@ struct mlrt_hit_term_cache {
     struct mlrt_hit_terms entries[MLRT_HIT_TERMS_COUNT]; /* number % MLRT_HIT_TERMS_COUNT */
     float apex[3];
 };
-
-/* The terms of a triangle. They are there until the next call. */
-const struct mlrt_hit_terms *mlrt_find_hit_terms(const struct mlrt_tree *tree, uint32_t number, const float apex[3],
-                                                 struct mlrt_hit_term_cache *cache);
 
 #endif

@@ -111,7 +111,7 @@ struct mlrt_worker {
     struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
     struct mlrt_leaf_cache caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
     uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
-    uint32_t open_tiles; /* of the next ones, how many begin with open cells (trace_area.h); squares likewise */
+    uint32_t open_tiles; /* of the next ones, how many begin with open cells (levels.c); squares likewise */
     uint32_t open_squares;
     struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the one that was last hit */

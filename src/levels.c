@@ -64,13 +64,12 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
     *y = !is_last ? tile->y : is_lowest ? tile->y & ~63u : tile->y + 16;
 }
 
-void mlrt_prefetch_around(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t place)
+void mlrt_prefetch_around(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t row)
 {
     uint32_t x, y;
-    if (place % 4) return;
     find_next_tile(source, tile, &x, &y);
-    mlrt_prefetch_rays(source, x, y + place, 4);
-    if (place < 12) mlrt_prefetch_rays(source, tile->x, tile->y + place + 4, 4);
+    mlrt_prefetch_rays(source, x, y + row, 4);
+    if (row < 12) mlrt_prefetch_rays(source, tile->x, tile->y + row + 4, 4);
 }
 
 /*

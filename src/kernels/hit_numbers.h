@@ -56,8 +56,9 @@ static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packe
     }
 }
 
-MLRT_INLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
-                                  vd term[MLRT_HIT_TERM_COUNT])
+/* The terms of a triangle (hit_terms.h) that DW lanes from `lane` on hit. */
+static MLRT_NOINLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *packet, uint32_t lane,
+                                           uint32_t outputs, vd term[MLRT_HIT_TERM_COUNT])
 {
     vd ab[3], ac[3], p[3];
     for (int k = 0; k < 3; ++k) {
@@ -75,6 +76,32 @@ MLRT_INLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *
     cross_product_of_doubles(p, ab, term + MLRT_HIT_EDGE + 3);
     term[MLRT_HIT_EDGE_SIZE] = d_mul(ac_size, p_size);
     term[MLRT_HIT_EDGE_SIZE + 1] = d_mul(p_size, ab_size);
+}
+
+/* All of them, as frame and callback may want different outputs. */
+static MLRT_SMALL void keep_hit_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
+                                      struct mlrt_hit_terms *kept)
+{
+    vd corner[9], term[MLRT_HIT_TERM_COUNT];
+    MLRT_KEEP_LOOP
+    for (int k = 0; k < 9; ++k) corner[k] = d_set1(tree->triangles[number].v[k / 3][k % 3]);
+    set_up_hit_terms(corner, packet, 0, MLRT_OUTPUT_UV, term);
+    MLRT_KEEP_LOOP
+    for (int k = 0; k < MLRT_HIT_TERM_COUNT; ++k) kept->term[k] = d_first(term[k]);
+    kept->number = number;
+}
+
+/* The terms of a triangle that all lanes of a packet with an apex hit. They are there until the next call. */
+MLRT_INLINE const double *find_shared_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                            uint32_t number, struct mlrt_hit_term_cache *cache)
+{
+    if (memcmp(packet->apex, cache->apex, sizeof cache->apex) != 0) {
+        for (int i = 0; i < MLRT_HIT_TERMS_COUNT; ++i) cache->entries[i].number = MLRT_NONE;
+        memcpy(cache->apex, packet->apex, sizeof cache->apex);
+    }
+    struct mlrt_hit_terms *kept = &cache->entries[number % MLRT_HIT_TERMS_COUNT];
+    if (kept->number != number) keep_hit_terms(tree, packet, number, kept);
+    return kept->term;
 }
 
 /* 1 / D, its magnitude, and what the error of D adds to a quotient relative to it. */
@@ -175,7 +202,7 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
     const int is_one = !(hit & ~lanes_of_triangle(packet, number)), are_shared = is_one && packet->has_apex;
     vd term[MLRT_HIT_TERM_COUNT];
     if (are_shared) {
-        const double *shared = mlrt_find_hit_terms(tree, number, packet->apex, cache)->term;
+        const double *shared = find_shared_terms(tree, packet, number, cache);
         const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
         for (int k = 0; k < count; ++k) term[k] = d_set1(shared[k]);
     } else if (!is_one) {

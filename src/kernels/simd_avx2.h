@@ -197,6 +197,10 @@ MLRT_INLINE void d_store(float *p, vd a)
 {
     _mm_store_ps(p, _mm256_cvtpd_ps(a));
 }
+MLRT_INLINE double d_first(vd a)
+{
+    return _mm256_cvtsd_f64(a);
+}
 MLRT_INLINE vd d_add(vd a, vd b)
 {
     return _mm256_add_pd(a, b);

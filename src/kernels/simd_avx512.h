@@ -190,6 +190,10 @@ MLRT_INLINE void d_store(float *p, vd a)
 {
     _mm256_store_ps(p, _mm512_cvtpd_ps(a));
 }
+MLRT_INLINE double d_first(vd a)
+{
+    return _mm512_cvtsd_f64(a);
+}
 MLRT_INLINE vd d_add(vd a, vd b)
 {
     return _mm512_add_pd(a, b);

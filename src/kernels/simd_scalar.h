@@ -7,9 +7,9 @@
  * comparisons with a NaN are false. A mask lane is all ones or all zeros; m_bits has lane i in bit i.
  *   v_mul_add is a b + c and v_mul_sub a b - c, with one rounding or two: only what has bounds for both may use them.
  *   KEEP_LANES_LOOP before a loop over the lanes of a packet or a node: not worth its size cut up into vectors.
- *   v_triples, for vectors of eight lanes or more: those of two rows of a block or of all four, which begin at p and
- * are `step` floats apart, by axis, in the order of a packet's lanes (packet.h). Of a row, four triples are read. vd
- * doubles; DW lanes, which are loaded from floats and rounded to floats.
+ *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is.
+ *   v_triples, for vectors of eight lanes or more: those of two rows of a block or of all four. They begin at p and are
+ * `step` floats apart; by axis, in the order of a packet's lanes (packet.h). Of a row, four triples are read.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H
@@ -201,6 +201,10 @@ MLRT_INLINE vd d_load(const float *p)
 MLRT_INLINE void d_store(float *p, vd a)
 {
     *p = (float)a;
+}
+MLRT_INLINE double d_first(vd a)
+{
+    return a;
 }
 MLRT_INLINE vd d_add(vd a, vd b)
 {

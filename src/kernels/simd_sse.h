@@ -180,6 +180,10 @@ MLRT_INLINE void d_store(float *p, vd a)
 {
     _mm_storel_pi((void *)p, _mm_cvtpd_ps(a));
 }
+MLRT_INLINE double d_first(vd a)
+{
+    return _mm_cvtsd_f64(a);
+}
 MLRT_INLINE vd d_add(vd a, vd b)
 {
     return _mm_add_pd(a, b);

@@ -11,7 +11,7 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         if (!mlrt_has_block(tile, place)) continue;
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-        if (!is_list) mlrt_prefetch_around(source, &tile->area, place);
+        if (!is_list && place % 4 == 0) mlrt_prefetch_around(source, &tile->area, place);
         lanes[place] = mlrt_existing_lanes(source, &block);
         are_packed =
             are_packed && lanes[place] == 0xFFFF && read_packed_rays(source, block.x, block.y, &tile->packets[place]);

@@ -93,6 +93,7 @@ static void run_doubles(const struct word_input *in, int lane, struct word_outpu
     const vd near = d_mul(quotient, d_set1(1 + 0x1p-24)), nearer = d_mul(quotient, d_set1(1 + 0x1p-25));
     d_store(out->values[WORD_DOUBLE_SET1] + lane, d_set1((double)in->a[0] + 0x1p-30));
     d_store(out->values[WORD_DOUBLE_LOAD] + lane, a);
+    if (lane == 0) out->values[WORD_DOUBLE_FIRST][0] = (float)d_first(d_add(quotient, b));
     d_store(out->values[WORD_DOUBLE_ADD] + lane, d_add(quotient, b));
     d_store(out->values[WORD_DOUBLE_SUB] + lane, d_sub(quotient, b));
     d_store(out->values[WORD_DOUBLE_MUL] + lane, nearer);

@@ -59,6 +59,7 @@ enum {
     /* doubles, rounded to floats */
     WORD_DOUBLE_SET1,
     WORD_DOUBLE_LOAD,
+    WORD_DOUBLE_FIRST,
     WORD_DOUBLE_ADD,
     WORD_DOUBLE_SUB,
     WORD_DOUBLE_MUL,
