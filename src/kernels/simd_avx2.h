@@ -199,7 +199,7 @@ MLRT_INLINE void d_store(float *p, vd a)
 }
 MLRT_INLINE double d_first(vd a)
 {
-    return _mm256_cvtsd_f64(a);
+    return _mm_cvtsd_f64(_mm256_castpd256_pd128(a));
 }
 MLRT_INLINE vd d_add(vd a, vd b)
 {

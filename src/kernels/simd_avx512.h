@@ -192,7 +192,7 @@ MLRT_INLINE void d_store(float *p, vd a)
 }
 MLRT_INLINE double d_first(vd a)
 {
-    return _mm512_cvtsd_f64(a);
+    return _mm_cvtsd_f64(_mm512_castpd512_pd128(a));
 }
 MLRT_INLINE vd d_add(vd a, vd b)
 {
