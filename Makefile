@@ -65,7 +65,7 @@ LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object per instruction set, and some that count (dispatch.c).
 ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
-KERNELS     := kdtree sheared $(if $(IS_X86),sse avx2 avx512,scalar)
+KERNELS     := kdtree $(if $(IS_X86),sse avx2 avx512,scalar)
 COUNTING_KERNELS := scalar
 ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
@@ -129,10 +129,10 @@ $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(if $(filter sheared,$*),,$(FAST))) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL),$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := library tree shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
+COLD := library tree bvh_spatial bvh_ray shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
         bvh_build bvh_check bvh_collapse bvh_split kdtree_build kdtree_check split clip all_hits hit_list
 
 # What is as fast if it is small, or faster: counted in instructions of examples/render.

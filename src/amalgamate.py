@@ -27,7 +27,6 @@ Kernel = collections.namedtuple("Kernel", "name file condition target counting")
 # As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
 KERNELS = [
     Kernel("kdtree", "kdtree.c", None, None, False),
-    Kernel("sheared", "sheared.c", None, None, False),
     Kernel("counting", "scalar.c", None, None, True),
     Kernel("scalar", "scalar.c", "!MLRT_HAVE_SSE", None, False),
     Kernel("sse", "sse.c", "MLRT_HAVE_SSE", None, False),
@@ -373,7 +372,7 @@ def kernel_section(kernel, text):
     before = [f"#undef {macro}\n" for macro in COUNTING_MACROS]
     if kernel.counting:
         before.append("#define MLRT_COUNTING 1\n")
-    gcc = "" if kernel.counting or kernel.name in ("kdtree", "sheared") else '#pragma GCC optimize("peel-loops")\n'
+    gcc = "" if kernel.counting or kernel.name == "kdtree" else '#pragma GCC optimize("peel-loops")\n'
     clang, clang_end = "", ""
     if kernel.target:
         gcc += f'#pragma GCC target("{kernel.target}")\n'

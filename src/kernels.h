@@ -158,12 +158,10 @@ struct mlrt_kernels {
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_cells *cells);
     void (*sum_up_cells)(struct mlrt_cells *cells);
-    /* Makes cells of packets, and takes these down; adds one; which lanes are near the first one. ray_tile.h */
-    uint32_t (*gather_packets)(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t waiting, uint32_t *wide,
-                               float *width);
-    void (*trace_gathered)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
+    /* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. ray_tile.h */
     int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
-    uint32_t (*lanes_near_first)(const struct mlrt_packet *packet, uint32_t lanes, int main_axis, float width);
+    /* Takes cells of packets down the hierarchy. bvh_tile.h */
+    void (*trace_gathered)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
     /* Takes cells down the hierarchy; makes the rays of one. bvh_tile.h */
     void (*traverse)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells);
     void (*open_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,

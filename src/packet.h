@@ -35,6 +35,7 @@ struct mlrt_packet {
     uint32_t active;                                       /* bit per lane */
     uint32_t single;                                       /* bit per lane */
     int has_apex;
+    int has_direction; /* all rays have one, if !has_apex and !has_masks; else it may be anything */
     int has_skip;
     int has_limits;                 /* 0 = all t_min are 0 or less, and all t_max are equal */
     const struct mlrt_shear *shear; /* not NULL: directions, lo and hi are what shear.h makes of them */

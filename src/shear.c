@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+#include "kernels/quad.h"
+#include "sheared.h"
 #include "source.h"
 
 /* A power of two above `a`: at most twice, at least once as large. */
@@ -72,4 +74,49 @@ void mlrt_shear_distance(const struct mlrt_shear *shear, const struct mlrt_ray_s
     const double one = distance_at(begin + nearest->lo * pace), other = distance_at(begin + nearest->hi * pace);
     nearest->lo = (float)((one < other ? one : other) * (1 - MLRT_SHEAR_SLACK));
     nearest->hi = (float)((one < other ? other : one) * (1 + MLRT_SHEAR_SLACK));
+}
+
+/* ---- packets and boxes ---- */
+
+int mlrt_have_one_direction(const struct mlrt_packet *packet)
+{
+    const uint32_t valid = packet->active | packet->single, first = mlrt_lowest_bit(valid);
+    uint32_t others = 0;
+    for (int k = 0; k < 3 && !(others & valid); ++k) {
+        uint32_t word;
+        memcpy(&word, &packet->direction[k][first], sizeof word);
+        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) {
+            others |= (~(uint32_t)f4_same_words(packet->direction[k] + lane, word) & 15) << lane;
+        }
+    }
+    return !(others & valid);
+}
+
+int mlrt_has_direction(const struct mlrt_packet *packet, const struct mlrt_shear *shear)
+{
+    const uint32_t lane = mlrt_lowest_bit(packet->active);
+    int same = shear->scale != 0;
+    for (int k = 0; k < 3; ++k) same &= packet->direction[k][lane] == shear->given[k];
+    return same;
+}
+
+void mlrt_unshear_packet(struct mlrt_packet *packet)
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) {
+        for (int k = 0; k < 3; ++k) f4_store(packet->direction[k] + lane, f4_set1(packet->shear->given[k]));
+        const f4 t_max = f4_load(packet->t_max + lane);
+        f4_store(packet->lo + lane, t_max);
+        f4_store(packet->hi + lane, t_max);
+    }
+    packet->shear = NULL;
+}
+
+float mlrt_shear_box(const struct mlrt_shear *shear, float enter, float exit, float begin[2], float end[2])
+{
+    for (int side = 0; side < 2; ++side) {
+        const float p = enter * shear->slope[side], q = exit * shear->slope[side];
+        begin[side] -= p > q ? p : q;
+        end[side] -= p < q ? p : q;
+    }
+    return (1 - MLRT_SHEAR_DISTANCE_SLACK) / (1 - enter * shear->scale);
 }

@@ -4,6 +4,7 @@
  */
 #include "tile_packets.h"
 
+#include "packet_cells.h"
 #include "results.h"
 #include "shade.h"
 
@@ -29,8 +30,7 @@ uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worke
             packet->single |= packet->active;
             packet->active = 0;
         }
-        const int is_alike = packet->has_apex || (!packet->has_masks &&
-                                                  (mlrt_is_parallel(&job->source) || mlrt_have_one_direction(packet)));
+        const int is_alike = packet->has_apex || (!packet->has_masks && packet->has_direction);
         if (packet->active && !is_alike) {
             job->kernels->trace_singles(job, packet->active, packet, worker);
         } else {
@@ -51,7 +51,7 @@ static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker 
     for (; wide; wide &= wide - 1) {
         const uint32_t place = mlrt_lowest_bit(wide);
         struct mlrt_packet *packet = &tile->packets[place];
-        const uint32_t near = job->kernels->lanes_near_first(packet, packet->active, tile->cells.main_axis, width);
+        const uint32_t near = mlrt_lanes_near_first(packet, packet->active, tile->cells.main_axis, width);
         const uint32_t others = packet->active & ~near;
         const uint32_t alone = mlrt_count_bits(others) < MLRT_LEAST_PART ? others : 0;
         put_off[place] = others & ~alone;
@@ -66,6 +66,14 @@ static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker 
     return cells;
 }
 
+static void unshear_packets(struct mlrt_ray_tile *tile, uint32_t places)
+{
+    for (; places; places &= places - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(places)];
+        if (packet->shear) mlrt_unshear_packet(packet);
+    }
+}
+
 /* Traces packets down the hierarchy of boxes: together, as far as they can go together. */
 void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                         uint32_t waiting)
@@ -74,7 +82,7 @@ void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, 
     while (waiting) {
         uint32_t wide;
         float width;
-        uint32_t gathered = job->kernels->gather_packets(job, tile, waiting, &wide, &width);
+        uint32_t gathered = mlrt_gather_packets(job, tile, waiting, &wide, &width);
         waiting &= ~(gathered | wide);
         if (MLRT_UNLIKELY(wide)) {
             for (uint32_t again = wide & cut; again; again &= again - 1) {
@@ -87,9 +95,7 @@ void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, 
         }
         if (gathered) {
             job->kernels->trace_gathered(job, worker, tile);
-            for (; mlrt_are_sheared(&tile->cells) && gathered; gathered &= gathered - 1) {
-                mlrt_unshear_packet(&tile->packets[mlrt_lowest_bit(gathered)]);
-            }
+            if (waiting | wide) unshear_packets(tile, gathered); /* the next may have another shear */
         }
         for (; wide; wide &= wide - 1) {
             const uint32_t place = mlrt_lowest_bit(wide);
@@ -101,6 +107,6 @@ void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, 
 
 void mlrt_finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet)
 {
-    if (packet->shear) mlrt_unshear_packet(packet);
+    if (packet->shear && (packet->single || !job->any)) mlrt_unshear_packet(packet);
     if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, &worker->counters);
 }

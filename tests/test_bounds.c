@@ -48,7 +48,9 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define KERNELS bounds_kernels_kdtree
 #include "kernels/kdtree_body.h"
 #undef KERNELS
-#define KERNELS bounds_kernels
+#define KERNELS       bounds_kernels
+#define SHEARED       mlrt_sheared_plain
+#define MAKES_SHEARED 0
 #include "kernels/bvh_body.h"
 #undef v_div
 #undef f4_div
@@ -1886,7 +1888,7 @@ static void stacks_hold_what_waits(void **state)
     tree.bvh = (struct mlrt_bvh){nodes, MLRT_BVH_DEPTH_LIMIT, QUAD + 1, corners, numbers, 1};
 
     const float direction[3] = {0, 0, 1};
-    set_main_axis_of(direction, &cells);
+    mlrt_set_main_axis(direction, &cells);
     for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
         mlrt_leave_out_cell(&cells, i);
         cells.cover[i] = MLRT_NONE;

@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "kernels/simd_scalar.h"
+#include "sheared.h"
 
 /* What the terms were divided by, which true values must be divided by too. */
 static int divisor_count;
@@ -29,39 +30,14 @@ static float remembering_divide(float a, float b)
 }
 
 /* The library has its own. */
-#define mlrt_set_sheared_slopes   tested_set_sheared_slopes
-#define mlrt_have_one_direction   tested_have_one_direction
-#define mlrt_has_direction        tested_has_direction
-#define mlrt_shear_packet         tested_shear_packet
-#define mlrt_unshear_packet       tested_unshear_packet
-#define mlrt_sheared_children_met tested_sheared_children_met
-#define mlrt_shear_box            tested_shear_box
-#define mlrt_set_sheared_outlines tested_set_sheared_outlines
-#define mlrt_set_sheared_terms    tested_set_sheared_terms
+#define mlrt_set_sheared_slopes tested_set_sheared_slopes
 
-#define v_div   remembering_divide
-#define KERNELS tested_kernels
+extern const struct mlrt_sheared_kernels tested_sheared;
+#define v_div         remembering_divide
+#define KERNELS       tested_kernels
+#define SHEARED       tested_sheared
+#define MAKES_SHEARED 1
 #include "kernels/bvh_body.h"
-/* What bvh_body.h has already; sheared.c has it four lanes wide otherwise. */
-#define cross_product        four_cross_product
-#define dot_product          four_dot_product
-#define scaled_cross_product four_scaled_cross_product
-#define verdict              four_verdict
-#define float_test           four_float_test
-#define may_be_inside        four_may_be_inside
-#define bound_distance       four_bound_distance
-#define compare_distances    four_compare_distances
-#undef MLRT_HAVE_SSE
-#define MLRT_HAVE_SSE 0
-#include "kernels/sheared.c"
-#undef cross_product
-#undef dot_product
-#undef scaled_cross_product
-#undef verdict
-#undef float_test
-#undef may_be_inside
-#undef bound_distance
-#undef compare_distances
 #undef v_div
 
 #define UNIT 0x1p-24
@@ -119,7 +95,7 @@ static int see(const float *input, struct seen *seen)
         if (!mlrt_is_float_safe(direction[k]) || !mlrt_is_float_safe(origin[k])) return 0;
     }
     if (!mlrt_make_segment(origin, direction, 0, fabsf(input[18]), &seen->ray)) return 0;
-    set_shear(&seen->job, direction, input + 15, cells);
+    mlrt_set_shear(&seen->job, direction, input + 15, cells);
     packet->active = 1;
     packet->single = 0;
     packet->has_apex = packet->has_skip = packet->has_masks = 0;
@@ -177,8 +153,8 @@ static void set_up(const struct seen *seen, struct lone_triangle *lone)
     lone->leaf.row = 4;
     lone->leaf.there = 1;
     divisor_count = 0;
-    (void)mlrt_set_sheared_terms(&seen->tile.cells.shear, 1, &lone->leaf);
-    mlrt_set_sheared_outlines(&seen->tile.cells.shear, &lone->leaf);
+    (void)set_sheared_terms(&seen->tile.cells.shear, 1, &lone->leaf);
+    set_sheared_outlines(&seen->tile.cells.shear, &lone->leaf);
 }
 
 static double difference_of(const struct seen *seen, int to, int from, int k)
@@ -262,15 +238,17 @@ static double attack_ends(const float *input)
     const float t = (float)((to - seen.origin[0]) / (double)shear.pace);
     if (!isfinite(t)) return -1;
     const double z = seen.origin[0] + (double)t * (double)shear.pace;
-    int limits_below = 0;
+    const int axes[3] = {shear.main_axis, (shear.main_axis + 1) % 3, (shear.main_axis + 2) % 3};
+    struct sheared_extremes of = {.at_hand = 0};
     packet->t_min[0] = packet->t_max[0] = t;
-    if (!mlrt_shear_packet(&shear, packet, &(float){INFINITY}, &limits_below)) return -1;
+    shear_vector(&shear, axes, 0, packet, &of);
+    if (!of.at_hand) return -1;
     const double begin = (double)packet->begin[0];
     if (begin != (double)packet->lo[0] || begin != (double)packet->hi[0]) return INFINITY;
     /* Does the ray surely begin before the scene? */
     double front = INFINITY;
     for (int i = 0; i < 3; ++i) front = fmin(front, seen.corner[i][0]);
-    if (!limits_below && z >= front) return INFINITY;
+    if (!of.within && z >= front) return INFINITY;
     if (z > 0.5) return begin >= 2 * (1 - 9 * UNIT) ? 0 : INFINITY;
     if (z < -8) return begin <= (1 + 9 * UNIT) / 9 ? 0 : INFINITY;
     return fabs(begin * (1 - z) - 1) / (9 * UNIT);
@@ -412,7 +390,7 @@ static double attack_decisions(const float *input)
     struct mlrt_cells *cells = &tile->cells;
     const int is_hit = mlrt_hits_triangle(&seen.ray, &seen.triangle, NULL);
     set_up_lone_triangle(&seen.tree, cells, 0, &lone);
-    mlrt_set_sheared_outlines(&cells->shear, &lone.leaf);
+    set_sheared_outlines(&cells->shear, &lone.leaf);
     if (!lone.leaf.there) return is_hit ? INFINITY : 0;
     struct ray_vector rays;
     load_ray_vector(&tile->packets[0], 0, &rays);

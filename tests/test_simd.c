@@ -16,7 +16,7 @@ static const char *const names[WORD_COUNT] = {"v_set1",      "v_add",        "v_
                                               "v_mul",       "v_div",        "v_mul and v_add",
                                               "v_mul_add",   "v_mul_sub",    "v_min",
                                               "v_max",       "v_abs",        "v_flip",
-                                              "v_select",    "v_hmin",       "v_hmax",
+                                              "v_select",    "v_hmin",       "v_hmax",       "v_hmin4",
                                               "v_load_any",  "v_triples",    "v_triples",
                                               "v_triples",   "i_set1",       "i_select",
                                               "i_load_any",  "i_sub",        "v_lt",
@@ -32,7 +32,7 @@ static const char *const names[WORD_COUNT] = {"v_set1",      "v_add",        "v_
                                               "f4_div",      "f4_max",       "f4_abs",
                                               "f4_flip",     "f4_next",      "f4_join",
                                               "f4_last",     "f4_hmin",      "f4_hmax",
-                                              "f4_corners",  "f4_load_any",  "f4_same_words",
+                                              "f4_corners",  "f4_load_any",  "f4_same_words", "f4_and_same",  "f4_signs",
                                               "f4_low",      "f4_high",      "f4_evens",
                                               "f4_odds",     "f4_triples",   "f4_gather_triples"};
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * All kernels for the hierarchy of boxes, in the words of the simd_*.h that was included before: one instruction set's
- * file is that header, the names of its tables, and this. Compiled with and without MLRT_COUNTING (counters.h).
+ * file is that header, the names of its tables, and this. SHEARED is a table (sheared.h) that MAKES_SHEARED puts there:
+ * not every instruction set has its own. Compiled with and without MLRT_COUNTING (counters.h).
  * Everything is static but the table.
  */
 #include "shared.h"
@@ -22,13 +23,13 @@
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
+#include "sheared_body.h"
 
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
     .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
-    .gather_camera_cells = gather_camera_cells, .sum_up_cells = sum_up_cells, .gather_packets = gather_packets,        \
-    .trace_gathered = trace_gathered, .add_packet = add_packet, .lanes_near_first = lanes_near_first,                  \
-    .traverse = traverse_bvh, .open_packet = open_packet
+    .gather_camera_cells = gather_camera_cells, .sum_up_cells = sum_up_cells, .add_packet = add_packet,                \
+    .trace_gathered = trace_gathered, .traverse = traverse_bvh, .open_packet = open_packet
 /* clang-format on */
 
 #if MLRT_COUNTING

@@ -107,7 +107,7 @@ static MLRT_SMALL int settle_sign(const struct mlrt_tree *tree, const struct mlr
 static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_cells *cells,
                                            uint32_t wanted, struct mlrt_leaf_setup *leaf)
 {
-    uint32_t doubtful = mlrt_are_sheared(cells) ? mlrt_set_sheared_terms(&cells->shear, wanted, leaf) : 0;
+    uint32_t doubtful = mlrt_are_sheared(cells) ? SHEARED.set_terms(&cells->shear, wanted, leaf) : 0;
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
         struct leaf_corners corners;
@@ -132,7 +132,7 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
     leaf->ready = leaf->negative = leaf->there = 0;
-    if (mlrt_are_sheared(cells)) mlrt_set_sheared_outlines(&cells->shear, leaf);
+    if (mlrt_are_sheared(cells)) SHEARED.set_outlines(&cells->shear, leaf);
     for (uint32_t v = 0; v < row; v += VW) {
         struct leaf_corners corners;
         if (!mlrt_are_sheared(cells)) {

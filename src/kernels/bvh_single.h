@@ -373,6 +373,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     struct single_ray ray;
     struct mlrt_worker worker;
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
+    MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
         const float r = 1 / segment->direction[k];
         packet.origin[k][0] = segment->origin[k];

@@ -25,8 +25,8 @@ MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct m
     const vf apex = v_set1(cells->apex[a]), zero = v_set1(0);
     uint32_t met = 0;
     if (mlrt_are_sheared(cells)) {
-        return mlrt_sheared_children_met(&cells->shear, cells->slope_lo, cells->slope_hi, cells->begin,
-                                         cells->whole_farthest, node, near);
+        return SHEARED.children_met(&cells->shear, cells->slope_lo, cells->slope_hi, cells->begin,
+                                    cells->whole_farthest, node, near);
     }
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
@@ -271,12 +271,12 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
 {
     struct mlrt_cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
-    if (!(tile->made >> place & 1)) {
+    const int is_new = !(tile->made >> place & 1);
+    if (is_new) {
         mlrt_make_rays(job, tile, place);
-        if (mlrt_are_sheared(cells)) mlrt_shear_packet(&cells->shear, packet, &(float){0}, &(int){0});
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
     }
-    if (MLRT_UNLIKELY(tile->seen != NULL) && packet->active)
+    if ((MLRT_UNLIKELY(tile->seen != NULL) || (is_new && mlrt_are_sheared(cells))) && packet->active)
         add_packet(tile, place); /* closer than what was known without rays */
     cells->closed &= ~(1u << place);
     if (cells->cover[place] != MLRT_NONE) {

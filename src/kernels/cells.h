@@ -25,9 +25,6 @@
 /* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
 #define WIDEST_PACKET 0.25f
 
-/* Parts of a packet that cannot go as one are so wide at most. */
-#define WIDEST_PART 0.03f
-
 MLRT_INLINE void set_whole_farthest(struct mlrt_cells *cells)
 {
     vf farthest = v_set1(-INFINITY);
@@ -42,39 +39,25 @@ static MLRT_NOINLINE void sum_up_cells(struct mlrt_cells *cells)
         v_store(cells->cover_near + v, v_set1(INFINITY));
         i_store(cells->cover + v, i_set1(MLRT_NONE));
     }
-    float steepest = 0.5f;
+    vf least[2], negated[2];
     for (int side = 0; side < 2; ++side) {
-        vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
+        least[side] = negated[side] = v_set1(INFINITY);
         KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
-            lo = v_min(v_load(cells->slopes[side].lo + v), lo);
-            hi = v_max(v_load(cells->slopes[side].hi + v), hi);
+            least[side] = v_min(v_load(cells->slopes[side].lo + v), least[side]);
+            negated[side] = v_min(v_flip(v_load(cells->slopes[side].hi + v), v_set1(-1)), negated[side]);
         }
-        cells->slope_lo[side] = v_hmin(lo);
-        cells->slope_hi[side] = v_hmax(hi);
+    }
+    MLRT_ALIGNED(16) float bounds[4];
+    f4_store(bounds, v_hmin4(least[0], least[1], negated[0], negated[1]));
+    float steepest = 0.5f;
+    for (int side = 0; side < 2; ++side) {
+        cells->slope_lo[side] = bounds[side];
+        cells->slope_hi[side] = -bounds[2 + side];
         steepest = larger_of(larger_of(fabsf(cells->slope_lo[side]), fabsf(cells->slope_hi[side])), steepest);
     }
     cells->slope_bound = 2 * steepest;
     set_whole_farthest(cells);
-}
-
-/* The main axis of a direction, for all cells. */
-static MLRT_NOINLINE void set_main_axis_of(const float direction[3], struct mlrt_cells *cells)
-{
-    const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
-    cells->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    cells->sign = direction[cells->main_axis] < 0 ? -1.0f : 1.0f;
-}
-
-/* From where rays of one direction see things, one of which begins at `origin`. */
-static MLRT_SMALL void set_shear(const struct mlrt_job *job, const float direction[3], const float origin[3],
-                                 struct mlrt_cells *cells)
-{
-    mlrt_make_shear(job->tree, &job->source, direction, origin, job->any, &cells->shear);
-    cells->main_axis = cells->shear.main_axis;
-    cells->sign = cells->shear.sign;
-    cells->begin = 0;
-    memcpy(cells->apex, cells->shear.centre, sizeof cells->apex);
 }
 
 /* The columns or rows of a camera's pixels that cells begin and end with; 0 for what is beyond `length`. */
@@ -150,10 +133,9 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
         cells->apex[k] = view->eye[k];
     }
     if (view->parallel) {
-        set_shear(job, view->direction, view->eye, cells);
+        mlrt_set_shear(job, view->direction, view->eye, cells);
     } else {
-        set_main_axis_of(middle, cells);
-        memset(&cells->shear, 0, sizeof cells->shear);
+        mlrt_set_main_axis(middle, cells);
     }
 
     const int a = cells->main_axis;

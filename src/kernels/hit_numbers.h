@@ -140,7 +140,9 @@ MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const str
     if (outputs & MLRT_OUTPUT_T) {
         certain &= round_quotients(term[MLRT_HIT_N], term[MLRT_HIT_N_SIZE], &denominator, numbers->t + lane);
     }
-    for (int i = 0; outputs & MLRT_OUTPUT_UV && i < 2; ++i) {
+    const int place_count = outputs & MLRT_OUTPUT_UV ? 2 : 0;
+    MLRT_KEEP_LOOP
+    for (int i = 0; i < place_count; ++i) {
         certain &=
             round_quotients(dot_product_of_doubles(direction, term + MLRT_HIT_EDGE + 3 * i),
                             d_mul(direction_size, term[MLRT_HIT_EDGE_SIZE + i]), &denominator, numbers->uv[i] + lane);

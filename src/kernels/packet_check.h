@@ -51,6 +51,7 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf difference = v_set1(0), d[3];
         vm is_safe = m_from_bits(0xFFFFFFFFu);
+        MLRT_KEEP_LOOP
         for (int k = 0; k < 3; ++k) {
             const vf o = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
             d[k] = v_load(packet->direction[k] + v);

@@ -46,6 +46,22 @@ MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
     memcpy(words, p, sizeof words);
     return (words[0] == word) | (words[1] == word) << 1 | (words[2] == word) << 2 | (words[3] == word) << 3;
 }
+/* so_far, but 0 where any four words are not those of a */
+MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
+{
+    uint32_t words[4], wanted[4];
+    memcpy(words, p, sizeof words);
+    memcpy(wanted, a.x, sizeof wanted);
+    for (int i = 0; i < 4; ++i) so_far.x[i] = words[i] == wanted[i] ? so_far.x[i] : 0;
+    return so_far;
+}
+/* bits of those that have the sign bit */
+MLRT_INLINE unsigned f4_signs(f4 a)
+{
+    uint32_t words[4];
+    memcpy(words, a.x, sizeof words);
+    return (words[0] >> 31) | (words[1] >> 31) << 1 | (words[2] >> 31) << 2 | (words[3] >> 31) << 3;
+}
 MLRT_INLINE f4 f4_add(f4 a, f4 b)
 {
     return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}};

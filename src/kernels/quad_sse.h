@@ -37,6 +37,14 @@ MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_set1_epi32((int)word));
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
+MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
+{
+    return _mm_and_ps(so_far, _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_castps_si128(a))));
+}
+MLRT_INLINE unsigned f4_signs(f4 a)
+{
+    return (unsigned)_mm_movemask_ps(a);
+}
 MLRT_INLINE f4 f4_add(f4 a, f4 b)
 {
     return _mm_add_ps(a, b);

@@ -13,6 +13,7 @@
 #include "hit.h"
 #include "kernels.h"
 #include "levels.h"
+#include "packet_cells.h"
 #include "rounding.h"
 #include "results.h"
 #include "shadow.h"

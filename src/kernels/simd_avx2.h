@@ -83,6 +83,14 @@ MLRT_INLINE float v_hmax(vf a)
 {
     return f4_hmax(_mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1)));
 }
+MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
+{
+    const __m256 ab = _mm256_min_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+    const __m256 cd = _mm256_min_ps(_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+    const __m256 all = _mm256_min_ps(_mm256_shuffle_ps(ab, cd, _MM_SHUFFLE(1, 0, 1, 0)),
+                                     _mm256_shuffle_ps(ab, cd, _MM_SHUFFLE(3, 2, 3, 2)));
+    return _mm_min_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps(all, 1));
+}
 
 MLRT_INLINE vm v_lt(vf a, vf b)
 {

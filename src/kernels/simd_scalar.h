@@ -6,6 +6,7 @@
  * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN;
  * comparisons with a NaN are false. A mask lane is all ones or all zeros; m_bits has lane i in bit i.
  *   v_mul_add is a b + c and v_mul_sub a b - c, with one rounding or two: only what has bounds for both may use them.
+ *   v_hmin is the least lane of a vector, v_hmax the greatest, and v_hmin4 the least of each of four.
  *   KEEP_LANES_LOOP before a loop over the lanes of a packet or a node: not worth its size cut up into vectors.
  *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is.
  *   v_triples, for vectors of eight lanes or more: those of two rows of a block or of all four. They begin at p and are
@@ -107,6 +108,10 @@ MLRT_INLINE float v_hmin(vf a)
 MLRT_INLINE float v_hmax(vf a)
 {
     return a;
+}
+MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
+{
+    return (f4){{a, b, c, d}};
 }
 
 MLRT_INLINE vm v_lt(vf a, vf b)

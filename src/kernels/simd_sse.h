@@ -85,6 +85,12 @@ MLRT_INLINE float v_hmax(vf a)
     a = _mm_max_ps(a, _mm_movehl_ps(a, a));
     return _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps(a, a, 1)));
 }
+MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
+{
+    const __m128 ab = _mm_min_ps(_mm_unpacklo_ps(a, b), _mm_unpackhi_ps(a, b));
+    const __m128 cd = _mm_min_ps(_mm_unpacklo_ps(c, d), _mm_unpackhi_ps(c, d));
+    return _mm_min_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab));
+}
 
 MLRT_INLINE vm v_lt(vf a, vf b)
 {

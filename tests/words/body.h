@@ -123,6 +123,10 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     for (unsigned i = 0, same = f4_same_words(in->bits_a + v, in->bits_b[v]); i < 4; ++i) {
         out->integers[WORD_QUAD_SAME_WORDS][(unsigned)v + i] = (same >> i & 1) | same >> 4;
     }
+    f4_store(out->values[WORD_QUAD_AND_SAME] + v, f4_and_same(a, (const char *)in->b + 4 * v, a));
+    for (unsigned i = 0; i < 4; ++i) {
+        out->integers[WORD_QUAD_SIGNS][(unsigned)v + i] = (f4_signs(a) >> i & 1) | f4_signs(b) >> 4;
+    }
     f4_store(out->values[WORD_QUAD_LOW] + v, f4_low(a, b));
     f4_store(out->values[WORD_QUAD_HIGH] + v, f4_high(a, b));
     f4_store(out->values[WORD_QUAD_EVENS] + v, f4_evens(a, b));
@@ -155,10 +159,15 @@ static void run_triples(const struct word_input *in, struct word_output *out)
 static void run_least(const struct word_input *in, struct word_output *out)
 {
     float least = INFINITY, greatest = -INFINITY;
+    f4 least_of_four = f4_set1(INFINITY);
     for (int v = 0; v < WORD_LANES; v += VW) {
         least = fminf(least, v_hmin(v_load(in->a + v)));
         greatest = fmaxf(greatest, v_hmax(v_load(in->a + v)));
+        const vf a = v_load(in->a + v);
+        const f4 four = v_hmin4(a, v_flip(a, v_set1(-1)), v_abs(a), v_max(a, v_set1(3)));
+        least_of_four = f4_add(f4_min(four, least_of_four), f4_set1(0));
     }
+    f4_store(out->values[WORD_HMIN4], least_of_four);
     out->values[WORD_HMIN][0] = least + 0.0f;
     out->values[WORD_HMAX][0] = greatest + 0.0f;
 }
