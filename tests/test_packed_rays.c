@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays of one origin in packed arrays without limits, which are read in one go (kernels/packed_rays.h): with a ray here
- * and there that does not belong, of which the others of its block must not notice anything. And what is kept of the
+ * Rays of one origin, or one direction, in packed arrays without limits, which are read in one go
+ * (kernels/packed_rays.h): with a ray here and there that does not belong, of which the others of its block must not
+ * notice anything. And what is kept of the
  * triangles that they hit (hit_terms.h), where places are taken and origins change.
  */
 #include <math.h>
@@ -131,6 +132,24 @@ static void add_view(struct ray_list *list, const float eye[3], float field)
     add_camera_rays(list, &camera);
 }
 
+/* Rays of one direction from a grid of points around the scene, on the side that they come from. */
+static void add_parallel_view(struct ray_list *list, const float direction[3])
+{
+    const float eye[3] = {0, 0, 0};
+    const mlrt_camera camera = look_at(eye, direction, 1, WIDTH, HEIGHT);
+    for (int i = 0; i < COUNT; i++) {
+        float origin[3];
+        const float across = (float)(i % WIDTH) - 0.5f * WIDTH, down = (float)(i / WIDTH) - 0.5f * HEIGHT;
+        for (int k = 0; k < 3; k++)
+            origin[k] = 3 * (across * camera.dx[k] + down * camera.dy[k]) - 2 * direction[k];
+        add_ray(list, origin, direction);
+    }
+}
+
+static const float DIRECTIONS[][3] = {{0.25f, 1, -0.5f}, {0, 0, -1}, {-0.0f, 1.5f, 0.75f}, {-0x1p-50f, 0x1p-51f, 0}};
+
+enum { DIRECTION_COUNT = sizeof DIRECTIONS / sizeof DIRECTIONS[0] };
+
 static void add_skips(const struct fixture *fixture, struct random *random, struct ray_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
@@ -162,6 +181,47 @@ static void some_rays_do_not_belong(void **state)
     }
 }
 
+static void some_are_not_parallel(void **state)
+{
+    (void)state;
+    static const uint32_t rarities[] = {300, 40, 6};
+    struct fixture fixture = make_scene(2140);
+    for (int d = 0; d < DIRECTION_COUNT; d++) {
+        for (size_t r = 0; r < sizeof rarities / sizeof rarities[0]; r++) {
+            struct random random = {2141 + 10 * (uint64_t)d + r};
+            struct ray_list list = {0};
+            add_parallel_view(&list, DIRECTIONS[d]);
+            spoil(&list, &random, rarities[r]);
+            check_hits(&fixture, &list, 0);
+            add_skips(&fixture, &random, &list);
+            check_hits(&fixture, &list, 1);
+            free_rays(&list);
+        }
+    }
+    free_fixture(&fixture);
+}
+
+/* All of them, so that blocks agree about a direction that float cannot carry, or that no ray has. */
+static void directions_that_are_none(void **state)
+{
+    (void)state;
+    struct random random = {2190};
+    struct fixture fixture = make_scene(2191);
+    for (int i = 0; i < 24; i++) {
+        struct ray_list list = {0};
+        add_parallel_view(&list, DIRECTIONS[0]);
+        const uint32_t k = draw_below(&random, 3);
+        const float odd = draw_odd(&random, DIRECTIONS[0][k]), others = draw_below(&random, 2) ? 1.0f : 0.0f;
+        for (size_t j = 0; j < list.count; j++) {
+            for (int l = 0; l < 3; l++) list.rays[j].direction[l] *= others;
+            list.rays[j].direction[k] = odd;
+        }
+        check_hits(&fixture, &list, 0);
+        free_rays(&list);
+    }
+    free_fixture(&fixture);
+}
+
 /* All of them, so that blocks agree about an origin that float cannot carry, or that no ray has. */
 static void origins_that_are_no_places(void **state)
 {
@@ -186,17 +246,17 @@ static void points_of_a_light(void **state)
     (void)state;
     struct fixture fixture = make_scene(2160);
     static const float lights[][3] = {{0.125f, -3, 0.75f}, {0, 0, 0}, {0x1p70f, 0, 0}, {0, 0x1p-80f, 2}};
-    for (size_t l = 0; l < sizeof lights / sizeof lights[0]; l++) {
+    for (size_t l = 0; l < 2 * sizeof lights / sizeof lights[0]; l++) {
         struct random random = {2170 + l};
-        mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
-        memcpy(light.position, lights[l], sizeof light.position);
+        mlrt_light light = {.struct_size = sizeof light, .kind = l % 2 ? MLRT_LIGHT_DIRECTIONAL : MLRT_LIGHT_POINT};
+        memcpy(light.position, lights[l / 2], sizeof light.position);
         float positions[COUNT][3];
         uint32_t skip[COUNT][2];
         for (int i = 0; i < COUNT; i++) {
             positions[i][0] = -1.5f + 3 * (float)(i % WIDTH) / WIDTH;
             positions[i][1] = 0.4f;
             positions[i][2] = -1.5f + 3 * (float)(i / WIDTH) / HEIGHT;
-            if (draw_below(&random, 40) == 0) positions[i][draw_below(&random, 3)] = draw_odd(&random, lights[l][0]);
+            if (draw_below(&random, 40) == 0) positions[i][draw_below(&random, 3)] = draw_odd(&random, lights[l / 2][0]);
             skip[i][0] = draw_below(&random, 9) ? 0 : MLRT_NONE;
             skip[i][1] = draw_below(&random, 100);
         }
@@ -269,6 +329,7 @@ static void compare_packets(uint32_t place, const struct mlrt_packet *one, const
     assert_int_equal(one->has_limits, other->has_limits);
     assert_int_equal(one->has_masks, other->has_masks);
     assert_true(one->shear == other->shear);
+    if (!one->has_apex && !one->has_masks) assert_int_equal(one->has_direction, other->has_direction);
     if (one->has_apex) assert_memory_equal(one->apex, other->apex, sizeof one->apex);
     for (int k = 0; k < 3; k++) compare_lanes(components[k], place, one->direction[k], other->direction[k]);
     for (int k = 0; !one->has_apex && k < 3; k++) compare_lanes("an origin", place, one->origin[k], other->origin[k]);
@@ -280,7 +341,8 @@ static void compare_packets(uint32_t place, const struct mlrt_packet *one, const
     if (one->has_skip) compare_lanes("the skip", place, one->skip, other->skip);
 }
 
-/* All packets of a source at once, and one by one in two steps. Returns how many there are with an apex. */
+/* All packets of a source at once, and one by one in two steps. Returns how many there are with an apex or a
+ * direction. */
 static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlrt_picture_kernels *picture)
 {
     struct mlrt_ray_tile tile;
@@ -299,10 +361,41 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlr
                 picture->fetch_block(source, &block, lanes, &packet);
                 picture->check_block(source, lanes, &packet);
                 compare_packets(place, &tile.packets[place], &packet);
-                count += packet.has_apex != 0;
+                count += packet.has_apex || packet.has_direction;
             }
         }
     }
+    return count;
+}
+
+/* A list as rays, and its directions as points of lights of both kinds. */
+static uint32_t compare_sources(const struct fixture *fixture, const struct ray_list *list, int has_skips,
+                                const float light_position[3], const struct mlrt_picture_kernels *picture)
+{
+    struct mlrt_source source;
+    struct packed packed = pack(list);
+    mlrt_rays rays = {.struct_size = sizeof rays,
+                      .count = list->count,
+                      .row_length = WIDTH,
+                      .origins = {packed.origins, 0},
+                      .directions = {packed.directions, 0}};
+    if (has_skips) rays.skip.data = packed.skip;
+    assert_int_equal(mlrt_make_ray_source(fixture->tree, &rays, &source), MLRT_OK);
+    mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, 1, &source);
+    const uint32_t count = compare_tiles(&source, picture);
+    const mlrt_points points = {.struct_size = sizeof points,
+                                .row_length = WIDTH,
+                                .count = list->count,
+                                .positions = {packed.directions, 0},
+                                .skip = rays.skip};
+    mlrt_light light = {.struct_size = sizeof light};
+    memcpy(light.position, light_position, sizeof light.position);
+    for (light.kind = MLRT_LIGHT_POINT; light.kind <= MLRT_LIGHT_DIRECTIONAL; light.kind++) {
+        assert_int_equal(mlrt_make_light_source(fixture->tree, &points, &light, &source), MLRT_OK);
+        mlrt_set_masks(fixture->tree, MLRT_MASK_ALL, 1, &source);
+        compare_tiles(&source, picture);
+    }
+    free_packed(&packed, list->count);
     return count;
 }
 
@@ -311,44 +404,32 @@ static void packets_are_the_same(void **state)
     (void)state;
     struct fixture fixture = make_scene(2200);
     const float eye[3] = {0.1f, -3, 0.7f};
-    uint32_t with_apex = 0, rounds = 0;
+    uint32_t alike = 0, rounds = 0;
     for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
         const struct mlrt_kernels *kernels = mlrt_select_kernels(isa, MLRT_METHOD_TILE, 0);
         if (!kernels) continue;
-        for (uint32_t i = 0; i < 60; i++) {
+        for (uint32_t i = 0; i < 120; i++) {
             struct random random = {2210 + i};
             struct ray_list list = {0};
-            add_view(&list, eye, 0.9f);
+            float light[3] = {0.5f, 0.25f, 0};
+            if (i % 2) {
+                add_view(&list, eye, 0.9f);
+            } else {
+                add_parallel_view(&list, DIRECTIONS[i / 2 % DIRECTION_COUNT]);
+            }
             spoil(&list, &random, 1 + draw_below(&random, 60));
             if (i % 3 == 0) add_skips(&fixture, &random, &list);
-            for (size_t j = 0; i % 5 == 0 && j < list.count; j++) list.rays[j].origin[i % 3] = draw_odd(&random, 0);
-            struct packed packed = pack(&list);
-            mlrt_rays rays = {.struct_size = sizeof rays,
-                              .count = list.count,
-                              .row_length = WIDTH,
-                              .origins = {packed.origins, 0},
-                              .directions = {packed.directions, 0}};
-            if (i % 3 == 0) rays.skip.data = packed.skip;
-            struct mlrt_source source;
-            assert_int_equal(mlrt_make_ray_source(fixture.tree, &rays, &source), MLRT_OK);
-            mlrt_set_masks(fixture.tree, MLRT_MASK_ALL, 1, &source);
-            with_apex += compare_tiles(&source, kernels->picture);
+            for (size_t j = 0; i % 5 == 0 && j < list.count; j++) {
+                (i % 2 ? list.rays[j].origin : list.rays[j].direction)[i % 3] = draw_odd(&random, 0);
+            }
+            if (i % 4 == 0) light[i % 3] = i % 8 ? 0x1p61f : -0.0f;
+            if (i % 20 == 0) light[0] = light[1] = light[2] = 0;
+            alike += compare_sources(&fixture, &list, i % 3 == 0, light, kernels->picture);
             rounds++;
-            const mlrt_points points = {.struct_size = sizeof points,
-                                        .row_length = WIDTH,
-                                        .count = list.count,
-                                        .positions = {packed.directions, 0},
-                                        .skip = rays.skip};
-            mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT, .position = {0.5f, 0.25f, 0}};
-            if (i % 4 == 0) light.position[i % 3] = 0x1p61f;
-            assert_int_equal(mlrt_make_light_source(fixture.tree, &points, &light, &source), MLRT_OK);
-            mlrt_set_masks(fixture.tree, MLRT_MASK_ALL, 1, &source);
-            compare_tiles(&source, kernels->picture);
-            free_packed(&packed, list.count);
             free_rays(&list);
         }
     }
-    assert_true(with_apex > 4 * rounds);
+    assert_true(alike > 4 * rounds);
     free_fixture(&fixture);
 }
 
@@ -356,6 +437,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(some_rays_do_not_belong), cmocka_unit_test(origins_that_are_no_places),
+        cmocka_unit_test(some_are_not_parallel),   cmocka_unit_test(directions_that_are_none),
         cmocka_unit_test(points_of_a_light),       cmocka_unit_test(triangles_of_one_place),
         cmocka_unit_test(origins_in_turn),         cmocka_unit_test(packets_are_the_same),
     };
