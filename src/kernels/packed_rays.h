@@ -4,7 +4,12 @@
  * check_block do of any rays. What makes packets of these costs as much as tracing them where triangles are large.
  */
 
-/* May blocks be read so? All rays have the same limits, and nothing lies between their vectors. */
+MLRT_INLINE int is_zero(const float vector[3])
+{
+    return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
+}
+
+/* May blocks be read so? All rays have the same limits, nothing lies between their vectors, and lights are no trouble. */
 MLRT_INLINE int has_packed_rays(const struct mlrt_source *source)
 {
 #if VW < 8
@@ -12,8 +17,10 @@ MLRT_INLINE int has_packed_rays(const struct mlrt_source *source)
     return 0;
 #else
     if (source->kind == MLRT_SOURCE_CAMERA || source->has_masks || source->points.stride != 12) return 0;
-    return source->kind != MLRT_SOURCE_RAYS ||
-           (source->directions.stride == 12 && !source->t_min.data && !source->t_max.data);
+    if (source->kind == MLRT_SOURCE_RAYS) {
+        return source->directions.stride == 12 && !source->t_min.data && !source->t_max.data;
+    }
+    return mlrt_are_float_safe(source->light) && (source->kind == MLRT_SOURCE_POINT_LIGHT || !is_zero(source->light));
 #endif
 }
 
@@ -77,12 +84,11 @@ static int read_packed_rays(const struct mlrt_source *source, uint32_t x, uint32
     memcpy(packet->apex, is_light ? source->light : points, sizeof packet->apex);
     packet->has_apex = is_light || (!is_sun && are_same_vectors(points, step));
     if (packet->has_apex) {
-        if (!mlrt_are_float_safe(packet->apex)) return 0;
+        if (!is_light && !mlrt_are_float_safe(packet->apex)) return 0;
         read_rays_of_apex(directions, step, is_light, packet, &lanes);
     } else {
-        const int is_zero = directions[0] == 0 && directions[1] == 0 && directions[2] == 0;
-        if (!mlrt_are_float_safe(directions) || is_zero) return 0;
         if (!is_sun && !are_same_vectors(directions, step)) return 0;
+        if (!is_sun && (!mlrt_are_float_safe(directions) || is_zero(directions))) return 0;
         read_rays_of_direction(directions, points, step, packet, &lanes);
     }
     packet->active = lanes.valid & lanes.safe;

@@ -86,11 +86,19 @@ MLRT_INLINE void find_apex(struct mlrt_packet *packet)
     packet->has_apex = (elsewhere & valid) == 0;
 }
 
+/* A mesh that was looked up, and its triangles. At first it is that of nothing. */
+struct known_mesh {
+    uint32_t id;
+    struct mlrt_mesh_range range;
+};
+
+#define NO_MESH ((struct known_mesh){MLRT_NONE, {0, 0}})
+
 /*
  * Turns pairs of mesh and triangle that rays pass into triangle numbers. Neighbours mostly pass triangles of one mesh,
  * or nothing.
  */
-MLRT_INLINE void number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
+MLRT_INLINE void number_skips(const struct mlrt_tree *tree, struct known_mesh *known, struct mlrt_packet *packet)
 {
     const uint32_t id = packet->skip_mesh[0];
     uint32_t same = 0;
@@ -101,7 +109,8 @@ MLRT_INLINE void number_skips(const struct mlrt_tree *tree, struct mlrt_packet *
         mlrt_number_skips(tree, packet);
         return;
     }
-    const struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
+    if (known->id != id) *known = (struct known_mesh){id, mlrt_find_mesh(tree, id)};
+    const struct mlrt_mesh_range mesh = known->range;
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi triangle = i_load(packet->skip + v), number = i_sub(triangle, i_set1(0u - mesh.first));

@@ -21,13 +21,14 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
             fetch_block(source, &block, lanes[place], &tile->packets[place]);
         }
     }
+    struct known_mesh known = NO_MESH;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         struct mlrt_packet *packet = &tile->packets[place];
         if (!mlrt_has_block(tile, place)) continue;
         if (!(checked >> place & 1)) {
             check_block(source, lanes[place], packet);
         } else if (packet->has_skip) {
-            number_skips(source->tree, packet);
+            number_skips(source->tree, &known, packet);
         }
     }
 }
