@@ -34,7 +34,8 @@ struct mlrt_sheared_kernels {
                              float begin, float farthest, const struct mlrt_bvh_node *node, float near[MLRT_BVH_WIDTH]);
     /* Sets where the triangles of a leaf are seen (bvh_leaf.h). */
     void (*set_outlines)(const struct mlrt_shear *shear, struct mlrt_leaf_setup *leaf);
-    /* Sets the terms of triangles among which those `wanted` are; returns those whose plane the direction may lie in. */
+    /* Sets the terms of triangles among which those `wanted` are; returns those whose plane the direction may lie in.
+     */
     uint32_t (*set_terms)(const struct mlrt_shear *shear, uint32_t wanted, struct mlrt_leaf_setup *leaf);
 };
 

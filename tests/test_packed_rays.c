@@ -140,8 +140,7 @@ static void add_parallel_view(struct ray_list *list, const float direction[3])
     for (int i = 0; i < COUNT; i++) {
         float origin[3];
         const float across = (float)(i % WIDTH) - 0.5f * WIDTH, down = (float)(i / WIDTH) - 0.5f * HEIGHT;
-        for (int k = 0; k < 3; k++)
-            origin[k] = 3 * (across * camera.dx[k] + down * camera.dy[k]) - 2 * direction[k];
+        for (int k = 0; k < 3; k++) origin[k] = 3 * (across * camera.dx[k] + down * camera.dy[k]) - 2 * direction[k];
         add_ray(list, origin, direction);
     }
 }
@@ -256,7 +255,8 @@ static void points_of_a_light(void **state)
             positions[i][0] = -1.5f + 3 * (float)(i % WIDTH) / WIDTH;
             positions[i][1] = 0.4f;
             positions[i][2] = -1.5f + 3 * (float)(i / WIDTH) / HEIGHT;
-            if (draw_below(&random, 40) == 0) positions[i][draw_below(&random, 3)] = draw_odd(&random, lights[l / 2][0]);
+            if (draw_below(&random, 40) == 0)
+                positions[i][draw_below(&random, 3)] = draw_odd(&random, lights[l / 2][0]);
             skip[i][0] = draw_below(&random, 9) ? 0 : MLRT_NONE;
             skip[i][1] = draw_below(&random, 100);
         }

@@ -9,7 +9,8 @@ MLRT_INLINE int is_zero(const float vector[3])
     return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
 }
 
-/* May blocks be read so? All rays have the same limits, nothing lies between their vectors, and lights are no trouble. */
+/* May blocks be read so? All rays have the same limits, nothing lies between their vectors, and lights are no trouble.
+ */
 MLRT_INLINE int has_packed_rays(const struct mlrt_source *source)
 {
 #if VW < 8
@@ -76,10 +77,13 @@ MLRT_INLINE void read_rays_of_direction(const float direction[3], const float *o
 /* A whole block at (x, y); 0 if it has to be read as others are. */
 static int read_packed_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_packet *packet)
 {
-    const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT, is_sun = source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT;
+    const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT,
+              is_sun = source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT;
     const size_t first = 3 * ((size_t)y * source->width + x), step = 3 * (size_t)source->width;
     const float *points = (const float *)source->points.data + first;
-    const float *directions = is_sun ? source->light : is_light ? points : (const float *)source->directions.data + first;
+    const float *directions = is_sun     ? source->light
+                              : is_light ? points
+                                         : (const float *)source->directions.data + first;
     struct checked_lanes lanes = {0, 0};
     memcpy(packet->apex, is_light ? source->light : points, sizeof packet->apex);
     packet->has_apex = is_light || (!is_sun && are_same_vectors(points, step));

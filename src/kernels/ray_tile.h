@@ -74,8 +74,7 @@ MLRT_INLINE void start_slopes(struct packet_slopes *slopes)
 MLRT_INLINE void add_slope(vm active, vf slope, int side, struct packet_slopes *slopes)
 {
     slopes->least[side] = v_min(v_select(active, slope, v_set1(INFINITY)), slopes->least[side]);
-    slopes->negated[side] =
-        v_min(v_select(active, v_flip(slope, v_set1(-1)), v_set1(INFINITY)), slopes->negated[side]);
+    slopes->negated[side] = v_min(v_select(active, v_flip(slope, v_set1(-1)), v_set1(INFINITY)), slopes->negated[side]);
 }
 
 /* Sets the slopes of a packet's cell, and what rounding may move them by besides; 0 if they are steep or wide. */

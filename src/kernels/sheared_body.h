@@ -7,7 +7,8 @@
 
 /* ---- packets ---- */
 
-/* 1 / (1 - z), of depths as far as there is something: beyond or in front of all else it is as good as at the end of that. */
+/* 1 / (1 - z), of depths as far as there is something: beyond or in front of all else it is as good as at the end of
+ * that. */
 MLRT_INLINE vf seen_distance(vf depth)
 {
     return v_div(v_set1(1), v_sub(v_set1(1), v_max(v_min(depth, v_set1(0.75f)), v_set1(-8))));
@@ -18,7 +19,7 @@ struct sheared_extremes {
     struct packet_slopes slopes;
     vf begin;
     vf shortest;
-    vf negated; /* the last, as of slopes */
+    vf negated;       /* the last, as of slopes */
     uint32_t at_hand; /* bit per lane */
     uint32_t within;  /* those that may begin within the scene */
 };
@@ -89,8 +90,8 @@ static MLRT_NOINLINE int add_sheared_packet(struct mlrt_ray_tile *tile, uint32_t
 
 /* A sheared box has its extremes in its corners. Empty slots have lo = inf, and are met by nothing. */
 static uint32_t sheared_children_met(const struct mlrt_shear *shear, const float slope_lo[2], const float slope_hi[2],
-                                   float begin, float farthest, const struct mlrt_bvh_node *node,
-                                   float near[MLRT_BVH_WIDTH])
+                                     float begin, float farthest, const struct mlrt_bvh_node *node,
+                                     float near[MLRT_BVH_WIDTH])
 {
     const int a = shear->main_axis, axes[2] = {(a + 1) % 3, (a + 2) % 3};
     const vf centre = v_set1(shear->centre[a]), sign = v_set1(shear->sign);
@@ -120,8 +121,8 @@ static uint32_t sheared_children_met(const struct mlrt_shear *shear, const float
 
 /* ---- leaves ---- */
 
-/* Corners of a vector of triangles, by axis from the main one on: as stored, relative to the centre in units of the size, and
- * what is left of the latter after the shear. */
+/* Corners of a vector of triangles, by axis from the main one on: as stored, relative to the centre in units of the
+ * size, and what is left of the latter after the shear. */
 struct sheared_corners {
     vf from[3][3];
     vf to[3][3];
@@ -129,7 +130,7 @@ struct sheared_corners {
 };
 
 static void load_sheared_corners(const struct mlrt_shear *shear, const struct mlrt_leaf_setup *leaf, uint32_t v,
-                         struct sheared_corners *corners)
+                                 struct sheared_corners *corners)
 {
     const vf sign = v_set1(shear->sign);
     MLRT_KEEP_LOOP
@@ -236,8 +237,8 @@ static uint32_t set_sheared_terms(const struct mlrt_shear *shear, uint32_t wante
     return doubtful;
 }
 
-const struct mlrt_sheared_kernels SHEARED = {add_sheared_packet, sheared_children_met,
-                                             set_sheared_outlines, set_sheared_terms};
+const struct mlrt_sheared_kernels SHEARED = {add_sheared_packet, sheared_children_met, set_sheared_outlines,
+                                             set_sheared_terms};
 
 /* ---- cells of a parallel camera, once for all ---- */
 
@@ -248,8 +249,8 @@ const struct mlrt_sheared_kernels SHEARED = {add_sheared_packet, sheared_childre
  * rounding may move a ray a little beyond them.
  */
 MLRT_SMALL int mlrt_set_sheared_slopes(const struct mlrt_shear *shear, const struct mlrt_view *view,
-                                         float samples[4][MLRT_CELL_COUNT], uint32_t there, const float pad[3],
-                                         struct mlrt_slopes slopes[2])
+                                       float samples[4][MLRT_CELL_COUNT], uint32_t there, const float pad[3],
+                                       struct mlrt_slopes slopes[2])
 {
     const int a = shear->main_axis;
     const float error = pad[a] * shear->scale;
