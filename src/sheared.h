@@ -26,7 +26,8 @@ struct mlrt_ray_tile;
 struct mlrt_sheared_kernels {
     /*
      * add_packet (ray_tile.h) for cells that have a shear: directions, begin, lo and hi of the packet become what they
-     * are seen as, before any hit. Returns 0 if some rays are not at hand, or they are wide.
+     * are seen as, before any hit. Returns 0 if some rays are not at hand, or they are wide: then the packet is no
+     * cell, but sheared; or if its direction is too short, and then it is not.
      */
     int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
     /* children_met (bvh_tile.h) of cells between these slopes, from `begin` to `farthest`. */

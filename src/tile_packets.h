@@ -17,7 +17,10 @@ uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worke
 void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                         uint32_t waiting);
 
-/* Done with a packet: traces its rays that float cannot carry, and makes it what it was before it was sheared. */
+/*
+ * Done with a packet: traces its rays that float cannot carry, and makes it what it was before it was sheared, unless
+ * nobody wants to know more of its rays than whether they hit something.
+ */
 void mlrt_finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet);
 
 #endif

@@ -17,7 +17,6 @@
 #include <string.h>
 
 #include "kernels/simd_scalar.h"
-#include "sheared.h"
 
 /* What the terms were divided by, which true values must be divided by too. */
 static int divisor_count;
@@ -32,6 +31,7 @@ static float remembering_divide(float a, float b)
 /* The library has its own. */
 #define mlrt_set_sheared_slopes tested_set_sheared_slopes
 
+#include "sheared.h"
 extern const struct mlrt_sheared_kernels tested_sheared;
 #define v_div         remembering_divide
 #define KERNELS       tested_kernels
@@ -818,6 +818,35 @@ static void parallel_cameras(void **state)
     }
 }
 
+/* Packets so wide that they are no cells, with directions that are short, or nearly 1. */
+static void small_pictures(void **state)
+{
+    (void)state;
+    static const float lengths[] = {0x1p-20f, 0x1p-9f, 0.4375f, 0.9375f, 3};
+    for (uint32_t number = 0; number < 2; ++number) {
+        struct fixture fixture = draw_scene(number);
+        for (uint32_t i = 0; i < 5 * 9; ++i) {
+            const uint32_t size = 1 + i / 5;
+            const float step = 4 / (float)size, slant = i % 2 ? 0.25f * lengths[i % 5] : 0;
+            mlrt_camera camera = {.struct_size = sizeof camera,
+                                  .width = size,
+                                  .height = size,
+                                  .projection = MLRT_PROJECTION_PARALLEL,
+                                  .direction = {slant, 0, -lengths[i % 5]},
+                                  .d00 = {0, 0, 5.5f},
+                                  .dx = {step, 0, 0},
+                                  .dy = {0, step, 0},
+                                  .sample_x = 0.5f,
+                                  .sample_y = 0.5f};
+            struct ray_list list = {0};
+            add_camera_rays(&list, &camera);
+            check_by_tiles(&fixture, &list, &camera, NULL);
+            free_rays(&list);
+        }
+        free_fixture(&fixture);
+    }
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -827,6 +856,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(several_directions_in_one_tile),
         cmocka_unit_test(directional_lights),
         cmocka_unit_test(parallel_cameras),
+        cmocka_unit_test(small_pictures),
     };
     if (argc > 1 && atoi(argv[1]) > 0) search_effort = (size_t)atoi(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);

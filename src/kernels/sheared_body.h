@@ -71,13 +71,13 @@ static MLRT_NOINLINE int add_sheared_packet(struct mlrt_ray_tile *tile, uint32_t
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) shear_vector(&shear, axes, v, packet, &of);
     packet->shear = &cells->shear;
+    tile->greatest_depth[place] = 1;
     if (packet->active & ~of.at_hand) return 0;
     if (!set_packet_slopes(cells, place, &of.slopes, MLRT_SHEAR_SLACK)) return 0;
     f4_store(distance, v_hmin4(of.begin, of.shortest, of.negated, of.negated));
     if (distance[0] < cells->begin) cells->begin = distance[0];
     cells->shortest[place] = distance[1] * (1 - SLOPE_SLACK);
     cells->farthest[place] = -distance[2] * (1 + SLOPE_SLACK);
-    tile->greatest_depth[place] = 1;
     if (packet->active & of.within) {
         tile->limits_below = 1;
     } else {
