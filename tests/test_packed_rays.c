@@ -200,20 +200,27 @@ static void some_are_not_parallel(void **state)
     free_fixture(&fixture);
 }
 
-/* All of them, so that blocks agree about a direction that float cannot carry, or that no ray has. */
-static void directions_that_are_none(void **state)
+/* All rays have the same odd number in their origins, or, if they are parallel, in their directions, so that blocks
+ * agree about one that float cannot carry, or that no ray has. */
+static void check_odd_views(uint64_t seed, int is_parallel)
 {
-    (void)state;
-    struct random random = {2190};
-    struct fixture fixture = make_scene(2191);
+    static const float eye[3] = {0.1f, -3, 0.7f};
+    struct random random = {seed};
+    struct fixture fixture = make_scene(seed + 1);
     for (int i = 0; i < 24; i++) {
         struct ray_list list = {0};
-        add_parallel_view(&list, DIRECTIONS[0]);
+        if (is_parallel) {
+            add_parallel_view(&list, DIRECTIONS[0]);
+        } else {
+            add_view(&list, eye, 0.9f);
+        }
         const uint32_t k = draw_below(&random, 3);
-        const float odd = draw_odd(&random, DIRECTIONS[0][k]), others = draw_below(&random, 2) ? 1.0f : 0.0f;
+        const float odd = draw_odd(&random, (is_parallel ? DIRECTIONS[0] : eye)[k]);
+        const float others = is_parallel && draw_below(&random, 2) == 0 ? 0.0f : 1.0f;
         for (size_t j = 0; j < list.count; j++) {
-            for (int l = 0; l < 3; l++) list.rays[j].direction[l] *= others;
-            list.rays[j].direction[k] = odd;
+            float *numbers = is_parallel ? list.rays[j].direction : list.rays[j].origin;
+            for (int l = 0; l < 3; l++) numbers[l] *= others;
+            numbers[k] = odd;
         }
         check_hits(&fixture, &list, 0);
         free_rays(&list);
@@ -221,23 +228,16 @@ static void directions_that_are_none(void **state)
     free_fixture(&fixture);
 }
 
-/* All of them, so that blocks agree about an origin that float cannot carry, or that no ray has. */
+static void directions_that_are_none(void **state)
+{
+    (void)state;
+    check_odd_views(2190, 1);
+}
+
 static void origins_that_are_no_places(void **state)
 {
     (void)state;
-    struct random random = {2150};
-    struct fixture fixture = make_scene(2151);
-    for (int i = 0; i < 24; i++) {
-        struct ray_list list = {0};
-        const float eye[3] = {0.1f, -3, 0.7f};
-        add_view(&list, eye, 0.9f);
-        const uint32_t k = draw_below(&random, 3);
-        const float odd = draw_odd(&random, eye[k]);
-        for (size_t j = 0; j < list.count; j++) list.rays[j].origin[k] = odd;
-        check_hits(&fixture, &list, 0);
-        free_rays(&list);
-    }
-    free_fixture(&fixture);
+    check_odd_views(2150, 0);
 }
 
 static void points_of_a_light(void **state)
