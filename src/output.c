@@ -138,10 +138,8 @@ void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t
     const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
     unsigned char *corner = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);
     if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
-        for (uint32_t row = 0; row < 4; ++row, corner += row_stride) {
-            const uint32_t bits = occluded >> (2 * (row & 1) + 8 * (row >> 1));
-            memcpy(corner, bytes_of_bits[(bits & 3) | (bits >> 2 & 12)], 4);
-        }
+        uint32_t rows = (occluded & 0xC3C3) | (occluded & 0x0C0C) << 2 | (occluded & 0x3030) >> 2;
+        for (int row = 0; row < 4; ++row, rows >>= 4, corner += row_stride) memcpy(corner, bytes_of_bits[rows & 15], 4);
         return;
     }
     for (; lanes; lanes &= lanes - 1) {

@@ -246,6 +246,45 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
     return decided | m_bits(changed) << v;
 }
 
+#define FORESEEN_TRIANGLES 4
+
+/* Of triangles of a leaf, those that some ray of a packet is not surely outside of. */
+MLRT_INLINE uint32_t may_be_hit(const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
+                                const struct mlrt_packet *packet)
+{
+    enum { VECTORS = MLRT_PACKET_RAYS / VW };
+    vf direction[VECTORS][3];
+    vm active[VECTORS];
+    uint32_t left = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < VECTORS; ++i) {
+        active[i] = m_from_bits(packet->active >> VW * i);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) direction[i][k] = v_load(packet->direction[k] + VW * i);
+    }
+    for (; triangles; triangles &= triangles - 1) {
+        const uint32_t place = mlrt_lowest_bit(triangles);
+        vf least[VECTORS];
+        MLRT_UNROLL
+        for (int edge = 0; edge < 3; ++edge) {
+            const vf cross[3] = {v_set1(leaf->cross[edge][0][place]), v_set1(leaf->cross[edge][1][place]),
+                                 v_set1(leaf->cross[edge][2][place])};
+            MLRT_UNROLL
+            for (int i = 0; i < VECTORS; ++i) {
+                const vf product = dot_product(direction[i], cross);
+                least[i] = edge ? v_min(product, least[i]) : product;
+            }
+        }
+        vm may = m_and(active[0], v_ge(least[0], v_set1(-EDGE_BOUND * reach)));
+        MLRT_UNROLL
+        for (int i = 1; i < VECTORS; ++i) {
+            may = m_or(may, m_and(active[i], v_ge(least[i], v_set1(-EDGE_BOUND * reach))));
+        }
+        left |= (uint32_t)(m_bits(may) != 0) << place;
+    }
+    return left;
+}
+
 /* Tests a packet against triangles of a leaf. */
 static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                       struct mlrt_ray_tile *tile, const struct mlrt_leaf_setup *leaf,
@@ -256,13 +295,20 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     const float reach = packet_reach(tile, place);
     const float *from = !tile->limits_below ? NULL : packet->shear ? packet->begin : packet->t_min;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
+    if (VW > 1 && mlrt_count_bits(triangles) >= FORESEEN_TRIANGLES) triangles = may_be_hit(leaf, triangles, reach, packet);
+    if (!triangles) return;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(packet->active >> v & ALL_LANES)) continue;
         changed |= test_ray_vector(job, worker, leaf, triangles, reach, from ? from + v : NULL, v, packet);
     }
     if (!changed) return;
     if (job->any) packet->active &= ~changed;
-    tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
+    if (job->any && packet->active) {
+        add_packet(tile, place); /* narrower than it was */
+        tile->cells.closed &= ~(1u << place);
+    } else {
+        tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
+    }
 }
 
 /* Opens a closed cell: makes its rays, if they are not there, and tests them against its cover. */

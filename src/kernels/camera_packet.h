@@ -12,7 +12,7 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
     packet->has_skip = packet->has_masks = 0;
     packet->shear = NULL;
     packet->has_limits = view->t_min > 0;
-    struct checked_lanes checked = {0, 0};
+    struct checked_lanes checked = {0, 0, 0};
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf xs = v_add(v_add(x0, v_load(mlrt_lane_x + v)), v_set1(view->sample_x));
         const vf ys = v_add(v_add(y0, v_load(mlrt_lane_y + v)), v_set1(view->sample_y));
@@ -23,7 +23,7 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
         take_directions(d, v, packet, &checked);
         take_limits(v_set1(view->t_min), v_set1(view->t_max), v, packet);
     }
-    const uint32_t valid = view->t_min < view->t_max ? lanes & checked.valid : 0;
+    const uint32_t valid = view->t_min < view->t_max ? lanes & checked.finite & checked.nonzero : 0;
     packet->active = mlrt_are_float_safe(view->eye) ? valid & checked.safe : 0;
     packet->single = valid & ~packet->active;
 }

@@ -59,18 +59,16 @@ MLRT_INLINE void read_rays_of_direction(const float direction[3], const float *o
                                         struct mlrt_packet *packet, struct checked_lanes *lanes)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf o[3], difference = v_set1(0);
-        vm is_safe = m_from_bits(0xFFFFFFFFu);
+        vf o[3];
         v_triples(origins + (size_t)(v / 4) * step, step, o);
         for (int k = 0; k < 3; ++k) {
             v_store(packet->origin[k] + v, o[k]);
             v_store(packet->direction[k] + v, v_set1(direction[k] + 0.0f));
-            is_safe = m_and(is_safe, safe_lanes(o[k]));
-            difference = v_add(difference, v_sub(o[k], o[k]));
         }
+        const struct checked_vectors checked = check_vectors(o);
         take_limits(v_set1(0), v_set1(INFINITY), v, packet);
-        lanes->valid |= m_bits(v_eq(difference, v_set1(0))) << v;
-        lanes->safe |= m_bits(is_safe) << v;
+        add_checked_vectors(&checked, v, lanes);
+        lanes->nonzero = 0xFFFF;
     }
 }
 
@@ -84,7 +82,7 @@ static int read_packed_rays(const struct mlrt_source *source, uint32_t x, uint32
     const float *directions = is_sun     ? source->light
                               : is_light ? points
                                          : (const float *)source->directions.data + first;
-    struct checked_lanes lanes = {0, 0};
+    struct checked_lanes lanes = {0, 0, 0};
     memcpy(packet->apex, is_light ? source->light : points, sizeof packet->apex);
     packet->has_apex = is_light || (!is_sun && are_same_vectors(points, step));
     if (packet->has_apex) {
@@ -95,8 +93,9 @@ static int read_packed_rays(const struct mlrt_source *source, uint32_t x, uint32
         if (!is_sun && (!mlrt_are_float_safe(directions) || is_zero(directions))) return 0;
         read_rays_of_direction(directions, points, step, packet, &lanes);
     }
-    packet->active = lanes.valid & lanes.safe;
-    packet->single = lanes.valid & ~lanes.safe;
+    const uint32_t valid = lanes.finite & lanes.nonzero;
+    packet->active = valid & lanes.safe;
+    packet->single = valid & ~lanes.safe;
     packet->has_direction = !packet->has_apex;
     packet->has_limits = packet->has_masks = 0;
     packet->shear = NULL;

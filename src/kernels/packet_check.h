@@ -4,33 +4,61 @@
  * gave them (mlrt_fetch_packet), a vector at a time.
  */
 
-/* Lanes whose value float arithmetic carries safely: 0 or of magnitude 2^-60 .. 2^60. */
-MLRT_INLINE vm safe_lanes(vf a)
+/* What there is to know of vectors, a lane each. */
+struct checked_vectors {
+    vf size;      /* the greatest component, unless that is no number */
+    vm is_finite; /* all components are */
+    vm is_safe;   /* float arithmetic carries them safely: they are 0 or of magnitude 2^-60 .. 2^60 */
+};
+
+MLRT_INLINE struct checked_vectors check_vectors(const vf a[3])
 {
-    const vf size = v_abs(a);
-    return m_or(v_eq(a, v_set1(0)), m_and(v_ge(size, v_set1(MLRT_SAFE_MIN)), v_le(size, v_set1(MLRT_SAFE_MAX))));
+    const vf zero = v_set1(0);
+    struct checked_vectors checked = {zero, v_eq(zero, zero), v_eq(zero, zero)};
+    vf none = zero; /* or NaN where a component is not finite */
+    for (int k = 0; k < 3; ++k) {
+        const vf size = v_abs(a[k]);
+        checked.is_safe = m_and(checked.is_safe, m_or(v_eq(a[k], zero), v_ge(size, v_set1(MLRT_SAFE_MIN))));
+        checked.size = v_max(size, checked.size);
+        none = v_mul_add(a[k], zero, none);
+    }
+    checked.is_safe = m_and(checked.is_safe, v_le(checked.size, v_set1(MLRT_SAFE_MAX)));
+    checked.is_finite = v_eq(none, zero);
+    return checked;
 }
 
-/* Lanes whose direction is finite and not 0, so that they can hit something; and those whose direction float carries.
- */
+/* Lanes whose vectors are finite, carried by float, and not 0: origins and directions must be the first for a ray that
+ * can hit something, directions the last. */
 struct checked_lanes {
-    uint32_t valid;
+    uint32_t finite;
     uint32_t safe;
+    uint32_t nonzero;
 };
+
+MLRT_INLINE void add_checked_vectors(const struct checked_vectors *checked, int v, struct checked_lanes *lanes)
+{
+    lanes->finite |= m_bits(checked->is_finite) << v;
+    lanes->safe |= m_bits(checked->is_safe) << v;
+    lanes->nonzero |= m_bits(v_gt(checked->size, v_set1(0))) << v;
+}
 
 /* Directions of VW lanes from lane v on: checked, and put where they belong. -0 becomes 0. */
 MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packet, struct checked_lanes *lanes)
 {
-    vf size = v_set1(0), difference = v_set1(0);
-    vm is_safe = m_from_bits(0xFFFFFFFFu);
-    for (int k = 0; k < 3; ++k) {
-        v_store(packet->direction[k] + v, v_add(d[k], v_set1(0)));
-        is_safe = m_and(is_safe, safe_lanes(d[k]));
-        size = v_max(size, v_abs(d[k]));
-        difference = v_add(difference, v_sub(d[k], d[k])); /* 0, or NaN where a number is not finite */
+    const struct checked_vectors checked = check_vectors(d);
+    add_checked_vectors(&checked, v, lanes);
+    for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(d[k], v_set1(0)));
+}
+
+static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
+{
+    *lanes = (struct checked_lanes){0, 0, 0};
+    KEEP_LANES_LOOP
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
+        const struct checked_vectors checked = check_vectors(a);
+        add_checked_vectors(&checked, v, lanes);
     }
-    lanes->valid |= m_bits(m_andnot(v_eq(difference, v_set1(0)), v_eq(size, v_set1(0)))) << v;
-    lanes->safe |= m_bits(is_safe) << v;
 }
 
 /* Where rays begin and end, and that nothing was hit so far. */
@@ -46,27 +74,28 @@ MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *pack
 /* Rule R1 (hit.h), and which rays float can carry (packet.h). */
 MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
 {
-    struct checked_lanes checked = {0, 0};
+    struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */
+    uint32_t is_interval = 0;
+    if (!packet->has_apex) {
+        check_lanes(packet->origin, &origins);
+    } else if (MLRT_UNLIKELY(!mlrt_are_float_safe(packet->apex))) {
+        origins.safe = 0;
+    }
+    check_lanes(packet->direction, &directions);
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf difference = v_set1(0), d[3];
-        vm is_safe = m_from_bits(0xFFFFFFFFu);
         MLRT_KEEP_LOOP
-        for (int k = 0; k < 3; ++k) {
-            const vf o = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
-            d[k] = v_load(packet->direction[k] + v);
-            is_safe = m_and(is_safe, safe_lanes(o));
-            difference = v_add(difference, v_sub(o, o));
+        for (int k = 0; k < 3; ++k) { /* -0 becomes 0 */
+            v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
         }
-        take_directions(d, v, packet, &checked);
         const vf given = v_load(packet->t_min + v), t_max = v_load(packet->t_max + v);
         const vf t_min = v_select(v_lt(given, v_set1(0)), v_set1(0), given);
         take_limits(t_min, t_max, v, packet);
-        checked.valid &= ~((~m_bits(m_and(v_lt(t_min, t_max), v_eq(difference, v_set1(0)))) & ALL_LANES) << v);
-        checked.safe &= ~((~m_bits(is_safe) & ALL_LANES) << v);
+        is_interval |= m_bits(v_lt(t_min, t_max)) << v;
     }
-    packet->active = lanes & checked.valid & checked.safe;
-    packet->single = lanes & checked.valid & ~checked.safe;
+    const uint32_t valid = lanes & is_interval & origins.finite & directions.finite & directions.nonzero;
+    packet->active = valid & origins.safe & directions.safe;
+    packet->single = valid & ~packet->active;
 }
 
 /* Do all rays that can hit something start at one point? */
