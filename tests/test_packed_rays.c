@@ -341,6 +341,22 @@ static void compare_packets(uint32_t place, const struct mlrt_packet *one, const
     if (one->has_skip) compare_lanes("the skip", place, one->skip, other->skip);
 }
 
+/* Which lanes of a block can hit something, and which of them float carries, as it is said of one ray. */
+static void check_lanes_of(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
+                           const struct mlrt_packet *packet)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+        struct mlrt_ray_segment ray;
+        uint32_t skip, valid = 0, safe = 0;
+        const uint32_t x = block->x + (uint32_t)mlrt_lane_x[lane], y = block->y + (uint32_t)mlrt_lane_y[lane];
+        if (lanes >> lane & 1) valid = (uint32_t)mlrt_get_ray(source, x, y, &ray, &skip);
+        if (valid) safe = (uint32_t)mlrt_is_safe_ray(&ray);
+        if ((packet->active >> lane & 1) != (valid & safe) || (packet->single >> lane & 1) != (valid & ~safe & 1)) {
+            fail_msg("lane %u of the block at %u, %u: valid %u, safe %u", lane, block->x, block->y, valid, safe);
+        }
+    }
+}
+
 /* All packets of a source at once, and one by one in two steps. Returns how many there are with an apex or a
  * direction. */
 static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlrt_picture_kernels *picture)
@@ -360,6 +376,7 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlr
                 const uint32_t lanes = mlrt_existing_lanes(source, &block);
                 picture->fetch_block(source, &block, lanes, &packet);
                 picture->check_block(source, lanes, &packet);
+                check_lanes_of(source, &block, lanes, &packet);
                 compare_packets(place, &tile.packets[place], &packet);
                 count += packet.has_apex || packet.has_direction;
             }
