@@ -43,6 +43,12 @@
 #define MLRT_LEAST_LIT_CELLS 9
 #endif
 
+/* Of so many triangles and more of a leaf, those with no ray of a packet inside are found before the others are tested
+ * against it. 17: never. */
+#ifndef MLRT_FORESEEN_TRIANGLES
+#define MLRT_FORESEEN_TRIANGLES 4
+#endif
+
 /* A worker keeps 1 << this set-ups of leaves, of 1.4 KiB. */
 #ifndef MLRT_LEAF_SETUP_BITS
 #define MLRT_LEAF_SETUP_BITS 5

@@ -28,6 +28,8 @@ SETTINGS = {
     "wide packets go alone": {"LEAST_PART": "17"},
     "wide from 2": {"WIDE_FACTOR": "2.0f"},
     "wide from 5": {"WIDE_FACTOR": "5.0f"},
+    "none foreseen": {"FORESEEN_TRIANGLES": "17"},
+    "all foreseen": {"FORESEEN_TRIANGLES": "1"},
     "8 set-ups kept": {"LEAF_SETUP_BITS": "3"},
     "128 set-ups kept": {"LEAF_SETUP_BITS": "7"},
     "small leaves": {"TRIANGLE_COST": "0.08f"},

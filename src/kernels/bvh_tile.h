@@ -210,9 +210,8 @@ MLRT_INLINE void keep_leaf_verdict(const struct leaf_verdict *verdict, const str
 }
 
 /*
- * Tests a vector of a packet's rays against triangles of a leaf. Whether some ray passes inside can be foreseen of
- * shadow rays only, which rarely do; of others a branch costs more than it saves. Returns the lanes whose nearest hit
- * changed.
+ * Tests a vector of a packet's rays against triangles of a leaf. Shadow rays rarely pass inside, and where none does
+ * nothing more is looked at; of others a branch costs more than it saves. Returns the lanes whose nearest hit changed.
  */
 MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                      const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
@@ -246,9 +245,10 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
     return decided | m_bits(changed) << v;
 }
 
-#define FORESEEN_TRIANGLES 4
-
-/* Of triangles of a leaf, those that some ray of a packet is not surely outside of. */
+/*
+ * Of triangles of a leaf, those that some ray of a packet is not surely outside of: all its rays at once, with nothing
+ * at hand but their directions. Most of many triangles have no ray inside, and are done with so.
+ */
 MLRT_INLINE uint32_t may_be_hit(const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
                                 const struct mlrt_packet *packet)
 {
@@ -295,7 +295,9 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     const float reach = packet_reach(tile, place);
     const float *from = !tile->limits_below ? NULL : packet->shear ? packet->begin : packet->t_min;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
-    if (VW > 1 && mlrt_count_bits(triangles) >= FORESEEN_TRIANGLES) triangles = may_be_hit(leaf, triangles, reach, packet);
+    if (VW > 1 && mlrt_count_bits(triangles) >= MLRT_FORESEEN_TRIANGLES) {
+        triangles = may_be_hit(leaf, triangles, reach, packet);
+    }
     if (!triangles) return;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(packet->active >> v & ALL_LANES)) continue;
