@@ -57,6 +57,13 @@ struct mlrt_cells {
     struct mlrt_ray_tile *tile; /* whose packets the cells are; NULL: they are tiles */
 };
 
+/* The axis that slopes[side] of cells with this main axis are over. */
+MLRT_INLINE int mlrt_slope_axis(int main_axis, int side)
+{
+    const int axis = main_axis + 1 + side;
+    return axis < 3 ? axis : axis - 3;
+}
+
 /* Do the rays of all cells have one direction? */
 MLRT_INLINE int mlrt_are_sheared(const struct mlrt_cells *cells)
 {

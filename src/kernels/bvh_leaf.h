@@ -45,7 +45,7 @@ MLRT_INLINE void set_leaf_outline(const struct mlrt_cells *cells, const struct l
     const vm in_front = v_gt(least, v_set1(SMALLEST_SIZE)); /* or 1 / depth may be infinite */
     v_store(leaf->least_depth + v, v_select(v_ge(greatest, v_set1(0)), least, infinity));
     for (int side = 0; side < 2; ++side) {
-        const int j = (a + 1 + side) % 3;
+        const int j = mlrt_slope_axis(a, side);
         vf slope[3];
         for (int i = 0; i < 3; ++i) slope[i] = v_mul(corners->to[i][j], scale[i]);
         const vf lo = v_min(v_min(slope[0], slope[1]), slope[2]), hi = v_max(v_max(slope[0], slope[1]), slope[2]);
@@ -60,7 +60,7 @@ MLRT_INLINE void set_leaf_outline(const struct mlrt_cells *cells, const struct l
 MLRT_INLINE uint32_t set_leaf_terms(const struct mlrt_cells *cells, const struct leaf_corners *corners, uint32_t v,
                                     struct mlrt_leaf_setup *leaf)
 {
-    const uint32_t a = (uint32_t)cells->main_axis;
+    const int a = cells->main_axis;
     vf edge[3][3], cross[4][3];
     for (int i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k) edge[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
@@ -68,11 +68,11 @@ MLRT_INLINE uint32_t set_leaf_terms(const struct mlrt_cells *cells, const struct
     for (int i = 0; i < 3; ++i) {
         vf sum[3];
         for (int k = 0; k < 3; ++k) sum[k] = v_add(corners->to[i][k], corners->to[(i + 1) % 3][k]);
-        scaled_cross_product(sum, edge[i], a, cross[i]);
+        scaled_cross_product(sum, edge[i], (uint32_t)a, cross[i]);
     }
-    scaled_cross_product(edge[2], edge[0], a, cross[3]);
+    scaled_cross_product(edge[2], edge[0], (uint32_t)a, cross[3]);
     const vf distance = dot_product(corners->to[0], cross[3]), size = v_abs(distance);
-    const vf other = v_max(v_abs(corners->to[0][(a + 1) % 3]), v_abs(corners->to[0][(a + 2) % 3]));
+    const vf other = v_max(v_abs(corners->to[0][mlrt_slope_axis(a, 0)]), v_abs(corners->to[0][mlrt_slope_axis(a, 1)]));
     const vf farthest = v_max(v_abs(corners->to[0][a]), v_mul(other, v_set1(2)));
     const vf bound = v_add(v_mul(farthest, v_set1(DISTANCE_BOUND)), v_set1(DISTANCE_FLOOR));
     for (int i = 0; i < 4; ++i) {
@@ -203,6 +203,7 @@ MLRT_INLINE uint32_t seen_by_cell(const struct mlrt_cells *cells, uint32_t place
 {
     const float *slope_lo[2] = {&cells->slopes[0].lo[place], &cells->slopes[1].lo[place]};
     const float *slope_hi[2] = {&cells->slopes[0].hi[place], &cells->slopes[1].hi[place]};
+    const int a = cells->main_axis, axes[2] = {mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
     const vf farthest = v_set1(cells->farthest[place]);
     uint32_t left = 0;
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
@@ -214,13 +215,12 @@ MLRT_INLINE uint32_t seen_by_cell(const struct mlrt_cells *cells, uint32_t place
                                    v_ge(v_load(leaf->slope_hi[side] + v), v_set1(*slope_lo[side]))));
         }
         if (!m_bits(may)) continue;
-        const int a = cells->main_axis;
         MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
             vf greatest = v_mul(v_load(leaf->cross[i][a] + v), v_set1(cells->sign));
             MLRT_UNROLL
             for (int side = 0; side < 2; ++side) {
-                const vf c = v_load(leaf->cross[i][(a + 1 + side) % 3] + v);
+                const vf c = v_load(leaf->cross[i][axes[side]] + v);
                 greatest = v_add(greatest, v_max(v_mul(c, v_set1(*slope_lo[side])), v_mul(c, v_set1(*slope_hi[side]))));
             }
             may = m_and(may, v_ge(greatest, v_set1(-SLOPE_EDGE_BOUND * cells->slope_bound)));
@@ -238,7 +238,7 @@ MLRT_INLINE void range_over_cells(const struct mlrt_cells *cells, const struct m
     *least = *greatest = v_set1(leaf->cross[edge][a][place] * cells->sign);
     MLRT_UNROLL
     for (int side = 0; side < 2; ++side) {
-        const vf c = v_set1(leaf->cross[edge][(a + 1 + side) % 3][place]);
+        const vf c = v_set1(leaf->cross[edge][mlrt_slope_axis(a, side)][place]);
         const vf p = v_mul(c, v_load(cells->slopes[side].lo + v)), q = v_mul(c, v_load(cells->slopes[side].hi + v));
         *least = v_add(*least, v_min(p, q));
         *greatest = v_add(*greatest, v_max(p, q));

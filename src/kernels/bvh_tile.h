@@ -35,7 +35,7 @@ MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct m
         const vf last = cells->sign > 0 ? above : v_sub(zero, below);
         vm may = m_and(v_ge(last, zero), v_le(first, v_set1(cells->whole_farthest)));
         for (int side = 0; side < 2; ++side) {
-            const int j = (a + 1 + side) % 3;
+            const int j = mlrt_slope_axis(a, side);
             const float lo = cells->slope_lo[side], hi = cells->slope_hi[side];
             const vf least = v_sub(v_load(node->lo[j] + v), v_set1(cells->apex[j]));
             const vf greatest = v_sub(v_load(node->hi[j] + v), v_set1(cells->apex[j]));
@@ -56,7 +56,7 @@ MLRT_INLINE uint32_t cells_met(const struct mlrt_cells *cells, const struct mlrt
     const float enter = cells->sign > 0 ? below : -above, exit = cells->sign > 0 ? above : -below;
     float begin[2], end[2], nearest = enter > 0 ? enter : 0;
     for (int side = 0; side < 2; ++side) {
-        const int j = (a + 1 + side) % 3;
+        const int j = mlrt_slope_axis(a, side);
         begin[side] = node->lo[j][place] - cells->apex[j];
         end[side] = node->hi[j][place] - cells->apex[j];
     }

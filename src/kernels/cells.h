@@ -91,7 +91,7 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
     const vf depth = v_flip(d[a], v_set1(cells->sign)), inverse = v_div(v_set1(1), depth);
     of->least_depth = v_min(depth, of->least_depth);
     for (int j = 0; j < 2; ++j) {
-        const vf slope = v_mul(d[(a + 1 + j) % 3], inverse);
+        const vf slope = v_mul(d[mlrt_slope_axis(a, j)], inverse);
         of->lo[j] = v_min(slope, of->lo[j]);
         of->hi[j] = v_max(slope, of->hi[j]);
     }
@@ -177,7 +177,7 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
         for (int j = 0; j < 2; ++j) {
             const vf steepest = v_max(v_abs(of.lo[j]), v_abs(of.hi[j]));
             if (m_bits(m_andnot(there, v_le(steepest, v_set1(STEEPEST_SLOPE))))) return 0;
-            const vf error = v_mul(v_add(v_set1(pad[(a + 1 + j) % 3]), v_mul(steepest, v_set1(pad[a]))), inverse);
+            const vf error = v_mul(v_add(v_set1(pad[mlrt_slope_axis(a, j)]), v_mul(steepest, v_set1(pad[a]))), inverse);
             const vf slack = v_add(v_add(error, v_mul(steepest, v_set1(SLOPE_SLACK))), v_set1(SLOPE_FLOOR));
             v_store(cells->slopes[j].lo + v, v_select(there, v_sub(of.lo[j], slack), v_set1(INFINITY)));
             v_store(cells->slopes[j].hi + v, v_select(there, v_add(of.hi[j], slack), v_set1(-INFINITY)));

@@ -108,7 +108,7 @@ static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
         const vf inverse = v_div(v_set1(1), depth);
         forward |= m_bits(v_gt(depth, v_set1(0))) << v;
         for (int side = 0; side < 2; ++side) {
-            add_slope(active, v_mul(v_load(packet->direction[(a + 1 + side) % 3] + v), inverse), side, &slopes);
+            add_slope(active, v_mul(v_load(packet->direction[mlrt_slope_axis(a, side)] + v), inverse), side, &slopes);
         }
     }
     if (packet->active & ~forward || !set_packet_slopes(cells, place, &slopes, 0)) return 0;
