@@ -156,14 +156,14 @@ struct leaf_verdict {
  * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it. First the edges: the least of the
  * edge functions,
  */
-MLRT_INLINE vf least_leaf_edge(const struct mlrt_leaf_setup *leaf, uint32_t place, const struct ray_vector *rays)
+MLRT_INLINE vf least_leaf_edge(const struct mlrt_leaf_setup *leaf, uint32_t place, const vf direction[3])
 {
     vf product[3];
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         const vf cross[3] = {v_set1(leaf->cross[i][0][place]), v_set1(leaf->cross[i][1][place]),
                              v_set1(leaf->cross[i][2][place])};
-        product[i] = dot_product(rays->direction, cross);
+        product[i] = dot_product(direction, cross);
     }
     return v_min(v_min(product[0], product[1]), product[2]);
 }
@@ -228,7 +228,7 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
         vm concerned = m_andnot(active, i_eq(rays.triangle, i_set1(number)));
         if (packet->has_skip) concerned = m_andnot(concerned, i_eq(i_load(packet->skip + v), i_set1(number)));
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(concerned)));
-        const vf least = least_leaf_edge(leaf, place, &rays);
+        const vf least = least_leaf_edge(leaf, place, rays.direction);
         const vm candidates = m_and(concerned, v_ge(least, v_set1(-EDGE_BOUND * reach)));
         if (!(m_bits(candidates) | in_any_case)) continue;
         const struct leaf_verdict verdict = filter_leaf_vector(leaf, place, reach, t_min, &rays, least, candidates);
@@ -264,23 +264,13 @@ MLRT_INLINE uint32_t may_be_hit(const struct mlrt_leaf_setup *leaf, uint32_t tri
     }
     for (; triangles; triangles &= triangles - 1) {
         const uint32_t place = mlrt_lowest_bit(triangles);
-        vf least[VECTORS];
+        uint32_t may = 0;
         MLRT_UNROLL
-        for (int edge = 0; edge < 3; ++edge) {
-            const vf cross[3] = {v_set1(leaf->cross[edge][0][place]), v_set1(leaf->cross[edge][1][place]),
-                                 v_set1(leaf->cross[edge][2][place])};
-            MLRT_UNROLL
-            for (int i = 0; i < VECTORS; ++i) {
-                const vf product = dot_product(direction[i], cross);
-                least[i] = edge ? v_min(product, least[i]) : product;
-            }
+        for (int i = 0; i < VECTORS; ++i) {
+            const vf least = least_leaf_edge(leaf, place, direction[i]);
+            may |= m_bits(m_and(active[i], v_ge(least, v_set1(-EDGE_BOUND * reach))));
         }
-        vm may = m_and(active[0], v_ge(least[0], v_set1(-EDGE_BOUND * reach)));
-        MLRT_UNROLL
-        for (int i = 1; i < VECTORS; ++i) {
-            may = m_or(may, m_and(active[i], v_ge(least[i], v_set1(-EDGE_BOUND * reach))));
-        }
-        left |= (uint32_t)(m_bits(may) != 0) << place;
+        left |= (uint32_t)(may != 0) << place;
     }
     return left;
 }
@@ -306,7 +296,7 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     if (!changed) return;
     if (job->any) packet->active &= ~changed;
     if (job->any && packet->active) {
-        add_packet(tile, place); /* narrower than it was */
+        add_packet(tile, place); /* narrower than it was, and so a cell; but not one without rays */
         tile->cells.closed &= ~(1u << place);
     } else {
         tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
