@@ -395,7 +395,7 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     if (filtered->leaf) {
         struct ray_vector rays;
         load_ray_vector(&packet, 0, &rays);
-        const vf least = least_leaf_edge(filtered->leaf, 0, &rays);
+        const vf least = least_leaf_edge(filtered->leaf, 0, rays.direction);
         const vm candidates = v_ge(least, v_set1(-EDGE_BOUND * filtered->reach));
         const struct leaf_verdict of_leaf =
             filter_leaf_vector(filtered->leaf, 0, filtered->reach, packet.t_min, &rays, least, candidates);

@@ -394,7 +394,7 @@ static double attack_decisions(const float *input)
     if (!lone.leaf.there) return is_hit ? INFINITY : 0;
     struct ray_vector rays;
     load_ray_vector(&tile->packets[0], 0, &rays);
-    const float reach = packet_reach(tile, 0), least = least_leaf_edge(&lone.leaf, 0, &rays);
+    const float reach = packet_reach(tile, 0), least = least_leaf_edge(&lone.leaf, 0, rays.direction);
     const float *from = tile->limits_below ? tile->packets[0].begin : NULL;
     const vm candidates = m_from_bits(least >= -EDGE_BOUND * reach);
     const struct leaf_verdict verdict = filter_leaf_vector(&lone.leaf, 0, reach, from, &rays, least, candidates);
