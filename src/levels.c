@@ -43,7 +43,7 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
 {
     struct mlrt_packet *packet = &tile->packets[place];
     const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-    mlrt_finish_packet(job, worker, packet);
+    if (MLRT_UNLIKELY(packet->single || packet->shear)) mlrt_finish_packet(job, worker, packet);
     job->kernels->picture->write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
 }
 
@@ -91,12 +91,8 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
                            const struct mlrt_known_lights *known)
 {
     struct mlrt_ray_tile tile;
-    tile.area = *area;
-    tile.column_bits = is_list(&job->source) ? 0 : 2;
-    tile.seen = NULL;
+    mlrt_begin_tile(area, is_list(&job->source), &tile);
     if (gather_picture_cells(job, area, 4, &tile.cells)) {
-        tile.limits_below = 0;
-        tile.made = 0;
         tile.cells.tile = &tile;
         if (known) {
             mlrt_fill_words(tile.cells.cover, known->cover);
@@ -115,13 +111,10 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     }
     const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;
     if (known) write_closed(job, worker, known->cover, area);
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT && !known; ++place) {
-        const uint32_t ahead = place + 2;
-        if (!mlrt_has_block(&tile, place)) continue;
-        if (has_numbers && ahead < MLRT_CELL_COUNT && mlrt_has_block(&tile, ahead) &&
-            !(tile.cells.closed >> ahead & 1)) {
-            prefetch_triangles(job->tree, &tile.packets[ahead]);
-        }
+    const uint32_t open = tile.blocks & ~tile.cells.closed;
+    for (uint32_t left = known ? 0 : tile.blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
+        if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile.packets[ahead]);
         if (tile.cells.closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
             write_closed(job, worker, tile.cells.cover[place], &block);

@@ -139,6 +139,7 @@ void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t
     unsigned char *corner = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);
     if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
         uint32_t rows = (occluded & 0xC3C3) | (occluded & 0x0C0C) << 2 | (occluded & 0x3030) >> 2;
+        MLRT_UNROLL
         for (int row = 0; row < 4; ++row, rows >>= 4, corner += row_stride) memcpy(corner, bytes_of_bits[rows & 15], 4);
         return;
     }

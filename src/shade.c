@@ -118,8 +118,8 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
 static void shade_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *seen,
                        uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS])
 {
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        if (!mlrt_has_block(seen, place)) continue;
+    for (uint32_t left = seen->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
         const uint32_t hit = find_seen(job, seen, place);
         mlrt_find_shadows(job, &seen->packets[place], hit, shadows[place], &worker->counters);
     }
@@ -131,10 +131,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
 {
     struct mlrt_ray_tile tile;
     uint32_t dark = 0, lit = 0, waiting = 0, made = 0;
-    tile.area = seen->area;
-    tile.column_bits = 2;
-    tile.limits_below = 0;
-    tile.made = 0;
+    mlrt_begin_tile(&seen->area, 0, &tile);
     tile.seen = seen;
     tile.picture = job;
     const uint32_t covered = covered_cells(&seen->cells), missed = seen->cells.closed & ~covered;
@@ -143,8 +140,8 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         lit = trace_lit_cells(light, worker, &seen->cells, covered, &tile.cells, &dark);
         made = tile.made;
     }
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        if (!mlrt_has_block(&tile, place) || (dark | lit | missed | made) >> place & 1) continue;
+    for (uint32_t left = tile.blocks & ~(dark | lit | missed | made); left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
         mlrt_make_rays_to_light(light, &tile, place);
         waiting |= (tile.packets[place].active != 0u) << place;
         made |= 1u << place;
@@ -175,8 +172,8 @@ void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, str
             if (dark_lanes[place]) mlrt_add_shadow(shadows[place], dark_lanes[place], (uint8_t)(1u << i));
         }
     }
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        if (!mlrt_has_block(tile, place)) continue;
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         mlrt_write_packet_shadows(job, worker, shadows[place], mlrt_existing_lanes(&job->source, &block), &block);
     }

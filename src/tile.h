@@ -88,6 +88,7 @@ struct mlrt_ray_tile {
     struct mlrt_cells cells;
     struct mlrt_rectangle area;
     uint32_t column_bits; /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
+    uint32_t blocks;      /* places that have one; those that are cut off count */
     struct mlrt_packet packets[MLRT_CELL_COUNT];
     float greatest_depth[MLRT_CELL_COUNT]; /* of the directions of a packet, along the main axis */
     int limits_below;                      /* some t_min is not 0 */
@@ -97,18 +98,29 @@ struct mlrt_ray_tile {
     uint32_t dark[MLRT_CELL_COUNT];        /* of shadow rays: lanes without one, as the light is on the other side */
 };
 
-/* The part of a tile that is at a place, if there is one. */
+/* The places of so many columns and rows of packets. */
+MLRT_INLINE uint32_t mlrt_places(uint32_t column_bits, uint32_t columns, uint32_t rows)
+{
+    if (!columns) return 0;
+    return column_bits ? (0xFu >> (4 - columns)) * (0x11110u >> 4 * (4 - rows) >> 4) : 0xFFFFu >> (16 - rows);
+}
+
+/* A tile of which nothing is made; a list's has one column. */
+MLRT_INLINE void mlrt_begin_tile(const struct mlrt_rectangle *area, int is_list, struct mlrt_ray_tile *tile)
+{
+    tile->area = *area;
+    tile->column_bits = is_list ? 0 : 2;
+    tile->blocks = mlrt_places(tile->column_bits, (area->width + 3) / 4, (area->height + 3) / 4);
+    tile->limits_below = 0;
+    tile->made = 0;
+    tile->seen = NULL;
+}
+
+/* The part of a tile that is at a place with a block. */
 MLRT_INLINE struct mlrt_rectangle mlrt_block_of_tile(const struct mlrt_ray_tile *tile, uint32_t place)
 {
     const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
     return mlrt_cut_piece(&tile->area, 4 * column, 4 * row, 4);
-}
-
-/* Is there a packet at this place? */
-MLRT_INLINE int mlrt_has_block(const struct mlrt_ray_tile *tile, uint32_t place)
-{
-    const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);
-    return 4 * column < tile->area.width && 4 * row < tile->area.height;
 }
 
 #endif

@@ -23,8 +23,8 @@ uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worke
 {
     uint32_t waiting = 0;
     job->kernels->picture->read_packets(&job->source, tile);
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        if (!mlrt_has_block(tile, place)) continue;
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
         struct mlrt_packet *packet = &tile->packets[place];
         if (!job->tree->bvh.float_safe) {
             packet->single |= packet->active;

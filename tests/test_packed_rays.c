@@ -366,11 +366,11 @@ static uint32_t compare_tiles(const struct mlrt_source *source, const struct mlr
     for (uint32_t y = 0; y < source->height; y += 16) {
         for (uint32_t x = 0; x < source->width; x += 16) {
             const struct mlrt_rectangle whole = {0, 0, source->width, source->height};
-            tile.area = mlrt_cut_piece(&whole, x, y, 16);
-            tile.column_bits = 2;
+            const struct mlrt_rectangle area = mlrt_cut_piece(&whole, x, y, 16);
+            mlrt_begin_tile(&area, 0, &tile);
             picture->read_packets(source, &tile);
             for (uint32_t place = 0; place < MLRT_CELL_COUNT; place++) {
-                if (!mlrt_has_block(&tile, place)) continue;
+                if (!(tile.blocks >> place & 1)) continue;
                 struct mlrt_packet packet;
                 const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
                 const uint32_t lanes = mlrt_existing_lanes(source, &block);

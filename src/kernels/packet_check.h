@@ -123,26 +123,14 @@ struct known_mesh {
 
 #define NO_MESH ((struct known_mesh){MLRT_NONE, {0, 0}})
 
-/*
- * Turns pairs of mesh and triangle that rays pass into triangle numbers. Neighbours mostly pass triangles of one mesh,
- * or nothing.
- */
-MLRT_INLINE void number_skips(const struct mlrt_tree *tree, struct known_mesh *known, struct mlrt_packet *packet)
+/* Numbers of triangles of the mesh with this id. */
+MLRT_INLINE void find_mesh(const struct mlrt_tree *tree, uint32_t id, struct known_mesh *known)
 {
-    const uint32_t id = packet->skip_mesh[0];
-    uint32_t same = 0;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        same |= m_bits(i_eq(i_load(packet->skip_mesh + v), i_set1(id))) << v;
-    }
-    if (MLRT_UNLIKELY(same != 0xFFFF)) {
-        mlrt_number_skips(tree, packet);
-        return;
-    }
     if (known->id != id) *known = (struct known_mesh){id, mlrt_find_mesh(tree, id)};
-    const struct mlrt_mesh_range mesh = known->range;
-    KEEP_LANES_LOOP
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vi triangle = i_load(packet->skip + v), number = i_sub(triangle, i_set1(0u - mesh.first));
-        i_store(packet->skip + v, i_select(i_lt(triangle, i_set1(mesh.count)), number, i_set1(MLRT_NONE)));
-    }
+}
+
+MLRT_INLINE vi numbers_in_mesh(const struct known_mesh *mesh, vi triangle)
+{
+    const vi number = i_sub(triangle, i_set1(0u - mesh->range.first));
+    return i_select(i_lt(triangle, i_set1(mesh->range.count)), number, i_set1(MLRT_NONE));
 }

@@ -60,29 +60,27 @@ MLRT_INLINE float packet_reach(const struct mlrt_ray_tile *tile, uint32_t place)
     return tile->greatest_depth[place] * tile->cells.slope_bound;
 }
 
-/* Over the rays of a packet: the least slopes, and the greatest ones negated, for which the least count as well. */
-struct packet_slopes {
-    vf least[2];
-    vf negated[2];
+/* Of rays: the least of what they have, and the greatest negated, for which the least counts as well. */
+struct extremes {
+    vf least;
+    vf negated;
 };
 
-MLRT_INLINE void start_slopes(struct packet_slopes *slopes)
-{
-    for (int side = 0; side < 2; ++side) slopes->least[side] = slopes->negated[side] = v_set1(INFINITY);
-}
+#define NO_EXTREMES ((struct extremes){v_set1(INFINITY), v_set1(INFINITY)})
 
-MLRT_INLINE void add_slope(vm active, vf slope, int side, struct packet_slopes *slopes)
+/* A NaN changes nothing. */
+MLRT_INLINE void add_to_extremes(vf value, struct extremes *of)
 {
-    slopes->least[side] = v_min(v_select(active, slope, v_set1(INFINITY)), slopes->least[side]);
-    slopes->negated[side] = v_min(v_select(active, v_flip(slope, v_set1(-1)), v_set1(INFINITY)), slopes->negated[side]);
+    of->least = v_min(value, of->least);
+    of->negated = v_min(v_flip(value, v_set1(-1)), of->negated);
 }
 
 /* Sets the slopes of a packet's cell, and what rounding may move them by besides; 0 if they are steep or wide. */
-MLRT_INLINE int set_packet_slopes(struct mlrt_cells *cells, uint32_t place, const struct packet_slopes *slopes,
+MLRT_INLINE int set_packet_slopes(struct mlrt_cells *cells, uint32_t place, const struct extremes slopes[2],
                                   float slack)
 {
     MLRT_ALIGNED(16) float least[4];
-    const f4 all = v_hmin4(slopes->least[0], slopes->least[1], slopes->negated[0], slopes->negated[1]);
+    const f4 all = v_hmin4(slopes[0].least, slopes[1].least, slopes[0].negated, slopes[1].negated);
     const f4 moved = f4_sub(f4_sub(all, f4_mul(f4_abs(all), f4_set1(SLOPE_SLACK))), f4_set1(slack));
     const f4 width = f4_add(f4_low(all, all), f4_high(all, all)); /* negated, twice each */
     if (!(f4_hmin(all) >= -STEEPEST_SLOPE && f4_hmin(width) >= -WIDEST_PACKET)) return 0;
@@ -97,26 +95,30 @@ static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
     struct mlrt_cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
     const int a = cells->main_axis;
-    uint32_t forward = 0;
-    struct packet_slopes slopes;
+    struct extremes depths = NO_EXTREMES, slopes[2] = {NO_EXTREMES, NO_EXTREMES};
+    MLRT_ALIGNED(16) float depth[4];
     if (mlrt_are_sheared(cells)) return SHEARED.add_packet(tile, place);
-    start_slopes(&slopes);
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
-        const vf depth = v_flip(v_load(packet->direction[a] + v), v_set1(cells->sign));
-        const vf inverse = v_div(v_set1(1), depth);
-        forward |= m_bits(v_gt(depth, v_set1(0))) << v;
+        const vf forward = v_flip(v_load(packet->direction[a] + v), v_set1(cells->sign));
+        const vf of_active = v_select(active, forward, v_set1(NAN)), inverse = v_div(v_set1(1), of_active);
+        add_to_extremes(of_active, &depths);
         for (int side = 0; side < 2; ++side) {
-            add_slope(active, v_mul(v_load(packet->direction[mlrt_slope_axis(a, side)] + v), inverse), side, &slopes);
+            const vf across = v_load(packet->direction[mlrt_slope_axis(a, side)] + v);
+            add_to_extremes(v_mul(across, inverse), &slopes[side]);
         }
     }
-    if (packet->active & ~forward || !set_packet_slopes(cells, place, &slopes, 0)) return 0;
-    tile->greatest_depth[place] = greatest_direction(packet, a);
-    cells->farthest[place] = cells->shortest[place] = INFINITY;
-    if (packet->has_limits || packet->t_max[mlrt_lowest_bit(packet->active)] < INFINITY) {
+    f4_store(depth, v_hmin4(depths.least, depths.negated, depths.least, depths.negated));
+    if (!(depth[0] > 0) || !set_packet_slopes(cells, place, slopes, 0)) return 0;
+    tile->greatest_depth[place] = -depth[1];
+    if (MLRT_UNLIKELY(packet->has_limits)) {
         cells->farthest[place] = farthest_depth(packet, a);
         cells->shortest[place] = shortest_depth(packet, a);
+    } else {
+        const float t_max = packet->t_max[mlrt_lowest_bit(packet->active)];
+        cells->farthest[place] = t_max * -depth[1] * (1 + SLOPE_SLACK);
+        cells->shortest[place] = t_max * depth[0] * (1 - SLOPE_SLACK);
     }
     if (packet->has_limits) tile->limits_below |= highest(packet->t_min, packet->active) > 0;
     cells->closed |= (uint32_t)can_be_closed(packet, &cells->skip[place]) << place;

@@ -16,10 +16,9 @@ MLRT_INLINE vf seen_distance(vf depth)
 
 /* Of the rays of a packet as they are seen: their places; where the first begins, and the first and the last end. */
 struct sheared_extremes {
-    struct packet_slopes slopes;
+    struct extremes slopes[2];
     vf begin;
-    vf shortest;
-    vf negated;       /* the last, as of slopes */
+    struct extremes ends;
     uint32_t at_hand; /* bit per lane */
     uint32_t within;  /* those that may begin within the scene */
 };
@@ -39,7 +38,7 @@ MLRT_INLINE void shear_vector(const struct mlrt_shear *shear, const int axes[3],
         const vf place = v_sub(at, v_mul(v_set1(shear->slope[side]), depth));
         reach = v_max(v_abs(at), reach);
         v_store(packet->direction[j] + v, place);
-        add_slope(active, place, side, &of->slopes);
+        add_to_extremes(v_select(active, place, v_set1(NAN)), &of->slopes[side]);
     }
     v_store(packet->direction[a] + v, v_set1(shear->sign));
     const vf one = v_add(depth, v_mul(v_load(packet->t_min + v), v_set1(shear->pace)));
@@ -48,9 +47,8 @@ MLRT_INLINE void shear_vector(const struct mlrt_shear *shear, const int axes[3],
     v_store(packet->begin + v, begin);
     v_store(packet->lo + v, end);
     v_store(packet->hi + v, end);
-    of->begin = v_min(v_select(active, begin, v_set1(INFINITY)), of->begin);
-    of->shortest = v_min(v_select(active, end, v_set1(INFINITY)), of->shortest);
-    of->negated = v_min(v_select(active, v_sub(v_set1(0), end), v_set1(INFINITY)), of->negated);
+    of->begin = v_min(v_select(active, begin, v_set1(NAN)), of->begin);
+    add_to_extremes(v_select(active, end, v_set1(NAN)), &of->ends);
     of->at_hand |= m_bits(v_le(reach, v_set1(1))) << v;
     of->within |= m_bits(v_ge(first, v_set1(shear->front))) << v;
 }
@@ -63,18 +61,15 @@ static MLRT_NOINLINE int add_sheared_packet(struct mlrt_ray_tile *tile, uint32_t
     const struct mlrt_shear shear = cells->shear; /* a copy, which stores leave alone */
     const int axes[3] = {shear.main_axis, (shear.main_axis + 1) % 3, (shear.main_axis + 2) % 3};
     MLRT_ALIGNED(16) float distance[4];
-    struct sheared_extremes of;
-    start_slopes(&of.slopes);
-    of.begin = of.shortest = of.negated = v_set1(INFINITY);
-    of.at_hand = of.within = 0;
+    struct sheared_extremes of = {{NO_EXTREMES, NO_EXTREMES}, v_set1(INFINITY), NO_EXTREMES, 0, 0};
     if (!(fabsf(shear.pace) >= 0x1p-100f)) return 0;
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) shear_vector(&shear, axes, v, packet, &of);
     packet->shear = &cells->shear;
     tile->greatest_depth[place] = 1;
     if (packet->active & ~of.at_hand) return 0;
-    if (!set_packet_slopes(cells, place, &of.slopes, MLRT_SHEAR_SLACK)) return 0;
-    f4_store(distance, v_hmin4(of.begin, of.shortest, of.negated, of.negated));
+    if (!set_packet_slopes(cells, place, of.slopes, MLRT_SHEAR_SLACK)) return 0;
+    f4_store(distance, v_hmin4(of.begin, of.ends.least, of.ends.negated, of.ends.negated));
     if (distance[0] < cells->begin) cells->begin = distance[0];
     cells->shortest[place] = distance[1] * (1 - SLOPE_SLACK);
     cells->farthest[place] = -distance[2] * (1 + SLOPE_SLACK);

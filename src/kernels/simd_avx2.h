@@ -193,6 +193,13 @@ MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
     by_axis[2] = squares_of_rows(_mm256_shuffle_ps(yz, c, _MM_SHUFFLE(3, 0, 3, 1)));
 }
 
+MLRT_INLINE void i_pairs(const uint32_t *p, size_t step, vi *firsts, vi *seconds)
+{
+    const __m256 a = _mm256_castsi256_ps(i_load_any(p)), b = _mm256_castsi256_ps(i_load_any(p + step));
+    *firsts = _mm256_castps_si256(_mm256_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)));
+    *seconds = _mm256_castps_si256(_mm256_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)));
+}
+
 MLRT_INLINE vd d_set1(double a)
 {
     return _mm256_set1_pd(a);

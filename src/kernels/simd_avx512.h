@@ -187,6 +187,18 @@ MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
     by_axis[2] = _mm512_shuffle_f32x4(_mm512_permutex2var_ps(a, z, b), _mm512_permutex2var_ps(c, z, d), 0x44);
 }
 
+MLRT_INLINE __m512 load_rows(const uint32_t *low, const uint32_t *high)
+{
+    const __m256i a = _mm256_loadu_si256((const void *)low), b = _mm256_loadu_si256((const void *)high);
+    return _mm512_castsi512_ps(_mm512_inserti64x4(_mm512_castsi256_si512(a), b, 1));
+}
+MLRT_INLINE void i_pairs(const uint32_t *p, size_t step, vi *firsts, vi *seconds)
+{
+    const __m512 a = load_rows(p, p + 2 * step), b = load_rows(p + step, p + 3 * step);
+    *firsts = _mm512_castps_si512(_mm512_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)));
+    *seconds = _mm512_castps_si512(_mm512_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)));
+}
+
 MLRT_INLINE vd d_set1(double a)
 {
     return _mm512_set1_pd(a);

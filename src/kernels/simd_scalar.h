@@ -10,7 +10,8 @@
  *   KEEP_LANES_LOOP before a loop over the lanes of a packet or a node: not worth its size cut up into vectors.
  *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is.
  *   v_triples, for vectors of eight lanes or more: those of two rows of a block or of all four. They begin at p and are
- * `step` floats apart; by axis, in the order of a packet's lanes (packet.h). Of a row, four triples are read.
+ * `step` floats apart; by axis, in the order of a packet's lanes (packet.h). Of a row, four triples are read. i_pairs
+ * likewise, for pairs of integers.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H

@@ -63,16 +63,27 @@ static void write_numbers(const struct mlrt_job *job, struct mlrt_worker *worker
     }
 }
 
-/* Writes the results of a packet's lanes, whose block starts at (x, y) of the sink. */
-static void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                          uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+/* Writes the hits of a packet's lanes, whose block starts at (x, y) of the sink; `hit`: those with one. */
+static MLRT_NOINLINE void write_hits(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                     const struct mlrt_packet *packet, uint32_t hit, uint32_t lanes, uint32_t x,
+                                     uint32_t y, const struct mlrt_sink *sink)
 {
-    const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE), outputs = mlrt_sink_numbers(sink);
+    const uint32_t outputs = mlrt_sink_numbers(sink);
     if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
         write_ids(job, worker, packet, hit, lanes, x, y, sink);
     }
     if (outputs) write_numbers(job, worker, packet, hit, lanes, x, y, outputs, sink);
-    if (job->any && sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
+}
+
+MLRT_INLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                               uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+{
+    const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
+    if (!job->any) {
+        write_hits(job, worker, packet, hit, lanes, x, y, sink);
+    } else if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) {
+        mlrt_write_occluded(hit, lanes, x, y, sink);
+    }
 }
 
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
