@@ -15,16 +15,18 @@ static int is_list(const struct mlrt_source *source)
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
-/* The closed cells of a camera's picture; 0 if there are none to be made. */
+/* Closed cells of a picture's tiles or packets; 0 if there are none to be made. */
 static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                 struct mlrt_cells *cells)
 {
-    if (job->source.kind == MLRT_SOURCE_CAMERA && job->tree->bvh.float_safe &&
-        job->kernels->gather_camera_cells(job, area, side, cells)) {
-        return 1;
+    int is_done = 0;
+    if (job->tree->bvh.float_safe && job->source.kind == MLRT_SOURCE_CAMERA) {
+        is_done = job->kernels->gather_camera_cells(job, area, side, cells);
+    } else if (job->tree->bvh.float_safe && side == 16) {
+        is_done = job->kernels->gather_packed_cells(job, area, cells);
     }
-    cells->closed = 0;
-    return 0;
+    if (!is_done) cells->closed = 0;
+    return is_done;
 }
 
 /* One triangle, or nothing, for a rectangle of pixels of a camera. */

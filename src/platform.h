@@ -29,7 +29,11 @@
 #endif
 
 #if defined(__GNUC__)
-#define MLRT_INLINE              static inline __attribute__((always_inline, unused))
+#if defined(MLRT_TIGHT) /* where size counts, the compiler decides what is worth a copy */
+#define MLRT_INLINE static inline __attribute__((unused))
+#else
+#define MLRT_INLINE static inline __attribute__((always_inline, unused))
+#endif
 #define MLRT_NOINLINE            __attribute__((noinline))
 #define MLRT_SMALL               __attribute__((noinline, cold)) /* seldom runs: size counts */
 #define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))

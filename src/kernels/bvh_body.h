@@ -20,6 +20,7 @@
 
 #include "cells.h"
 #include "ray_tile.h"
+#include "packed_cells.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
@@ -28,8 +29,9 @@
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
     .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
-    .gather_camera_cells = gather_camera_cells, .sum_up_cells = sum_up_cells, .add_packet = add_packet,                \
-    .trace_gathered = trace_gathered, .traverse = traverse_bvh, .open_packet = open_packet
+    .gather_camera_cells = gather_camera_cells, .gather_packed_cells = gather_packed_cells,                            \
+    .sum_up_cells = sum_up_cells, .add_packet = add_packet, .trace_gathered = trace_gathered,                          \
+    .traverse = traverse_bvh, .open_packet = open_packet
 /* clang-format on */
 
 #if MLRT_COUNTING

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The least and the greatest: of two numbers, and of some lanes of sixteen. And how far bounds of quotients are moved
- * apart, as shares of themselves, to be safe from rounding: those of reciprocals (interval_traversal.h, bvh_single.h)
- * and of slopes (outline.h, cells.h).
+ * The least and the greatest: of two numbers, of some lanes of sixteen, and of what comes along. And how far bounds of
+ * quotients are moved apart, as shares of themselves, to be safe from rounding: those of reciprocals
+ * (interval_traversal.h, bvh_single.h) and of slopes (outline.h, cells.h).
  */
 
 #define RECIPROCAL_SLACK 0x1p-21f
@@ -29,4 +29,19 @@ MLRT_INLINE float highest(const float *values, uint32_t lanes)
         all = v_max(v_select(m_from_bits(lanes >> v), v_load(values + v), v_set1(-INFINITY)), all);
     }
     return v_hmax(all);
+}
+
+/* Lane by lane, the least and the greatest so far: that one negated, so that the least counts of both. */
+struct extremes {
+    vf least;
+    vf negated;
+};
+
+#define NO_EXTREMES ((struct extremes){v_set1(INFINITY), v_set1(INFINITY)})
+
+/* A NaN changes nothing. */
+MLRT_INLINE void add_to_extremes(vf value, struct extremes *of)
+{
+    of->least = v_min(value, of->least);
+    of->negated = v_min(v_flip(value, v_set1(-1)), of->negated);
 }

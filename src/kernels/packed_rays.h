@@ -27,15 +27,14 @@ MLRT_INLINE int has_packed_rays(const struct mlrt_source *source)
 }
 
 #if VW >= 8
-/* Are the vectors of a block all the same as the first? A row of them is three quads. */
-static MLRT_NOINLINE int are_same_vectors(const float *vectors, size_t step)
+/* Are the vectors of a block all `v`? A row of them is three quads. */
+static MLRT_NOINLINE int are_same_vectors(const float *vectors, size_t step, const float v[3])
 {
-    const float *v = vectors;
     const float repeated[12] = {v[0], v[1], v[2], v[0], v[1], v[2], v[0], v[1], v[2], v[0], v[1], v[2]};
     const f4 quads[3] = {f4_load_any(repeated), f4_load_any(repeated + 4), f4_load_any(repeated + 8)};
     f4 same = f4_set1(-1);
-    for (int row = 0; row < 4; ++row, v += step) {
-        for (int i = 0; i < 3; ++i) same = f4_and_same(same, v + 4 * i, quads[i]);
+    for (int row = 0; row < 4; ++row, vectors += step) {
+        for (int i = 0; i < 3; ++i) same = f4_and_same(same, vectors + 4 * i, quads[i]);
     }
     return f4_signs(same) == 15;
 }
@@ -102,10 +101,10 @@ MLRT_INLINE int read_packed_rays(const struct mlrt_source *source, uint32_t x, u
                               : is_light ? points
                                          : (const float *)source->directions.data + first;
     memcpy(packet->apex, is_light ? source->light : points, sizeof packet->apex);
-    packet->has_apex = is_light || (!is_sun && are_same_vectors(points, step));
+    packet->has_apex = is_light || (!is_sun && are_same_vectors(points, step, points));
     packet->has_direction = !packet->has_apex;
     const float *same = packet->has_apex ? packet->apex : directions;
-    if (!packet->has_apex && !is_sun && !are_same_vectors(directions, step)) return 0;
+    if (!packet->has_apex && !is_sun && !are_same_vectors(directions, step, directions)) return 0;
     if (source->kind == MLRT_SOURCE_RAYS && (!mlrt_are_float_safe(same) || (!packet->has_apex && is_zero(same))))
         return 0;
     float from[3] = {0, 0, 0};

@@ -60,21 +60,6 @@ MLRT_INLINE float packet_reach(const struct mlrt_ray_tile *tile, uint32_t place)
     return tile->greatest_depth[place] * tile->cells.slope_bound;
 }
 
-/* Of rays: the least of what they have, and the greatest negated, for which the least counts as well. */
-struct extremes {
-    vf least;
-    vf negated;
-};
-
-#define NO_EXTREMES ((struct extremes){v_set1(INFINITY), v_set1(INFINITY)})
-
-/* A NaN changes nothing. */
-MLRT_INLINE void add_to_extremes(vf value, struct extremes *of)
-{
-    of->least = v_min(value, of->least);
-    of->negated = v_min(v_flip(value, v_set1(-1)), of->negated);
-}
-
 /* Sets the slopes of a packet's cell, and what rounding may move them by besides; 0 if they are steep or wide. */
 MLRT_INLINE int set_packet_slopes(struct mlrt_cells *cells, uint32_t place, const struct extremes slopes[2],
                                   float slack)
@@ -83,7 +68,8 @@ MLRT_INLINE int set_packet_slopes(struct mlrt_cells *cells, uint32_t place, cons
     const f4 all = v_hmin4(slopes[0].least, slopes[1].least, slopes[0].negated, slopes[1].negated);
     const f4 moved = f4_sub(f4_sub(all, f4_mul(f4_abs(all), f4_set1(SLOPE_SLACK))), f4_set1(slack));
     const f4 width = f4_add(f4_low(all, all), f4_high(all, all)); /* negated, twice each */
-    if (!(f4_hmin(all) >= -STEEPEST_SLOPE && f4_hmin(width) >= -WIDEST_PACKET)) return 0;
+    const f4 is_steep = f4_add(all, f4_set1(STEEPEST_SLOPE)), is_wide = f4_add(width, f4_set1(WIDEST_PACKET));
+    if (f4_signs(is_steep) | f4_signs(is_wide)) return 0;
     f4_store(least, moved);
     for (int side = 0; side < 2; ++side) mlrt_set_cell_slopes(cells, place, side, least[side], -least[2 + side]);
     return 1;
