@@ -90,29 +90,34 @@ static float draw_odd(struct random *random, float from)
     return odd[draw_below(random, sizeof odd / sizeof odd[0])];
 }
 
-/* Spoils one ray in `rarity`: one number of it, all of its direction, or its origin. */
+/* Changes one number of a ray, all of its direction, or its origin. */
+static void spoil_ray(struct reference_ray *ray, struct random *random)
+{
+    float *origin = ray->origin, *direction = ray->direction;
+    const uint32_t k = draw_below(random, 3);
+    switch (draw_below(random, 5)) {
+    case 0:
+        origin[k] = draw_odd(random, origin[k]);
+        break;
+    case 1:
+        direction[k] = draw_odd(random, direction[k]);
+        break;
+    case 2:
+        draw_point(random, -3, 3, origin);
+        break;
+    case 3:
+        memset(direction, 0, 3 * sizeof *direction);
+        break;
+    default:
+        for (int j = 0; j < 3; j++) direction[j] = draw_odd(random, 0);
+    }
+}
+
+/* One in `rarity`. */
 static void spoil(struct ray_list *list, struct random *random, uint32_t rarity)
 {
     for (size_t i = 0; i < list->count; i++) {
-        float *origin = list->rays[i].origin, *direction = list->rays[i].direction;
-        const uint32_t k = draw_below(random, 3);
-        if (draw_below(random, rarity)) continue;
-        switch (draw_below(random, 5)) {
-        case 0:
-            origin[k] = draw_odd(random, origin[k]);
-            break;
-        case 1:
-            direction[k] = draw_odd(random, direction[k]);
-            break;
-        case 2:
-            draw_point(random, -3, 3, origin);
-            break;
-        case 3:
-            memset(direction, 0, 3 * sizeof *direction);
-            break;
-        default:
-            for (int j = 0; j < 3; j++) direction[j] = draw_odd(random, 0);
-        }
+        if (!draw_below(random, rarity)) spoil_ray(&list->rays[i], random);
     }
 }
 
@@ -307,6 +312,142 @@ static void origins_in_turn(void **state)
     free_fixture(&fixture);
 }
 
+/* ---- tiles ---------------------------------------------------------------------------------------------------- */
+
+enum { TILES_WIDTH = 48, TILES_HEIGHT = 34, TILES_COUNT = TILES_WIDTH * TILES_HEIGHT };
+
+/* Answers about a picture of rays, and about the points where they end. */
+struct tile_answers {
+    uint32_t triangle[TILES_COUNT];
+    float t[TILES_COUNT];
+    uint8_t occluded[TILES_COUNT];
+    uint8_t dark[TILES_COUNT];
+};
+
+static void trace_tiles(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_points *points,
+                        const mlrt_light *light, mlrt_trace_options options, struct tile_answers *answers)
+{
+    mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {answers->triangle, 0, 0}, .t = {answers->t, 0, 0}};
+    const mlrt_array dark = {answers->dark, 0, 0};
+    memset(answers, 0x77, sizeof *answers);
+    assert_int_equal(mlrt_trace_packet(tree, rays, &options, &hits), MLRT_OK);
+    options.query = MLRT_QUERY_ANY;
+    hits = (mlrt_hits){.struct_size = sizeof hits, .occluded = {answers->occluded, 0, 0}};
+    assert_int_equal(mlrt_trace_packet(tree, rays, &options, &hits), MLRT_OK);
+    options.query = MLRT_QUERY_CLOSEST;
+    assert_int_equal(mlrt_occluded_points(tree, points, light, &options, &dark), MLRT_OK);
+}
+
+/* Walls that cover whole tiles, in part twice, and something small in the room. */
+static struct fixture make_room(struct random *random, uint64_t seed)
+{
+    struct soup soup = {0};
+    const float lo[3] = {-4, -4, -4}, hi[3] = {4, 4, 4}, low[3] = {-1, -1, -1}, high[3] = {0.5f, 1, 0.25f};
+    soup_add_box(&soup, lo, hi);
+    if (seed % 2) soup_add_box(&soup, low, high);
+    if (seed % 3 == 0) soup_add_box(&soup, lo, hi);
+    if (seed % 5 < 2) soup_add_random(&soup, random, 3, 2.0f, 0.5f);
+    return fixture_of_soup("room", seed, &soup);
+}
+
+/* Something that must keep a ray from going with the others, though it is seen where they are. */
+static void set_ray_apart(struct reference_ray *ray, struct random *random)
+{
+    const uint32_t k = draw_below(random, 3);
+    switch (draw_below(random, 5)) {
+    case 0:
+        ray->direction[k] = NAN;
+        break;
+    case 1:
+        for (int j = 0; j < 3; j++) ray->direction[j] = -ray->direction[j];
+        break;
+    case 2:
+        ray->skip[0] ^= 1 + draw_below(random, 3);
+        break;
+    case 3:
+        ray->skip[1] ^= 1 + draw_below(random, 3);
+        break;
+    default:
+        spoil_ray(ray, random);
+    }
+}
+
+/* Rays of one apex to walls; all pass one triangle, or none, and one of them all is something else. */
+static void one_ray_of_a_tile(void **state)
+{
+    (void)state;
+    static struct tile_answers expected, got;
+    size_t uniform = 0;
+    for (uint64_t seed = 0; seed < 240; seed++) {
+        struct random random = {2300 + seed};
+        struct fixture fixture = make_room(&random, seed);
+        struct ray_list list = {0};
+        float eye[3], target[3];
+        draw_point(&random, -3.5f, 3.5f, eye);
+        draw_point(&random, -4, 4, target);
+        const mlrt_camera camera = look_at(eye, target, draw_range(&random, 0.05f, 0.45f), TILES_WIDTH, TILES_HEIGHT);
+        add_camera_rays(&list, &camera);
+        const size_t other = draw_below(&random, TILES_COUNT);
+        const uint32_t one = draw_below(&random, 24), skips = draw_below(&random, 3);
+        for (size_t i = 0; i < list.count; i++) {
+            struct reference_hit hit;
+            reference_trace(fixture.reference, &list.rays[i], &hit);
+            list.rays[i].skip[0] = skips == 2 ? hit.mesh : 0;
+            list.rays[i].skip[1] = skips == 2 ? hit.triangle : one;
+        }
+        float(*points)[3] = allocate_or_fail(list.count, sizeof *points);
+        const float reach = draw_range(&random, 0.5f, 6.5f);
+        for (int again = 0; again < 2; again++) {
+            struct packed packed = pack(&list);
+            for (size_t i = 0; i < list.count; i++) {
+                for (int k = 0; k < 3; k++) {
+                    points[i][k] = eye[k] + reach * list.rays[i].direction[k];
+                }
+            }
+            if (again && draw_below(&random, 2)) points[other][draw_below(&random, 3)] = draw_odd(&random, eye[0]);
+            mlrt_rays rays = {.struct_size = sizeof rays,
+                              .row_length = TILES_WIDTH,
+                              .count = list.count,
+                              .origins = {packed.origins, 0},
+                              .directions = {packed.directions, 0}};
+            mlrt_points ends = {
+                .struct_size = sizeof ends, .row_length = TILES_WIDTH, .count = list.count, .positions = {points, 0}};
+            if (skips) rays.skip.data = ends.skip.data = packed.skip;
+            mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_POINT};
+            memcpy(light.position, eye, sizeof eye);
+            if (seed % 16 == 15) light.position[seed / 16 % 3] = draw_odd(&random, eye[0]);
+            for (int k = 0; k < 3; k++) {
+                if (!(fabsf(light.position[k]) < INFINITY)) light.position[k] = 0;
+            }
+            mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
+            trace_tiles(fixture.tree, &rays, &ends, &light, options, &expected);
+            options.method = MLRT_METHOD_TILE;
+            for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
+                if (!mlrt_select_kernels(options.isa, MLRT_METHOD_TILE, 0)) continue;
+                trace_tiles(fixture.tree, &rays, &ends, &light, options, &got);
+                for (size_t i = 0; i < list.count; i++) {
+                    if (got.triangle[i] == expected.triangle[i] && memcmp(&got.t[i], &expected.t[i], 4) == 0 &&
+                        got.occluded[i] == expected.occluded[i] && got.dark[i] == expected.dark[i]) {
+                        continue;
+                    }
+                    fail_msg("seed %u, isa %d, ray %u of %u, other %u, again %d: triangle %u, not %u; any %d, not %d; "
+                             "dark %d, not %d",
+                             (unsigned)seed, (int)options.isa, (unsigned)i, (unsigned)list.count, (unsigned)other,
+                             again, got.triangle[i], expected.triangle[i], got.occluded[i], expected.occluded[i],
+                             got.dark[i], expected.dark[i]);
+                }
+            }
+            uniform += memchr(expected.dark, !expected.dark[0], 16) == NULL;
+            free_packed(&packed, list.count);
+            set_ray_apart(&list.rays[other], &random);
+        }
+        free(points);
+        free_rays(&list);
+        free_fixture(&fixture);
+    }
+    assert_true(uniform > 300);
+}
+
 /* ---- packets ------------------------------------------------------------------------------------------------------
  */
 
@@ -456,7 +597,8 @@ int main(void)
         cmocka_unit_test(some_rays_do_not_belong), cmocka_unit_test(origins_that_are_no_places),
         cmocka_unit_test(some_are_not_parallel),   cmocka_unit_test(directions_that_are_none),
         cmocka_unit_test(points_of_a_light),       cmocka_unit_test(triangles_of_one_place),
-        cmocka_unit_test(origins_in_turn),         cmocka_unit_test(packets_are_the_same),
+        cmocka_unit_test(origins_in_turn),         cmocka_unit_test(one_ray_of_a_tile),
+        cmocka_unit_test(packets_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
