@@ -125,11 +125,11 @@ INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG) $
 
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(SMALL) -DMLRT_TIGHT $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(SMALL) -DMLRT_INLINE_LESS $(ISA_FLAGS_$*) -c $< -o $@
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL) -DMLRT_TIGHT,$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL) -DMLRT_INLINE_LESS,$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
 COLD := library tree bvh_spatial bvh_ray shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \

@@ -29,7 +29,7 @@
 #endif
 
 #if defined(__GNUC__)
-#if defined(MLRT_TIGHT) /* where size counts, the compiler decides what is worth a copy */
+#if defined(MLRT_INLINE_LESS) /* where size counts, the compiler decides what is worth a copy */
 #define MLRT_INLINE static inline __attribute__((unused))
 #else
 #define MLRT_INLINE static inline __attribute__((always_inline, unused))

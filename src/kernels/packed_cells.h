@@ -5,23 +5,22 @@
  */
 #if VW >= 8 && !MLRT_COUNTING
 
-/* What a tile's rays are compared with and measured along. */
+/* What a tile's rays are compared with. */
 struct packed_tile {
     const struct mlrt_source *source;
     const float *ends; /* directions, or where rays end */
-    const float *from; /* what is subtracted from these */
+    float from[3];     /* what is subtracted from these */
     size_t first;      /* element */
     uint32_t pair[2];  /* that all pass: mesh and triangle */
-    struct extremes depths;
-    struct extremes slopes[2];
 };
 
-/* Adds the rays of a block. Returns whether they are safe, start at the apex and pass the pair. */
-MLRT_INLINE int add_packed_block(const struct mlrt_cells *cells, size_t element, struct packed_tile *tile)
+/* Adds the directions of a block's rays. Returns whether they are safe, start at the apex and pass the pair. */
+MLRT_INLINE int add_packed_block(const struct mlrt_cells *cells, const struct packed_tile *tile, size_t element,
+                                 struct direction_extremes *directions)
 {
     const struct mlrt_source *source = tile->source;
     const size_t width = source->width;
-    const int a = cells->main_axis;
+    const int a = cells->main_axis, axes[2] = {mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
     vm are_fine = m_from_bits(ALL_LANES);
     if (source->kind == MLRT_SOURCE_RAYS &&
         !are_same_vectors((const float *)source->points.data + 3 * element, 3 * width, cells->apex)) {
@@ -32,11 +31,8 @@ MLRT_INLINE int add_packed_block(const struct mlrt_cells *cells, size_t element,
         v_triples(tile->ends + 3 * element, 3 * width, d);
         for (int k = 0; k < 3; ++k) d[k] = v_sub(d[k], v_set1(tile->from[k]));
         are_fine = m_and(are_fine, check_vectors(d).is_safe);
-        const vf depth = v_flip(d[a], v_set1(cells->sign)), inverse = v_div(v_set1(1), depth);
-        add_to_extremes(depth, &tile->depths);
-        for (int side = 0; side < 2; ++side) {
-            add_to_extremes(v_mul(d[mlrt_slope_axis(a, side)], inverse), &tile->slopes[side]);
-        }
+        const vf by_slope[3] = {d[a], d[axes[0]], d[axes[1]]};
+        add_directions(by_slope, cells->sign, directions);
         if (source->skip.data) {
             vi mesh, triangle;
             i_pairs((const uint32_t *)source->skip.data + 2 * element, 2 * width, &mesh, &triangle);
@@ -51,35 +47,35 @@ static int add_packed_tile(const struct mlrt_rectangle *area, struct mlrt_cells 
                            struct known_mesh *known, struct packed_tile *tile)
 {
     const struct mlrt_source *source = tile->source;
-    MLRT_ALIGNED(16) float depth[4];
-    tile->depths = tile->slopes[0] = tile->slopes[1] = NO_EXTREMES;
+    const float t_max = source->kind == MLRT_SOURCE_POINT_LIGHT ? 1 : INFINITY;
+    float greatest_depth;
+    struct direction_extremes directions = NO_DIRECTIONS;
     tile->pair[0] = tile->pair[1] = MLRT_NONE;
     if (source->skip.data) memcpy(tile->pair, (const uint32_t *)source->skip.data + 2 * tile->first, sizeof tile->pair);
     for (uint32_t row = 0; row < 16; row += 4) {
         mlrt_prefetch_around(source, area, row);
         for (uint32_t column = 0; column < 16; column += 4) {
-            if (!add_packed_block(cells, tile->first + (size_t)row * source->width + column, tile)) return 0;
+            if (!add_packed_block(cells, tile, tile->first + (size_t)row * source->width + column, &directions))
+                return 0;
         }
     }
-    f4_store(depth, v_hmin4(tile->depths.least, tile->depths.negated, tile->depths.least, tile->depths.negated));
-    if (!(depth[0] > 0) || !set_packet_slopes(cells, place, tile->slopes, 0)) return 0;
-    const float t_max = source->kind == MLRT_SOURCE_POINT_LIGHT ? 1 : INFINITY;
-    cells->farthest[place] = t_max * -depth[1] * (1 + SLOPE_SLACK);
-    cells->shortest[place] = t_max * depth[0] * (1 - SLOPE_SLACK);
+    if (!set_cell_of_directions(cells, place, &directions, t_max, &greatest_depth)) return 0;
     find_mesh(source->tree, tile->pair[0], known);
     cells->skip[place] = tile->pair[1] < known->range.count ? known->range.first + tile->pair[1] : MLRT_NONE;
     return 1;
 }
 
-/* Sees things as the ray at `first` does; 0 if float cannot. */
-MLRT_INLINE int look_as_packed_ray(const float *ends, const float *points, size_t first, float from[3],
-                                   struct mlrt_cells *cells, int is_light, const float light[3])
+/* Has cells see things as the first ray of a tile does; 0 if float cannot. */
+MLRT_INLINE int look_as_packed_tile(struct packed_tile *tile, struct mlrt_cells *cells)
 {
+    const struct mlrt_source *source = tile->source;
+    const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;
     float direction[3];
-    memcpy(cells->apex, is_light ? light : points + 3 * first, sizeof cells->apex);
+    memcpy(cells->apex, is_light ? source->light : (const float *)source->points.data + 3 * tile->first,
+           sizeof cells->apex);
     for (int k = 0; k < 3; ++k) {
-        from[k] = is_light ? cells->apex[k] : 0;
-        direction[k] = ends[3 * first + (size_t)k] - from[k];
+        tile->from[k] = is_light ? cells->apex[k] : 0;
+        direction[k] = tile->ends[3 * tile->first + (size_t)k] - tile->from[k];
     }
     mlrt_set_main_axis(direction, cells);
     return mlrt_are_float_safe(cells->apex);
@@ -88,13 +84,10 @@ MLRT_INLINE int look_as_packed_ray(const float *ends, const float *points, size_
 static int gather_packed_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct mlrt_cells *cells)
 {
     const struct mlrt_source *source = &job->source;
-    const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;
     if (!has_packed_rays(source) || source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return 0;
-    const float *points = (const float *)source->points.data;
-    float from[3];
-    struct packed_tile tile = {.source = source, .from = from};
+    struct packed_tile tile = {.source = source};
     struct known_mesh known = NO_MESH;
-    tile.ends = is_light ? points : (const float *)source->directions.data;
+    tile.ends = (const float *)(source->kind == MLRT_SOURCE_RAYS ? source->directions.data : source->points.data);
     cells->closed = 0;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         const uint32_t x = 16 * (place % 4), y = 16 * (place / 4);
@@ -102,8 +95,7 @@ static int gather_packed_cells(const struct mlrt_job *job, const struct mlrt_rec
         tile.first = (size_t)part.y * source->width + part.x;
         if (x + 16 > area->width || y + 16 > area->height ||
             tile.first + 15 * (size_t)source->width + 16 > source->count ||
-            (!cells->closed &&
-             !look_as_packed_ray(tile.ends, points, tile.first, from, cells, is_light, source->light)) ||
+            (!cells->closed && !look_as_packed_tile(&tile, cells)) ||
             !add_packed_tile(&part, cells, place, &known, &tile)) {
             mlrt_leave_out_cell(cells, place);
         } else {

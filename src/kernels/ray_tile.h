@@ -75,36 +75,56 @@ MLRT_INLINE int set_packet_slopes(struct mlrt_cells *cells, uint32_t place, cons
     return 1;
 }
 
-/* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. */
+/* Of the directions of rays: how deep they go, and their slopes. */
+struct direction_extremes {
+    struct extremes depth;
+    struct extremes slopes[2];
+};
+
+#define NO_DIRECTIONS ((struct direction_extremes){NO_EXTREMES, {NO_EXTREMES, NO_EXTREMES}})
+
+/* Adds a vector of directions, by axis from the main one on. Where that is a NaN there is none. */
+MLRT_INLINE void add_directions(const vf d[3], float sign, struct direction_extremes *of)
+{
+    const vf depth = v_flip(d[0], v_set1(sign)), inverse = v_div(v_set1(1), depth);
+    add_to_extremes(depth, &of->depth);
+    for (int side = 0; side < 2; ++side) add_to_extremes(v_mul(d[1 + side], inverse), &of->slopes[side]);
+}
+
+/* Makes a cell of rays that all end at `t_max`; 0 if they do not agree with the main axis, or are wide. */
+MLRT_INLINE int set_cell_of_directions(struct mlrt_cells *cells, uint32_t place, const struct direction_extremes *of,
+                                       float t_max, float *greatest_depth)
+{
+    MLRT_ALIGNED(16) float depth[4];
+    f4_store(depth, v_hmin4(of->depth.least, of->depth.negated, of->depth.least, of->depth.negated));
+    if (!(depth[0] > 0) || !set_packet_slopes(cells, place, of->slopes, 0)) return 0;
+    *greatest_depth = -depth[1];
+    cells->farthest[place] = t_max * *greatest_depth * (1 + SLOPE_SLACK);
+    cells->shortest[place] = t_max * depth[0] * (1 - SLOPE_SLACK);
+    return 1;
+}
+
+/* Makes a cell of a packet's rays; 0 likewise. */
 static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
 {
     struct mlrt_cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
-    const int a = cells->main_axis;
-    struct extremes depths = NO_EXTREMES, slopes[2] = {NO_EXTREMES, NO_EXTREMES};
-    MLRT_ALIGNED(16) float depth[4];
     if (mlrt_are_sheared(cells)) return SHEARED.add_packet(tile, place);
+    const int a = cells->main_axis;
+    const float *rows[3] = {packet->direction[a], packet->direction[mlrt_slope_axis(a, 0)],
+                            packet->direction[mlrt_slope_axis(a, 1)]};
+    struct direction_extremes of = NO_DIRECTIONS;
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
-        const vf forward = v_flip(v_load(packet->direction[a] + v), v_set1(cells->sign));
-        const vf of_active = v_select(active, forward, v_set1(NAN)), inverse = v_div(v_set1(1), of_active);
-        add_to_extremes(of_active, &depths);
-        for (int side = 0; side < 2; ++side) {
-            const vf across = v_load(packet->direction[mlrt_slope_axis(a, side)] + v);
-            add_to_extremes(v_mul(across, inverse), &slopes[side]);
-        }
+        const vf d[3] = {v_select(active, v_load(rows[0] + v), v_set1(NAN)), v_load(rows[1] + v), v_load(rows[2] + v)};
+        add_directions(d, cells->sign, &of);
     }
-    f4_store(depth, v_hmin4(depths.least, depths.negated, depths.least, depths.negated));
-    if (!(depth[0] > 0) || !set_packet_slopes(cells, place, slopes, 0)) return 0;
-    tile->greatest_depth[place] = -depth[1];
+    const float t_max = packet->t_max[mlrt_lowest_bit(packet->active)];
+    if (!set_cell_of_directions(cells, place, &of, t_max, &tile->greatest_depth[place])) return 0;
     if (MLRT_UNLIKELY(packet->has_limits)) {
         cells->farthest[place] = farthest_depth(packet, a);
         cells->shortest[place] = shortest_depth(packet, a);
-    } else {
-        const float t_max = packet->t_max[mlrt_lowest_bit(packet->active)];
-        cells->farthest[place] = t_max * -depth[1] * (1 + SLOPE_SLACK);
-        cells->shortest[place] = t_max * depth[0] * (1 - SLOPE_SLACK);
     }
     if (packet->has_limits) tile->limits_below |= highest(packet->t_min, packet->active) > 0;
     cells->closed |= (uint32_t)can_be_closed(packet, &cells->skip[place]) << place;
