@@ -136,7 +136,7 @@ COLD := library tree bvh_spatial bvh_ray shear shadow shadow_cells shade results
         bvh_build bvh_check bvh_collapse bvh_split kdtree_build kdtree_check split clip all_hits hit_list
 
 # What is as fast if it is small, or faster: counted in instructions of examples/render.
-COLD += predicate
+COLD += predicate packet_cells tile_packets
 $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c

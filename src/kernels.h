@@ -151,9 +151,9 @@ struct mlrt_kernels {
      * tree and `any` count. It does not count: the ones that do have NULL.
      */
     uint32_t (*trace_ray)(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t skip);
-    /* Traces the rays of a packet in the lanes `lanes`, likewise, one by one. bvh_single.h */
+    /* Traces the rays of a packet in the lanes `lanes`, likewise, one by one, from a node or leaf on. bvh_single.h */
     void (*trace_singles)(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                          struct mlrt_worker *worker);
+                          struct mlrt_worker *worker, uint32_t child);
     /* Makes closed cells out of a camera's picture; 0 if it cannot be. Sets what holds for all cells. cells.h */
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_cells *cells);
@@ -162,6 +162,8 @@ struct mlrt_kernels {
     void (*sum_up_cells)(struct mlrt_cells *cells);
     /* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. ray_tile.h */
     int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
+    /* Makes the cell of an open packet what it is after hits; those of the lanes `done` look no further. bvh_tile.h */
+    void (*update_cell)(struct mlrt_ray_tile *tile, uint32_t place, uint32_t done);
     /* Takes cells of packets down the hierarchy. bvh_tile.h */
     void (*trace_gathered)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
     /* Takes cells down the hierarchy; makes the rays of one. bvh_tile.h */

@@ -76,6 +76,20 @@ void mlrt_shear_distance(const struct mlrt_shear *shear, const struct mlrt_ray_s
     nearest->hi = (float)((one < other ? other : one) * (1 + MLRT_SHEAR_SLACK));
 }
 
+void mlrt_unshear_distance(const struct mlrt_shear *shear, const struct mlrt_ray_segment *ray,
+                           struct mlrt_nearest *nearest)
+{
+    const int a = shear->main_axis;
+    const double step = (double)shear->sign * shear->scale;
+    const double begin = ((double)ray->origin[a] - shear->centre[a]) * step, pace = ray->direction[a] * step;
+    const double one = (1 - (1 + MLRT_SHEAR_SLACK) / nearest->lo - begin) / pace;
+    const double other = (1 - (1 - MLRT_SHEAR_SLACK) / nearest->hi - begin) / pace;
+    const float lo = (float)((one < other ? one : other) * (1 - MLRT_SHEAR_SLACK));
+    const float hi = (float)((one < other ? other : one) * (1 + MLRT_SHEAR_SLACK));
+    nearest->lo = lo > ray->t_min ? lo : ray->t_min;
+    nearest->hi = hi < ray->t_max ? hi : ray->t_max;
+}
+
 /* ---- packets and boxes ---- */
 
 int mlrt_have_one_direction(const struct mlrt_packet *packet)

@@ -75,8 +75,12 @@ struct mlrt_source;
 void mlrt_make_shear(const struct mlrt_tree *tree, const struct mlrt_source *source, const float direction[3],
                      const float origin[3], int any, struct mlrt_shear *shear);
 
-/* Turns the bounds of a ray's nearest hit into ones of 1 / (1 - z). */
+/* Turns the bounds of a ray's nearest hit into ones of 1 / (1 - z), */
 void mlrt_shear_distance(const struct mlrt_shear *shear, const struct mlrt_ray_segment *ray,
                          struct mlrt_nearest *nearest);
+
+/* and back. */
+void mlrt_unshear_distance(const struct mlrt_shear *shear, const struct mlrt_ray_segment *ray,
+                           struct mlrt_nearest *nearest);
 
 #endif

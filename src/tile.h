@@ -10,6 +10,7 @@
 
 #include "kernels.h"
 #include "sheared.h"
+#include "tuning.h"
 
 /* A part of a picture, or of a tile. */
 struct mlrt_rectangle {
@@ -54,6 +55,7 @@ struct mlrt_cells {
     float slope_hi[2];
     float whole_farthest;
     float slope_bound;          /* of edge functions over slopes (bvh_leaf.h) */
+    uint32_t few;               /* what no more cells than this meet may go to their rays one by one (hybrid.h) */
     struct mlrt_ray_tile *tile; /* whose packets the cells are; NULL: they are tiles */
 };
 
@@ -76,11 +78,56 @@ static inline void mlrt_set_cell_slopes(struct mlrt_cells *cells, uint32_t place
     cells->slopes[side].hi[place] = hi;
 }
 
+/* The main axis; ~axis if rays go down it. */
+MLRT_INLINE int mlrt_axis_code(const struct mlrt_cells *cells)
+{
+    return cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
+}
+
+/* Where the set-up of a leaf is kept, if it is. */
+MLRT_INLINE struct mlrt_leaf_setup *mlrt_place_of_leaf(uint32_t child, struct mlrt_leaf_cache *cache)
+{
+    return &cache->leaves[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - MLRT_LEAF_SETUP_BITS)];
+}
+
+MLRT_INLINE int mlrt_is_set_up(const struct mlrt_cells *cells, uint32_t child, const struct mlrt_leaf_setup *place)
+{
+    return place->child == child && place->axis == mlrt_axis_code(cells);
+}
+
 /* A cell that meets nothing. */
 static inline void mlrt_leave_out_cell(struct mlrt_cells *cells, uint32_t place)
 {
     cells->farthest[place] = -INFINITY;
     for (int side = 0; side < 2; ++side) mlrt_set_cell_slopes(cells, place, side, INFINITY, -INFINITY);
+}
+
+/* A child of a node as rays of cells see it. */
+struct mlrt_seen_box {
+    float nearest; /* depth */
+    float first;   /* what slopes are multiplied with: depths, */
+    float last;
+    float begin[2]; /* to be compared with what the box is between over the other axes */
+    float end[2];
+};
+
+static inline void mlrt_see_box(const struct mlrt_cells *cells, const struct mlrt_bvh_node *node, uint32_t place,
+                                struct mlrt_seen_box *box)
+{
+    const int a = cells->main_axis;
+    const float below = node->lo[a][place] - cells->apex[a], above = node->hi[a][place] - cells->apex[a];
+    const float enter = cells->sign > 0 ? below : -above, exit = cells->sign > 0 ? above : -below;
+    for (int side = 0; side < 2; ++side) {
+        const int j = mlrt_slope_axis(a, side);
+        box->begin[side] = node->lo[j][place] - cells->apex[j];
+        box->end[side] = node->hi[j][place] - cells->apex[j];
+    }
+    box->nearest = box->first = enter > 0 ? enter : 0;
+    box->last = exit;
+    if (mlrt_are_sheared(cells)) {
+        box->nearest = mlrt_shear_box(&cells->shear, enter, exit, box->begin, box->end);
+        box->first = box->last = cells->shear.size;
+    }
 }
 
 /* A tile of sixteen packets: the rays of its cells, made when they are needed. */
@@ -95,6 +142,8 @@ struct mlrt_ray_tile {
     uint32_t made;                         /* packets that have their rays */
     const struct mlrt_job *picture;        /* of shadow rays: the call whose hits they come from, */
     struct mlrt_ray_tile *seen;            /* and the tile with them; else NULL */
+    struct mlrt_slopes ray_slopes[MLRT_CELL_COUNT][2]; /* by packet: of its rays, as if each were a cell (hybrid.h) */
+    uint32_t has_ray_slopes;
     uint32_t dark[MLRT_CELL_COUNT];        /* of shadow rays: lanes without one, as the light is on the other side */
 };
 
@@ -105,6 +154,13 @@ MLRT_INLINE uint32_t mlrt_places(uint32_t column_bits, uint32_t columns, uint32_
     return column_bits ? (0xFu >> (4 - columns)) * (0x11110u >> 4 * (4 - rows) >> 4) : 0xFFFFu >> (16 - rows);
 }
 
+/* Has cells be packets of a tile; NULL: they are tiles. */
+MLRT_INLINE void mlrt_set_tile(struct mlrt_ray_tile *tile, uint32_t packets, struct mlrt_cells *cells)
+{
+    cells->tile = tile;
+    cells->few = mlrt_count_bits(packets) < MLRT_MANY_PACKETS ? 0 : MLRT_FEW_PACKETS;
+}
+
 /* A tile of which nothing is made; a list's has one column. */
 MLRT_INLINE void mlrt_begin_tile(const struct mlrt_rectangle *area, int is_list, struct mlrt_ray_tile *tile)
 {
@@ -113,6 +169,7 @@ MLRT_INLINE void mlrt_begin_tile(const struct mlrt_rectangle *area, int is_list,
     tile->blocks = mlrt_places(tile->column_bits, (area->width + 3) / 4, (area->height + 3) / 4);
     tile->limits_below = 0;
     tile->made = 0;
+    tile->has_ray_slopes = 0;
     tile->seen = NULL;
 }
 

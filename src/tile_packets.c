@@ -32,7 +32,7 @@ uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worke
         }
         const int is_alike = packet->has_apex || (!packet->has_masks && packet->has_direction);
         if (packet->active && !is_alike) {
-            job->kernels->trace_singles(job, packet->active, packet, worker);
+            job->kernels->trace_singles(job, packet->active, packet, worker, 0);
         } else {
             waiting |= (packet->active != 0u) << place;
         }
@@ -56,11 +56,11 @@ static uint32_t cut_wide_packets(const struct mlrt_job *job, struct mlrt_worker 
         const uint32_t alone = mlrt_count_bits(others) < MLRT_LEAST_PART ? others : 0;
         put_off[place] = others & ~alone;
         packet->active = near;
-        if (alone) job->kernels->trace_singles(job, alone, packet, worker);
+        if (alone) job->kernels->trace_singles(job, alone, packet, worker, 0);
         if (mlrt_count_bits(near) >= MLRT_LEAST_PART && job->kernels->add_packet(tile, place)) {
             cells |= 1u << place;
         } else {
-            job->kernels->trace_singles(job, near, packet, worker);
+            job->kernels->trace_singles(job, near, packet, worker, 0);
         }
     }
     return cells;
@@ -87,7 +87,7 @@ void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, 
         if (MLRT_UNLIKELY(wide)) {
             for (uint32_t again = wide & cut; again; again &= again - 1) {
                 struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(again)];
-                job->kernels->trace_singles(job, packet->active, packet, worker);
+                job->kernels->trace_singles(job, packet->active, packet, worker, 0);
             }
             wide &= ~cut;
             cut |= wide;

@@ -49,6 +49,21 @@
 #define MLRT_FORESEEN_TRIANGLES 4
 #endif
 
+/* Of a tile of so many packets at least, what no more than so many of them may meet is looked at by rays: so many go
+ * through a node one by one, and through a leaf that is not set up. Many: 17: none. */
+#ifndef MLRT_MANY_PACKETS
+#define MLRT_MANY_PACKETS 8
+#endif
+#ifndef MLRT_FEW_PACKETS
+#define MLRT_FEW_PACKETS 4
+#endif
+#ifndef MLRT_FEW_RAYS
+#define MLRT_FEW_RAYS 32
+#endif
+#ifndef MLRT_FEW_LEAF_RAYS
+#define MLRT_FEW_LEAF_RAYS 3
+#endif
+
 /* A worker keeps 1 << this set-ups of leaves, of 1.4 KiB. */
 #ifndef MLRT_LEAF_SETUP_BITS
 #define MLRT_LEAF_SETUP_BITS 5

@@ -1904,7 +1904,7 @@ static void stacks_hold_what_waits(void **state)
     packet.lo[0] = packet.hi[0] = INFINITY;
     packet.triangle[0] = MLRT_NONE;
     packet.has_apex = 1;
-    trace_singles(&job, 1, &packet, &worker);
+    trace_singles(&job, 1, &packet, &worker, 0);
     assert_true(packet.triangle[0] == MLRT_NONE);
 }
 

@@ -127,7 +127,7 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
     leaf->child = child;
-    leaf->axis = cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
+    leaf->axis = mlrt_axis_code(cells);
     leaf->corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
@@ -170,9 +170,8 @@ static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const s
                                            const struct mlrt_worker *worker, struct mlrt_leaf_cache *cache,
                                            uint32_t *seen)
 {
-    struct mlrt_leaf_setup *leaf = &cache->leaves[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - MLRT_LEAF_SETUP_BITS)];
-    const int axis = cells->sign < 0 ? ~cells->main_axis : cells->main_axis;
-    if (leaf->child != child || leaf->axis != axis) begin_leaf(tree, cells, child, worker->mask, leaf);
+    struct mlrt_leaf_setup *leaf = mlrt_place_of_leaf(child, cache);
+    if (!mlrt_is_set_up(cells, child, leaf)) begin_leaf(tree, cells, child, worker->mask, leaf);
     *seen = seen_by_cells(cells, leaf);
     const uint32_t wanted = *seen & ~leaf->ready;
     if (wanted) {

@@ -91,6 +91,7 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct r
                                 struct single_ray *ray)
 {
     float reach = 0;
+    MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
         const float d = packet->direction[k][lane];
         const uint32_t lo = (uint32_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
@@ -318,28 +319,32 @@ MLRT_INLINE float finite_limit(float hi)
     return hi < FLT_MAX ? hi : FLT_MAX;
 }
 
-static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct single_ray *ray,
-                                       struct mlrt_packet *packet, struct mlrt_worker *worker)
+/* From a child of a node on. */
+static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct reciprocals *reciprocals,
+                                       uint32_t lane, uint32_t child, struct mlrt_packet *packet,
+                                       struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
     const int any = job->any;
     uint64_t stack[WAITING_LIMIT];
-    uint32_t count = 0, child = 0;
-    float limit = finite_limit(packet->hi[ray->lane]);
+    uint32_t count = 0;
+    struct single_ray ray;
+    set_single_ray(packet, reciprocals, lane, &ray);
+    float limit = finite_limit(packet->hi[lane]);
     COUNT(&worker->counters, packet_count, 1);
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
         if (mlrt_bvh_quad_count(child) == 0) {
             const struct mlrt_bvh_node *node = &nodes[mlrt_bvh_offset(child)];
-            const uint32_t met = meet_boxes(ray, node, limit, any, order);
+            const uint32_t met = meet_boxes(&ray, node, limit, any, order);
             if (met) {
                 child = choose_child(node, met, order, any, stack, &count);
                 continue;
             }
-        } else if (test_leaf(job, ray, child, packet, worker)) {
+        } else if (test_leaf(job, &ray, child, packet, worker)) {
             if (any) return;
-            limit = finite_limit(packet->hi[ray->lane]);
+            limit = finite_limit(packet->hi[lane]);
         }
         do {
             if (count == 0) return;
@@ -349,18 +354,17 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
     }
 }
 
-/* Traces the rays of a packet in the lanes `lanes`, which float can carry, through a hierarchy that is float_safe. */
+/* Traces the rays of a packet in the lanes `lanes`, which float can carry, through a hierarchy that is float_safe, from
+ * `child` on. */
 static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                                        struct mlrt_worker *worker)
+                                        struct mlrt_worker *worker, uint32_t child)
 {
     struct reciprocals reciprocals;
     if (packet->shear) mlrt_unshear_packet(packet);
     if (job->tree->bvh.node_count == 0) return;
     set_reciprocals(packet, &reciprocals);
     for (; lanes; lanes &= lanes - 1) {
-        struct single_ray ray;
-        set_single_ray(packet, &reciprocals, mlrt_lowest_bit(lanes), &ray);
-        trace_single(job, &ray, packet, worker);
+        trace_single(job, &reciprocals, mlrt_lowest_bit(lanes), child, packet, worker);
     }
 }
 
@@ -370,7 +374,6 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
 {
     struct mlrt_packet packet;
     struct reciprocals reciprocals;
-    struct single_ray ray;
     struct mlrt_worker worker;
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
     MLRT_KEEP_LOOP
@@ -390,8 +393,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
     memset(worker.pairs, 0, sizeof worker.pairs);
-    set_single_ray(&packet, &reciprocals, 0, &ray);
-    trace_single(job, &ray, &packet, &worker);
+    trace_single(job, &reciprocals, 0, 0, &packet, &worker);
     return packet.triangle[0];
 }
 #endif

@@ -51,27 +51,16 @@ MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct m
 /* The cells that may meet a box, which is child `place` of a node. */
 MLRT_INLINE uint32_t cells_met(const struct mlrt_cells *cells, const struct mlrt_bvh_node *node, uint32_t place)
 {
-    const int a = cells->main_axis;
-    const float below = node->lo[a][place] - cells->apex[a], above = node->hi[a][place] - cells->apex[a];
-    const float enter = cells->sign > 0 ? below : -above, exit = cells->sign > 0 ? above : -below;
-    float begin[2], end[2], nearest = enter > 0 ? enter : 0;
-    for (int side = 0; side < 2; ++side) {
-        const int j = mlrt_slope_axis(a, side);
-        begin[side] = node->lo[j][place] - cells->apex[j];
-        end[side] = node->hi[j][place] - cells->apex[j];
-    }
-    vf first = v_set1(nearest), last = v_set1(exit);
-    if (mlrt_are_sheared(cells)) {
-        nearest = mlrt_shear_box(&cells->shear, enter, exit, begin, end);
-        first = last = v_set1(cells->shear.size);
-    }
+    struct mlrt_seen_box box;
+    mlrt_see_box(cells, node, place, &box);
+    const vf first = v_set1(box.first), last = v_set1(box.last);
     uint32_t met = 0;
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
-        vm may = v_le(v_set1(nearest), v_load(cells->farthest + v));
+        vm may = v_le(v_set1(box.nearest), v_load(cells->farthest + v));
         for (int side = 0; side < 2; ++side) {
             const vf lo = v_load(cells->slopes[side].lo + v), hi = v_load(cells->slopes[side].hi + v);
-            const vf least = v_set1(begin[side]), greatest = v_set1(end[side]);
+            const vf least = v_set1(box.begin[side]), greatest = v_set1(box.end[side]);
             may = m_and(may, v_le(least, v_max(v_mul(hi, first), v_mul(hi, last))));
             may = m_and(may, v_ge(greatest, v_min(v_mul(lo, first), v_mul(lo, last))));
         }
@@ -275,6 +264,19 @@ MLRT_INLINE uint32_t may_be_hit(const struct mlrt_leaf_setup *leaf, uint32_t tri
     return left;
 }
 
+/* After hits of an open packet, those that look no further in the lanes `done`. */
+static MLRT_NOINLINE void update_cell(struct mlrt_ray_tile *tile, uint32_t place, uint32_t done)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    packet->active &= ~done;
+    if (done && packet->active) {
+        add_packet(tile, place); /* narrower than it was, and so a cell; but not one without rays */
+        tile->cells.closed &= ~(1u << place);
+    } else {
+        tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
+    }
+}
+
 /* Tests a packet against triangles of a leaf. */
 static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                       struct mlrt_ray_tile *tile, const struct mlrt_leaf_setup *leaf,
@@ -293,14 +295,7 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
         if (!(packet->active >> v & ALL_LANES)) continue;
         changed |= test_ray_vector(job, worker, leaf, triangles, reach, from ? from + v : NULL, v, packet);
     }
-    if (!changed) return;
-    if (job->any) packet->active &= ~changed;
-    if (job->any && packet->active) {
-        add_packet(tile, place); /* narrower than it was, and so a cell; but not one without rays */
-        tile->cells.closed &= ~(1u << place);
-    } else {
-        tile->cells.farthest[place] = farthest_depth(packet, tile->cells.main_axis);
-    }
+    if (changed) update_cell(tile, place, job->any ? changed : 0);
 }
 
 /* Opens a closed cell: makes its rays, if they are not there, and tests them against its cover. */
@@ -330,7 +325,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
  * A triangle in the plane of a cell's cover is hit where that is, if at all, and the first of the two in the input
  * wins: the later one changes nothing, and the earlier one may cover the cell instead. 0 if it is not as simple.
  */
-static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells,
+static MLRT_SMALL int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells,
                         uint32_t place, uint32_t number, int is_inside)
 {
     const uint32_t cover = cells->cover[place];
@@ -400,6 +395,10 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
             const uint32_t place = top->slot % MLRT_BVH_WIDTH, child = parent->child[place];
             const uint32_t met = cells_met(cells, parent, place);
             if (!met) continue;
+            if (mlrt_count_bits(met) <= cells->few && mlrt_trace_few_rays(job, worker, cells, top->slot, met)) {
+                set_whole_farthest(cells);
+                continue;
+            }
             if (!mlrt_bvh_quad_count(child)) {
                 node = mlrt_bvh_offset(child);
                 break;

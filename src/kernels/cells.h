@@ -111,7 +111,7 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
  * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them
  * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
-static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_cells *cells)
 {
     const struct mlrt_view *view = &job->source.view;

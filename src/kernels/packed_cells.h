@@ -43,7 +43,7 @@ MLRT_INLINE int add_packed_block(const struct mlrt_cells *cells, const struct pa
 }
 
 /* Makes a closed cell of a whole tile; 0 if its rays are not of one kind, or they are wide. */
-static int add_packed_tile(const struct mlrt_rectangle *area, struct mlrt_cells *cells, uint32_t place,
+static MLRT_NOINLINE int add_packed_tile(const struct mlrt_rectangle *area, struct mlrt_cells *cells, uint32_t place,
                            struct known_mesh *known, struct packed_tile *tile)
 {
     const struct mlrt_source *source = tile->source;
@@ -66,7 +66,7 @@ static int add_packed_tile(const struct mlrt_rectangle *area, struct mlrt_cells 
 }
 
 /* Has cells see things as the first ray of a tile does; 0 if float cannot. */
-MLRT_INLINE int look_as_packed_tile(struct packed_tile *tile, struct mlrt_cells *cells)
+static MLRT_SMALL int look_as_packed_tile(struct packed_tile *tile, struct mlrt_cells *cells)
 {
     const struct mlrt_source *source = tile->source;
     const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;

@@ -11,6 +11,7 @@
 
 #include "counters.h"
 #include "hit.h"
+#include "hybrid.h"
 #include "kernels.h"
 #include "levels.h"
 #include "packet_cells.h"
