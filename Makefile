@@ -132,11 +132,11 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL) -DMLRT_INLINE_LESS,$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := library tree bvh_spatial bvh_ray shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
+COLD := dispatch levels library tree tile_packets bvh_spatial bvh_ray shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
         bvh_build bvh_check bvh_collapse bvh_split kdtree_build kdtree_check split clip all_hits hit_list
 
 # What is as fast if it is small, or faster: counted in instructions of examples/render.
-COLD += predicate packet_cells tile_packets
+COLD += predicate
 $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c

@@ -12,9 +12,9 @@
 #include "tile.h"
 
 /*
- * Traces the rays of packets `met`, few of those of a tile, through what is at `slot` (bvh_tile.h) of the hierarchy, one
- * by one, if few of them meet its box. Else does nothing and returns 0: also where there is nothing to spare, as a leaf
- * is set up already, or cells are closed.
+ * Traces the rays of packets `met`, few of those of a tile, through what is at `slot` (bvh_tile.h) of the hierarchy,
+ * one by one, if few of them meet its box. Else does nothing and returns 0: also where there is nothing to spare, as a
+ * leaf is set up already, or cells are closed.
  */
 int mlrt_trace_few_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells, uint32_t slot,
                         uint32_t met);

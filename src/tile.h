@@ -137,14 +137,14 @@ struct mlrt_ray_tile {
     uint32_t column_bits; /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
     uint32_t blocks;      /* places that have one; those that are cut off count */
     struct mlrt_packet packets[MLRT_CELL_COUNT];
-    float greatest_depth[MLRT_CELL_COUNT]; /* of the directions of a packet, along the main axis */
-    int limits_below;                      /* some t_min is not 0 */
-    uint32_t made;                         /* packets that have their rays */
-    const struct mlrt_job *picture;        /* of shadow rays: the call whose hits they come from, */
-    struct mlrt_ray_tile *seen;            /* and the tile with them; else NULL */
+    float greatest_depth[MLRT_CELL_COUNT];             /* of the directions of a packet, along the main axis */
+    int limits_below;                                  /* some t_min is not 0 */
+    uint32_t made;                                     /* packets that have their rays */
+    const struct mlrt_job *picture;                    /* of shadow rays: the call whose hits they come from, */
+    struct mlrt_ray_tile *seen;                        /* and the tile with them; else NULL */
     struct mlrt_slopes ray_slopes[MLRT_CELL_COUNT][2]; /* by packet: of its rays, as if each were a cell (hybrid.h) */
     uint32_t has_ray_slopes;
-    uint32_t dark[MLRT_CELL_COUNT];        /* of shadow rays: lanes without one, as the light is on the other side */
+    uint32_t dark[MLRT_CELL_COUNT]; /* of shadow rays: lanes without one, as the light is on the other side */
 };
 
 /* The places of so many columns and rows of packets. */

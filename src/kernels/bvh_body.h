@@ -30,8 +30,8 @@
 #define KERNELS_OF_BOXES                                                                                               \
     .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
     .gather_camera_cells = gather_camera_cells, .gather_packed_cells = gather_packed_cells,                            \
-    .sum_up_cells = sum_up_cells, .add_packet = add_packet, .update_cell = update_cell, .trace_gathered = trace_gathered,                          \
-    .traverse = traverse_bvh, .open_packet = open_packet
+    .sum_up_cells = sum_up_cells, .add_packet = add_packet, .update_cell = update_cell,                                \
+    .trace_gathered = trace_gathered, .traverse = traverse_bvh, .open_packet = open_packet
 /* clang-format on */
 
 #if MLRT_COUNTING

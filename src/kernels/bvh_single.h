@@ -320,9 +320,8 @@ MLRT_INLINE float finite_limit(float hi)
 }
 
 /* From a child of a node on. */
-static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct reciprocals *reciprocals,
-                                       uint32_t lane, uint32_t child, struct mlrt_packet *packet,
-                                       struct mlrt_worker *worker)
+static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct reciprocals *reciprocals, uint32_t lane,
+                                       uint32_t child, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];

@@ -325,7 +325,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
  * A triangle in the plane of a cell's cover is hit where that is, if at all, and the first of the two in the input
  * wins: the later one changes nothing, and the earlier one may cover the cell instead. 0 if it is not as simple.
  */
-static MLRT_SMALL int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells,
+static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells,
                         uint32_t place, uint32_t number, int is_inside)
 {
     const uint32_t cover = cells->cover[place];

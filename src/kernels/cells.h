@@ -112,7 +112,7 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
  * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
 static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                               struct mlrt_cells *cells)
+                                          struct mlrt_cells *cells)
 {
     const struct mlrt_view *view = &job->source.view;
     const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;

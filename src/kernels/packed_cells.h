@@ -44,7 +44,7 @@ MLRT_INLINE int add_packed_block(const struct mlrt_cells *cells, const struct pa
 
 /* Makes a closed cell of a whole tile; 0 if its rays are not of one kind, or they are wide. */
 static MLRT_NOINLINE int add_packed_tile(const struct mlrt_rectangle *area, struct mlrt_cells *cells, uint32_t place,
-                           struct known_mesh *known, struct packed_tile *tile)
+                                         struct known_mesh *known, struct packed_tile *tile)
 {
     const struct mlrt_source *source = tile->source;
     const float t_max = source->kind == MLRT_SOURCE_POINT_LIGHT ? 1 : INFINITY;
