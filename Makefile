@@ -132,11 +132,11 @@ $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL) -DMLRT_INLINE_LESS,$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 # What hardly takes time, or few wait for.
-COLD := dispatch levels library tree tile_packets bvh_spatial bvh_ray shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
+COLD := library tree bvh_spatial bvh_ray shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
         bvh_build bvh_check bvh_collapse bvh_split kdtree_build kdtree_check split clip all_hits hit_list
 
-# What is as fast if it is small, or faster: counted in instructions of examples/render.
-COLD += predicate
+# What is as fast if it is small, or faster, or slower by less than 1 % of a room: counted in instructions.
+COLD += predicate dispatch levels tile_packets
 $(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
 
 $(BUILD)/obj/%.o: src/%.c

@@ -604,7 +604,8 @@ typedef struct mlrt_counters {
     uint32_t reserved;     /* must be 0 */
     uint64_t ray_count;    /* rays traced */
     uint64_t packet_count; /* groups of rays traced together: packets, or less where directions differ; rays
-                            * that went alone. Of method tile only the latter */
+                            * that went alone. Of method tile only the latter, each time
+                            * that one did */
     uint64_t beam_count;   /* beams for which an entry point was searched */
     uint64_t cell_count;   /* nodes, inner or leaf, descended into or popped; those of the entry-point search included.
                             * Method tile: nodes opened and leaves looked at by a tile or by a ray that went alone */

@@ -4,8 +4,6 @@
  */
 #include "hybrid.h"
 
-#include <string.h>
-
 #include "kernels/quad.h"
 #include "kernels/slopes.h"
 #include "shear.h"

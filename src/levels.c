@@ -95,7 +95,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     struct mlrt_ray_tile tile;
     mlrt_begin_tile(area, is_list(&job->source), &tile);
     if (gather_picture_cells(job, area, 4, &tile.cells)) {
-        mlrt_set_tile(&tile, tile.blocks, &tile.cells);
+        mlrt_set_tile(&tile, &tile.cells);
         if (known) {
             mlrt_fill_words(tile.cells.cover, known->cover);
         } else {
@@ -135,7 +135,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     if (worker->open_squares) {
         --worker->open_squares;
     } else if (gather_picture_cells(job, area, 16, &cells)) {
-        mlrt_set_tile(NULL, 0, &cells);
+        mlrt_set_tile(NULL, &cells);
         job->kernels->traverse(job, worker, &cells);
         if (!cells.closed) worker->open_squares = MLRT_SQUARE_RUN;
     }

@@ -101,6 +101,7 @@ uint32_t mlrt_gather_packets(const struct mlrt_job *job, struct mlrt_ray_tile *t
     struct mlrt_cells *cells = &tile->cells;
     look_as(job, &tile->packets[mlrt_lowest_bit(waiting)], cells);
     cells->closed = 0;
+    mlrt_set_tile(tile, cells);
     tile->limits_below = 0;
     tile->has_ray_slopes = 0;
     uint32_t gathered = 0;
@@ -118,7 +119,6 @@ uint32_t mlrt_gather_packets(const struct mlrt_job *job, struct mlrt_ray_tile *t
     *wide = find_wide_packets(cells, gathered, width);
     for (uint32_t left = *wide; left; left &= left - 1) mlrt_leave_out_cell(cells, mlrt_lowest_bit(left));
     cells->closed &= ~*wide;
-    mlrt_set_tile(tile, tile->blocks, cells);
     if (!gathered) *wide = waiting & (0u - waiting);
     return gathered & ~*wide;
 }

@@ -101,7 +101,7 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
         struct mlrt_cells cells;
         uint32_t dark = 0, lit = 0;
         if (covered && have_lit_cells(job, light)) {
-            mlrt_set_tile(NULL, 0, &cells);
+            mlrt_set_tile(NULL, &cells);
             lit = trace_lit_cells(light, worker, seen, covered, &cells, &dark);
         }
         for (uint32_t left = dark | lit; left; left &= left - 1) {
@@ -136,7 +136,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     tile.picture = job;
     const uint32_t covered = covered_cells(&seen->cells), missed = seen->cells.closed & ~covered;
     if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
-        mlrt_set_tile(&tile, tile.blocks, &tile.cells);
+        mlrt_set_tile(&tile, &tile.cells);
         lit = trace_lit_cells(light, worker, &seen->cells, covered, &tile.cells, &dark);
         made = tile.made;
     }

@@ -155,10 +155,10 @@ MLRT_INLINE uint32_t mlrt_places(uint32_t column_bits, uint32_t columns, uint32_
 }
 
 /* Has cells be packets of a tile; NULL: they are tiles. */
-MLRT_INLINE void mlrt_set_tile(struct mlrt_ray_tile *tile, uint32_t packets, struct mlrt_cells *cells)
+MLRT_INLINE void mlrt_set_tile(struct mlrt_ray_tile *tile, struct mlrt_cells *cells)
 {
     cells->tile = tile;
-    cells->few = mlrt_count_bits(packets) < MLRT_MANY_PACKETS ? 0 : MLRT_FEW_PACKETS;
+    cells->few = tile && mlrt_count_bits(tile->blocks) >= MLRT_MANY_PACKETS ? MLRT_FEW_PACKETS : 0;
 }
 
 /* A tile of which nothing is made; a list's has one column. */

@@ -49,14 +49,18 @@
 #define MLRT_FORESEEN_TRIANGLES 4
 #endif
 
-/* Of a tile of so many packets at least, what no more than so many of them may meet is looked at by rays: so many go
- * through a node one by one, and through a leaf that is not set up. Many: 17: none. */
+/* A tile of at least this many packets hands what few of them meet to their rays, one by one (hybrid.h). 17: none does.
+ */
 #ifndef MLRT_MANY_PACKETS
 #define MLRT_MANY_PACKETS 8
 #endif
+
+/* At most so many packets, */
 #ifndef MLRT_FEW_PACKETS
 #define MLRT_FEW_PACKETS 4
 #endif
+
+/* and so many of their rays: through a node, and through a leaf that is not set up. */
 #ifndef MLRT_FEW_RAYS
 #define MLRT_FEW_RAYS 32
 #endif

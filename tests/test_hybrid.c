@@ -161,7 +161,7 @@ static void same_as_alone(void **state)
         }
         free_fixture(&fixture);
     }
-    for (int kind = 0; kind < KIND_COUNT; kind++) assert_true(alone[kind] > 3 * 4 * COUNT / 4);
+    for (int kind = 0; kind < KIND_COUNT; kind++) assert_true(alone[kind] > 3 * COUNT);
 }
 
 /* Cells of a camera have no rays until they are opened. */
