@@ -35,7 +35,7 @@ KERNELS = [
 ]
 
 COUNTING = "counters.h"  # its macros differ between kernels that count and those that do not
-COUNTING_MACROS = ["COUNT", "MLRT_COUNTING"]
+COUNTING_MACROS = ["COUNT", "COUNTERS", "MLRT_COUNTING"]
 
 # System headers that not every system has. The intrinsics come as one.
 CONDITIONS = {

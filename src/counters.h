@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Counting: COUNT(counters, field, n) adds n to a field of mlrt_counters in the object files compiled with
- * MLRT_COUNTING=1, and is nothing in the others, so that nobody pays who does not ask (dispatch.c).
+ * MLRT_COUNTING=1, and is nothing in the others, so that nobody pays who does not ask (dispatch.c). COUNTERS(worker) is
+ * for functions that both call.
  */
 #ifndef MLRT_COUNTERS_H
 #define MLRT_COUNTERS_H
@@ -10,9 +11,11 @@
 
 #if defined(MLRT_COUNTING) && MLRT_COUNTING
 #define COUNT(counters, field, n) ((counters)->field += (uint64_t)(n))
+#define COUNTERS(worker)          (&(worker)->counters)
 #else
 #define MLRT_COUNTING             0
 #define COUNT(counters, field, n) ((void)(counters))
+#define COUNTERS(worker)          NULL
 #endif
 
 /* Adds every count of *from to *to. */

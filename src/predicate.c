@@ -425,6 +425,17 @@ MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlr
     return MLRT_LIKELY(sign != 0) ? sign : sign_beyond_exactly(ray, triangle, t, counters);
 }
 
+int mlrt_leaves_plane(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle)
+{
+    struct vector a = vector_of(triangle->v[0]);
+    struct vector ab = subtract(vector_of(triangle->v[1]), a), ac = subtract(vector_of(triangle->v[2]), a);
+    struct vector to_a = subtract(a, vector_of(origin)), along = vector_of(direction), normal = cross(ab, ac);
+    double normal_size = size_of(ab) * size_of(ac);
+    struct measured d = {dot(along, normal), size_of(along) * normal_size};
+    struct measured n = {dot(to_a, normal), size_of(to_a) * normal_size};
+    return certain_sign(d, SIGN_ERROR) * certain_sign(n, SIGN_ERROR) < 0;
+}
+
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                        mlrt_counters *counters)
 {

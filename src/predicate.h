@@ -44,6 +44,9 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle);
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                        mlrt_counters *counters);
 
+/* 1 if the ray surely begins on the side of the triangle's plane that it goes on to, and so hits it at no t > 0. */
+int mlrt_leaves_plane(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle);
+
 /*
  * Rule R6, for a triangle that the ray hits: 1 if it would still be hit with the origin moved by (e, e^2, e^3) for
  * every e > 0 that is small enough, t_max aside.

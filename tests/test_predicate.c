@@ -468,6 +468,14 @@ static void check_hit(const struct test_case *test)
     check(mlrt_hits_triangle(&test->ray, &test->triangle, NULL) == hit, "hits_triangle", test);
 }
 
+/* Returns whether the ray is said to leave the plane; only those that do may be. */
+static int check_leaving(const struct test_case *test)
+{
+    const int leaves = mlrt_leaves_plane(test->ray.origin, test->ray.direction, &test->triangle);
+    check(!leaves || mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0, "leaves_plane", test);
+    return leaves;
+}
+
 /* The interval's ends at, just below and just above t. */
 static void check_intervals(struct test_case *test, float t)
 {
@@ -514,6 +522,7 @@ static int check_case(struct test_case *test)
     struct integers *z = &first_integers;
     set_integers(z, test);
     check_triangle(test);
+    check_leaving(test);
     int facing = expected_facing(z);
     check(facing_exactly(&test->ray, &test->triangle, (const int[3]){0, 0, 0}, NULL) == facing, "facing_exactly", test);
     if (!expected_hit(z, &test->ray)) {
@@ -547,6 +556,28 @@ static void ordinary_rays(void **state)
 {
     (void)state;
     check_kind(make_ordinary, 1, CASES_PER_KIND / 3);
+}
+
+/* They begin just off the plane, to either side. For nearly all that leave it, double is sure. */
+static void rays_from_the_plane(void **state)
+{
+    (void)state;
+    random_state = 15;
+    int leaving = 0, sure = 0;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        struct test_case test;
+        make_ordinary(&test);
+        const float b = unit_float() / 2, c = unit_float() / 2;
+        for (int k = 0; k < 3; ++k) {
+            const float a = test.triangle.v[0][k], to_b = test.triangle.v[1][k] - a, to_c = test.triangle.v[2][k] - a;
+            test.ray.origin[k] = nudge(a + b * to_b + c * to_c, (int32_t)(next_random() % 5) - 2);
+        }
+        set_integers(&first_integers, &test);
+        check_hit(&test);
+        leaving += mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
+        sure += check_leaving(&test);
+    }
+    assert_true(leaving > CASES_PER_KIND / 3 && sure > leaving - leaving / 100);
 }
 
 static void small_integers(void **state)
@@ -1121,6 +1152,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ordinary_rays),
+        cmocka_unit_test(rays_from_the_plane),
         cmocka_unit_test(small_integers),
         cmocka_unit_test(sums_in_the_plane),
         cmocka_unit_test(sums_of_any_sizes),

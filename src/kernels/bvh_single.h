@@ -91,7 +91,6 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct r
                                 struct single_ray *ray)
 {
     float reach = 0;
-    MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
         const float d = packet->direction[k][lane];
         const uint32_t lo = (uint32_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
@@ -224,28 +223,14 @@ MLRT_INLINE void set_float_test(const struct single_ray *ray, const float *corne
     test->greatest = v_max(v_max(ab, bc), ca);
 }
 
-MLRT_INLINE struct verdict filter_triangles(const struct single_ray *ray, const struct mlrt_packet *packet,
-                                            const float *corners, uint32_t stride, vm active)
-{
-    struct float_test test;
-    set_float_test(ray, corners, stride, &test);
-    const vm candidates = may_be_inside(&test, active);
-    struct verdict verdict = {candidates, candidates, candidates, v_set1(0), v_set1(0)};
-    if (!m_bits(candidates)) return verdict;
-    verdict =
-        compare_distances(&test, candidates, ray->t_min, v_set1(packet->lo[ray->lane]), v_set1(packet->hi[ray->lane]));
-    if (MLRT_GUESS) verdict.undecided = m_andnot(candidates, candidates);
-    return verdict;
-}
-
-/* Makes the nearest of the triangles that are surely hit the nearest hit. Returns those that need to be compared with
- * it. */
-MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, const uint32_t *numbers, uint32_t lane,
-                                  struct mlrt_packet *packet)
+/* Makes the nearest of the triangles that are surely hit, bits in `nearer`, the nearest hit. Returns those that need to
+ * be compared with it. */
+MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer, const uint32_t *numbers,
+                                  uint32_t lane, struct mlrt_packet *packet)
 {
     MLRT_ALIGNED(64) float lo[VW];
     MLRT_ALIGNED(64) float hi[VW];
-    uint32_t nearer = m_bits(verdict->nearer), close = 0, nearest = mlrt_lowest_bit(nearer);
+    uint32_t close = 0, nearest = mlrt_lowest_bit(nearer);
     v_store(lo, verdict->lo);
     v_store(hi, verdict->hi);
     for (uint32_t left = nearer & (nearer - 1); left; left &= left - 1) {
@@ -262,19 +247,12 @@ MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, const uint32_t 
     return close;
 }
 
-/* Hands triangles that the filter left to the judge, one by one. Returns 1 if one of them became the nearest hit. */
-static MLRT_NOINLINE int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided,
-                                          uint32_t inside, uint32_t lane, struct mlrt_packet *packet,
-                                          struct mlrt_worker *worker)
+/* Places that are empty, and triangles that are no news: the nearest so far, which may be in several leaves, and the
+ * one that the ray passes. */
+MLRT_INLINE vm no_news(const struct mlrt_packet *packet, uint32_t lane, vi number)
 {
-    uint32_t hit = 0;
-    for (; undecided; undecided &= undecided - 1) {
-        const uint32_t i = mlrt_lowest_bit(undecided);
-        const struct outcome outcome = {0, 1u << lane, inside >> i & 1 ? 1u << lane : 0};
-        hit |= decide_lanes(job->tree, numbers[i], &outcome, packet, worker);
-        if (hit && job->any) break;
-    }
-    return hit != 0;
+    const vm known = m_or(i_eq(number, i_set1(MLRT_NONE)), i_eq(number, i_set1(packet->triangle[lane])));
+    return packet->has_skip ? m_or(known, i_eq(number, i_set1(packet->skip[lane]))) : known;
 }
 
 /* Tests the triangles of a leaf. Returns 1 if the nearest hit changed. */
@@ -285,29 +263,34 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
     const uint32_t lane = ray->lane, place_count = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
-    const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
     int changed = 0;
     for (uint32_t v = 0; v < place_count; v += VW) {
-        const vi number = i_load_any(numbers + v);
-        vm active = m_from_bits(VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1);
-        active = m_andnot(active, i_eq(number, i_set1(MLRT_NONE)));
-        /* A triangle met again in another leaf is no news. */
-        active = m_andnot(active, i_eq(number, i_set1(packet->triangle[lane])));
-        if (packet->has_skip) active = m_andnot(active, i_eq(number, i_set1(packet->skip[lane])));
+        const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
+        struct float_test test;
+        set_float_test(ray, corners + v, place_count, &test);
+        const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
+        uint32_t candidates = m_bits(inside) & places;
+        if (!candidates && !MLRT_COUNTING) continue;
+        const vm old = no_news(packet, lane, i_load_any(numbers + v));
+        candidates &= ~m_bits(old);
+        const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
         if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) {
-            active = m_from_bits(mlrt_visible_places(job->tree, numbers + v, m_bits(active), mask));
+            candidates = mlrt_visible_places(job->tree, numbers + v, candidates, mask);
         }
-        COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(m_bits(active)));
-        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
-        const struct verdict verdict = filter_triangles(ray, packet, corners + v, place_count, active);
-        uint32_t undecided = m_bits(verdict.undecided);
-        if (m_bits(verdict.nearer)) {
-            undecided |= keep_nearest(&verdict, numbers + v, lane, packet);
+        COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(places & ~m_bits(old)));
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(places & ~m_bits(old)));
+        if (!candidates) continue;
+        const struct verdict verdict = compare_distances(&test, m_andnot(inside, old), ray->t_min,
+                                                         v_set1(packet->lo[lane]), v_set1(packet->hi[lane]));
+        uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
+        const uint32_t nearer = m_bits(verdict.nearer) & candidates;
+        if (nearer) {
+            undecided |= keep_nearest(&verdict, nearer, numbers + v, lane, packet);
             changed = 1;
             if (job->any) return 1;
         }
         if (MLRT_UNLIKELY(undecided)) {
-            changed |= decide_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker);
+            changed |= mlrt_decide_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker);
             if (changed && job->any) return 1;
         }
     }

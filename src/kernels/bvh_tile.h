@@ -224,9 +224,10 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
         keep_leaf_verdict(&verdict, leaf, place, &rays);
         changed = m_or(changed, verdict.nearer);
         if (MLRT_LIKELY(!m_bits(verdict.undecided))) continue;
-        const struct outcome outcome = {0, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v};
         store_ray_vector(&rays, changed, v, packet);
-        decided |= decide_lanes(job->tree, number, &outcome, packet, worker) | m_bits(changed) << v;
+        decided |= m_bits(changed) << v;
+        decided |= mlrt_decide_lanes(job->tree, number, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v,
+                                     packet, worker, COUNTERS(worker));
         changed = m_from_bits(0);
         load_ray_vector(packet, v, &rays);
     }
@@ -330,7 +331,7 @@ static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker
 {
     const uint32_t cover = cells->cover[place];
     if (cover == MLRT_NONE || (number < cover && !is_inside)) return 0;
-    if (!share_plane(tree, number, cover, worker)) return 0;
+    if (!mlrt_have_one_plane(tree, number, cover, worker)) return 0;
     if (number < cover) cells->cover[place] = number;
     return 1;
 }

@@ -21,11 +21,11 @@
 #include "tile.h"
 #include "tile_packets.h"
 #include "trace_ray.h"
+#include "undecided.h"
 
 #include "slopes.h"
 #include "extremes.h"
 #include "triangle_filter.h"
 #include "outcome.h"
-#include "undecided.h"
 
 #endif

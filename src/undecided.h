@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the float filters leave: exact ties in one plane, and then the judge, ray by ray (hit.h). Compiled once, for all
+ * instruction sets: `counters` are NULL but for kernels that count.
+ */
+#ifndef MLRT_UNDECIDED_H
+#define MLRT_UNDECIDED_H
+
+#include "kernels.h"
+
+/* Do two triangles lie in one plane? A worker remembers the last answers, since neighbours ask the same. */
+int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker);
+
+/* Offers a triangle to the rays in `lanes`; to those in `inside`, which are surely inside its edges. Returns the lanes
+ * whose nearest hit changed, but for ties. */
+uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                           struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
+
+/* Offers those of the triangles numbers[i] for which bit i is set to one ray, which has no shear. Returns 1 if one of
+ * them became the nearest hit, which for a job that looks for any is the last one offered. */
+int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
+                          uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker);
+
+#endif
