@@ -235,34 +235,33 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
     return decided | m_bits(changed) << v;
 }
 
+#define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
+
 /*
- * Of triangles of a leaf, those that some ray of a packet is not surely outside of: all its rays at once, with nothing
- * at hand but their directions. Most of many triangles have no ray inside, and are done with so.
+ * Of triangles of a leaf, those that some ray of each vector of a packet is not surely outside of: all its rays at
+ * once, with nothing at hand but their directions. Most of many triangles have no ray inside, and are done with so.
  */
-MLRT_INLINE uint32_t may_be_hit(const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
-                                const struct mlrt_packet *packet)
+MLRT_INLINE void find_hit_by_vectors(const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
+                                     const struct mlrt_packet *packet, uint32_t left[PACKET_VECTORS])
 {
-    enum { VECTORS = MLRT_PACKET_RAYS / VW };
-    vf direction[VECTORS][3];
-    vm active[VECTORS];
-    uint32_t left = 0;
+    vf direction[PACKET_VECTORS][3];
+    vm active[PACKET_VECTORS];
     MLRT_UNROLL
-    for (int i = 0; i < VECTORS; ++i) {
+    for (int i = 0; i < PACKET_VECTORS; ++i) {
+        left[i] = 0;
         active[i] = m_from_bits(packet->active >> VW * i);
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) direction[i][k] = v_load(packet->direction[k] + VW * i);
     }
     for (; triangles; triangles &= triangles - 1) {
         const uint32_t place = mlrt_lowest_bit(triangles);
-        uint32_t may = 0;
         MLRT_UNROLL
-        for (int i = 0; i < VECTORS; ++i) {
+        for (int i = 0; i < PACKET_VECTORS; ++i) {
             const vf least = least_leaf_edge(leaf, place, direction[i]);
-            may |= m_bits(m_and(active[i], v_ge(least, v_set1(-EDGE_BOUND * reach))));
+            const uint32_t may = m_bits(m_and(active[i], v_ge(least, v_set1(-EDGE_BOUND * reach))));
+            left[i] |= (uint32_t)(may != 0) << place;
         }
-        left |= (uint32_t)(may != 0) << place;
     }
-    return left;
 }
 
 /* After hits of an open packet, those that look no further in the lanes `done`. */
@@ -288,13 +287,17 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     const float reach = packet_reach(tile, place);
     const float *from = !tile->limits_below ? NULL : packet->shear ? packet->begin : packet->t_min;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
+    uint32_t of_vector[PACKET_VECTORS];
     if (VW > 1 && mlrt_count_bits(triangles) >= MLRT_FORESEEN_TRIANGLES) {
-        triangles = may_be_hit(leaf, triangles, reach, packet);
+        find_hit_by_vectors(leaf, triangles, reach, packet, of_vector);
+    } else {
+        MLRT_UNROLL
+        for (int i = 0; i < PACKET_VECTORS; ++i) of_vector[i] = packet->active >> VW * i & ALL_LANES ? triangles : 0;
     }
-    if (!triangles) return;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        if (!(packet->active >> v & ALL_LANES)) continue;
-        changed |= test_ray_vector(job, worker, leaf, triangles, reach, from ? from + v : NULL, v, packet);
+    for (int i = 0; i < PACKET_VECTORS; ++i) {
+        const int v = VW * i;
+        if (!of_vector[i]) continue;
+        changed |= test_ray_vector(job, worker, leaf, of_vector[i], reach, from ? from + v : NULL, v, packet);
     }
     if (changed) update_cell(tile, place, job->any ? changed : 0);
 }
