@@ -226,6 +226,8 @@ int main(int argc, char **argv)
         {OPTION_COUNT, "--threads", &settings.threads, "N", "threads; more than 1: one as well (default: 1)", 1, 256},
         {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11; of building 3)", 1, MAXIMUM_RUNS},
         {OPTION_FLAG, "--alone", &settings.alone, NULL, "without Embree", 0, 0},
+        {OPTION_FLAG, "--paced", &settings.paced, NULL,
+         "for programs: each run waits for a line on standard input,\nand says how many seconds it took", 0, 0},
         {OPTION_FLAG, "--csv", &settings.csv, NULL, "comma-separated values instead of tables", 0, 0},
     };
     int exit_code;

@@ -100,7 +100,8 @@ int start_contest(const struct bench_settings *settings, const struct arena *are
                                 .robust = arena->robust,
                                 .pool = arena->pool,
                                 .crew = arena->crew,
-                                .runs = settings->runs};
+                                .runs = settings->runs,
+                                .paced = settings->paced};
     for (int32_t i = 0; i < 6 * 5; i++) {
         const int32_t method = i / 5, isa = i % 5;
         if (!(settings->methods & 1u << method) || !(settings->isas & 1u << isa)) continue;

@@ -16,6 +16,7 @@ struct bench_settings {
     int32_t structure, preset, study;
     int csv;
     int alone; /* without Embree */
+    int paced; /* contest.h */
 };
 
 extern const char *const method_names[6], *const isa_names[5];

@@ -310,12 +310,27 @@ static void choose_variants(struct contest *contest, const struct answers *answe
     }
 }
 
+// Whoever runs this program says when.
+static double time_paced(const struct contest *contest, const struct contender *contender,
+                         const struct answers *answers)
+{
+    int letter;
+    puts("turn");
+    fflush(stdout);
+    do letter = getchar();
+    while (letter != '\n' && letter != EOF);
+    const double seconds = time_once(contest, contender, answers);
+    printf("%.9f\n", seconds);
+    return seconds;
+}
+
 static void take_turns(struct contest *contest, const struct answers *answers, double *seconds)
 {
     for (uint32_t run = 0; run < contest->runs; run++) {
         for (size_t i = 0; i < contest->count; i++) {
             if (contest->contenders[i].unsupported) continue;
-            seconds[i * contest->runs + run] = time_once(contest, &contest->contenders[i], answers);
+            seconds[i * contest->runs + run] =
+                (contest->paced ? time_paced : time_once)(contest, &contest->contenders[i], answers);
         }
     }
     for (size_t i = 0; i < contest->count; i++) {

@@ -33,6 +33,7 @@ struct contest {
     mlrt_pool *pool;
     struct crew *crew; /* of as many threads as the pool */
     uint32_t runs;
+    int paced; /* 1 = before each run wait for a line on stdin, and say on stdout how long it took */
     size_t count;
     struct contender contenders[MAXIMUM_CONTENDERS];
 };
