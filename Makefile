@@ -304,7 +304,7 @@ charts-speed: | $(AFTER_DEPS)
 	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
 
-# What the library decides while it traces, against fixed choices; some ten minutes with three scenes.
+# What the library decides while it traces, against fixed choices; some twenty minutes with four scenes.
 sweep: | $(AFTER_DEPS)
 	$(PYTHON) examples/bench/sweep.py $(BENCH_ALL) > docs/data/sweep.csv
 
