@@ -11,8 +11,8 @@
 /* Do two triangles lie in one plane? A worker remembers the last answers, since neighbours ask the same. */
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker);
 
-/* Offers a triangle to the rays in `lanes`; to those in `inside`, which are surely inside its edges. Returns the lanes
- * whose nearest hit changed, but for ties. */
+/* Offers a triangle to the rays in `lanes`, of which those in `inside` are surely inside its edges. Returns the lanes
+ * that are hit nearer than before: not those where only the triangle is another, at the same distance. */
 uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
