@@ -227,7 +227,9 @@ int main(int argc, char **argv)
         {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11; of building 3)", 1, MAXIMUM_RUNS},
         {OPTION_FLAG, "--alone", &settings.alone, NULL, "without Embree", 0, 0},
         {OPTION_FLAG, "--paced", &settings.paced, NULL,
-         "for programs: each run waits for a line on standard input,\nand says how many seconds it took", 0, 0},
+         "for programs: each run says \"turn KIND\", waits for a line on\nstandard input, and says how many seconds it "
+         "took",
+         0, 0},
         {OPTION_FLAG, "--csv", &settings.csv, NULL, "comma-separated values instead of tables", 0, 0},
     };
     int exit_code;

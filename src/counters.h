@@ -2,7 +2,7 @@
 /*
  * Counting: COUNT(counters, field, n) adds n to a field of mlrt_counters in the object files compiled with
  * MLRT_COUNTING=1, and is nothing in the others, so that nobody pays who does not ask (dispatch.c). COUNTERS(worker) is
- * for functions that both call.
+ * what functions of other files are handed: NULL where nothing is counted.
  */
 #ifndef MLRT_COUNTERS_H
 #define MLRT_COUNTERS_H

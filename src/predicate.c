@@ -114,14 +114,15 @@ struct operands {
     double ab_size, ac_size, direction_size, to_a_size;
 };
 
-MLRT_INLINE struct operands load_operands(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
+MLRT_INLINE struct operands load_operands(const float origin[3], const float direction[3],
+                                          const struct mlrt_triangle *triangle)
 {
     struct operands operands;
     struct vector a = vector_of(triangle->v[0]);
     operands.ab = subtract(vector_of(triangle->v[1]), a);
     operands.ac = subtract(vector_of(triangle->v[2]), a);
-    operands.direction = vector_of(ray->direction);
-    operands.to_a = subtract(a, vector_of(ray->origin));
+    operands.direction = vector_of(direction);
+    operands.to_a = subtract(a, vector_of(origin));
     operands.ab_size = size_of(operands.ab);
     operands.ac_size = size_of(operands.ac);
     operands.direction_size = size_of(operands.direction);
@@ -427,21 +428,17 @@ MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlr
 
 int mlrt_leaves_plane(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle)
 {
-    struct vector a = vector_of(triangle->v[0]);
-    struct vector ab = subtract(vector_of(triangle->v[1]), a), ac = subtract(vector_of(triangle->v[2]), a);
-    struct vector to_a = subtract(a, vector_of(origin)), along = vector_of(direction), normal = cross(ab, ac);
-    double normal_size = size_of(ab) * size_of(ac);
-    struct measured d = {dot(along, normal), size_of(along) * normal_size};
-    struct measured n = {dot(to_a, normal), size_of(to_a) * normal_size};
-    return certain_sign(d, SIGN_ERROR) * certain_sign(n, SIGN_ERROR) < 0;
+    struct operands operands = load_operands(origin, direction, triangle);
+    struct crossing crossing = measure_crossing(&operands);
+    return certain_sign(crossing.d, SIGN_ERROR) * certain_sign(crossing.n, SIGN_ERROR) < 0;
 }
 
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                        mlrt_counters *counters)
 {
-    struct operands operands = load_operands(ray, triangle);
+    struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     struct crossing crossing = measure_crossing(&operands);
-    /* Most rays that come here start beside a surface, and leave it. */
+    /* Many rays that come here start beside a surface, and leave it. */
     if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0) {
         return 0;
     }
@@ -492,7 +489,7 @@ static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, con
 
 int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
 {
-    struct operands operands = load_operands(ray, triangle);
+    struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     struct two_edges edges = measure_edges(&operands);
     struct crossing crossing = measure_crossing(&operands);
     int inside = certain_sign(edges.ab, SIGN_ERROR) != 0 && certain_sign(edges.ca, SIGN_ERROR) != 0 &&
@@ -575,8 +572,8 @@ static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *r
 int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                           const struct mlrt_triangle *second, mlrt_counters *counters)
 {
-    struct operands operands_1 = load_operands(ray, first);
-    struct operands operands_2 = load_operands(ray, second);
+    struct operands operands_1 = load_operands(ray->origin, ray->direction, first);
+    struct operands operands_2 = load_operands(ray->origin, ray->direction, second);
     struct crossing crossing_1 = measure_crossing(&operands_1);
     struct crossing crossing_2 = measure_crossing(&operands_2);
     int sign = certain_sign(crossing_1.d, SIGN_ERROR) * certain_sign(crossing_2.d, SIGN_ERROR) *
@@ -641,7 +638,7 @@ MLRT_INLINE struct enclosure enclose_quotient(struct measured x, struct denomina
 
 void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *lo, float *hi)
 {
-    struct operands operands = load_operands(ray, triangle);
+    struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     struct crossing crossing = measure_crossing(&operands);
     if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
         *lo = 0;
@@ -730,7 +727,7 @@ MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
                      struct mlrt_hit_report *report)
 {
-    struct operands operands = load_operands(ray, triangle);
+    struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     struct crossing crossing = measure_crossing(&operands);
     if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
         report_hit_exactly(ray, triangle, outputs, report);

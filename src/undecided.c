@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "undecided.h"
 
-#include <string.h>
-
 #include "hit.h"
 #include "output.h"
 #include "packet.h"
@@ -75,18 +73,24 @@ MLRT_SMALL uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t num
 }
 
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
-                          uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
+                          uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
+                          mlrt_counters *counters)
 {
-    mlrt_counters *counters = job->kernels->counts ? &worker->counters : NULL;
-    const float direction[3] = {packet->direction[0][lane], packet->direction[1][lane], packet->direction[2][lane]};
-    float origin[3] = {packet->origin[0][lane], packet->origin[1][lane], packet->origin[2][lane]};
-    if (packet->has_apex) memcpy(origin, packet->apex, sizeof origin);
+    float origin[3], direction[3];
     uint32_t hit = 0;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        direction[k] = packet->direction[k][lane];
+    }
     for (; undecided; undecided &= undecided - 1) {
         const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i];
         /* Most rays that come here start beside a surface, and leave it. */
         if (mlrt_leaves_plane(origin, direction, &job->tree->triangles[number])) {
-            if (counters) ++counters->undecided_test_count, ++counters->judged_lane_count;
+            if (counters) {
+                ++counters->undecided_test_count;
+                ++counters->judged_lane_count;
+            }
             continue;
         }
         hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, (inside >> i & 1) << lane, packet, worker, counters);

@@ -1390,7 +1390,7 @@ static struct operands load_judge(const float *input)
     memcpy(ray.direction, input + 12, sizeof ray.direction);
     load_direction(input, direction);
     load_exactly(input, direction);
-    return load_operands(&ray, &triangle);
+    return load_operands(ray.origin, ray.direction, &triangle);
 }
 
 static double measured_over(const mpf_t exact, struct measured measured, double error)

@@ -178,6 +178,36 @@ static void masks_of_their_own(void **state)
     free_rays(&list);
 }
 
+/* What no ray may see is not tested by method tile, whether rays go together or alone. */
+static void hidden_triangles_do_not_count(void **state)
+{
+    const struct scene *scene = *state;
+    struct ray_list list = make_rays(scene);
+    struct reference_hit *got = allocate_or_fail(list.count, sizeof *got);
+    mlrt_mesh mesh = soup_mesh(&scene->parts[1]);
+    mesh.mask = 1;
+    struct fixture hidden = make_fixture("hidden", SEED, &mesh, 1);
+    uint32_t tested = 0;
+    for (size_t v = 0; v < variant_count(); v++) {
+        for (uint32_t mask = 1; mask <= 2 && variant_at(v)->options.method == MLRT_METHOD_TILE; mask++) {
+            mlrt_counters counters = {.struct_size = sizeof counters};
+            mlrt_trace_options options = options_of(variant_at(v), mask);
+            mlrt_rays rays = public_rays(&list);
+            mlrt_hits hits = public_hits(got, 0);
+            rays.skip.data = NULL;
+            options.counters = &counters;
+            assert_int_equal(mlrt_trace_packet(variant_tree(variant_at(v), &hidden), &rays, &options, &hits), MLRT_OK);
+            assert_int_equal(counters.triangle_test_count != 0, mask == 1);
+            assert_int_equal(counters.lane_test_count != 0, mask == 1);
+            tested += mask;
+        }
+    }
+    assert_true(tested > 0);
+    free_fixture(&hidden);
+    free(got);
+    free_rays(&list);
+}
+
 static void single_rays(void **state)
 {
     const struct scene *scene = *state;
@@ -324,6 +354,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_mask_for_all_rays),
         cmocka_unit_test(masks_of_their_own),
+        cmocka_unit_test(hidden_triangles_do_not_count),
         cmocka_unit_test(single_rays),
         cmocka_unit_test(pictures),
         cmocka_unit_test(shadows),

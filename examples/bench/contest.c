@@ -310,17 +310,18 @@ static void choose_variants(struct contest *contest, const struct answers *answe
     }
 }
 
-// Whoever runs this program says when.
+// Whoever runs this program says when. A program that says "turn" has nothing to do until it is told to run.
 static double time_paced(const struct contest *contest, const struct contender *contender,
                          const struct answers *answers)
 {
     int letter;
-    puts("turn");
+    printf("turn %s\n", kind_names[contest->task->kind]);
     fflush(stdout);
     do letter = getchar();
     while (letter != '\n' && letter != EOF);
     const double seconds = time_once(contest, contender, answers);
     printf("%.9f\n", seconds);
+    fflush(stdout);
     return seconds;
 }
 

@@ -33,7 +33,8 @@ struct contest {
     mlrt_pool *pool;
     struct crew *crew; /* of as many threads as the pool */
     uint32_t runs;
-    int paced; /* 1 = before each run wait for a line on stdin, and say on stdout how long it took */
+    int paced; /* 1 = each run says on stdout that it is its turn, waits for a line on stdin, and says how long it took
+                */
     size_t count;
     struct contender contenders[MAXIMUM_CONTENDERS];
 };

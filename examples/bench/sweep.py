@@ -5,11 +5,11 @@
     sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 15] [--lives 3] [--jobs N]
 
 builds the bench program once for every setting of src/tuning.h listed here (in build/sweep/), and prints CSV: scene, kind, setting,
-Mray/s, and the rate over that of the settings as they are. A few programs with a scene each are there at once and take turns, run by
-run, the settings as they are first. How much faster a setting is, is the median over the rounds of how much faster it was than the
-settings as they are in the same round: so what else happens on a machine, for longer than a round, happens to all. As a program
-may be slow all its life by where its memory lies, all this is done for several lives, and the median of these counts; Mray/s
-are those of the median life's median run. The settings as they are take part twice, which shows how far chance goes.
+and its rate over that of the settings as they are. A few programs with a scene each are there at once and take turns, run by run, the
+settings as they are first. What counts is the median over the rounds of how much faster a setting was than the settings as they
+are in the same round: so what else happens on a machine, for longer than a round, happens to all. As a program may be slow all its
+life by where its memory lies, all this is done for several lives, and the median of these counts. The settings as they are take
+part twice, which shows how far chance goes.
 """
 import argparse
 import os
@@ -63,64 +63,52 @@ class Bench:
         command = [path, "--alone", "--paced", "--csv", "--scene", scene, "--kind", options.kinds]
         command += ["--runs", str(options.rounds)] + (["--views", options.views] if options.views else [])
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.lines = []  # of CSV
+        self.scene = None
 
-    def read_line(self):
+    def wait(self):
+        """Until the program has nothing to do. The kind of its next run, or None after the last."""
+        for line in self.process.stdout:
+            if line.startswith("turn "):
+                return line.split()[1]
+            if "," in line and not line.startswith("scene,"):
+                self.scene = line.split(",")[0]
+        if self.process.wait() != 0:
+            raise SystemExit(f"bench: exit code {self.process.returncode}")
+        return None
+
+    def run(self):
+        """One run's seconds, and the kind of the next"""
+        try:
+            self.process.stdin.write("\n")
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            raise SystemExit(f"bench: exit code {self.process.wait()}") from None
         line = self.process.stdout.readline()
         if not line:
             raise SystemExit(f"bench: exit code {self.process.wait()}")
-        return line.strip()
-
-    def wait(self):
-        """Until the next run is prepared."""
-        while (line := self.read_line()) != "turn":
-            self.lines.append(line.split(","))
-
-    def run(self):
-        """One run's seconds"""
-        self.process.stdin.write("\n")
-        self.process.stdin.flush()
-        return float(self.read_line())
-
-    def finish(self):
-        """The scene's name, and kind -> Mray/s"""
-        rows = (self.lines + [line.strip().split(",") for line in self.process.stdout])[1:]
-        if self.process.wait() != 0:
-            raise SystemExit(f"bench: exit code {self.process.returncode}")
-        return rows[0][0], {row[1]: float(row[5]) for row in rows}
+        return float(line), self.wait()
 
 
 def compare_once(paths, scene, options):
-    """Of each setting the scene's name, kind -> Mray/s, and kind -> rate over that of the first setting"""
+    """The scene's name, and of each setting and kind the rate over that of the first setting"""
     programs = {name: Bench(path, scene, options) for name, path in paths.items()}
-    gains = {name: {} for name in programs}
-    for kind in options.kinds.split(","):
-        ratios = {name: [] for name in programs}
-        for program in programs.values():
-            program.wait()
-        for turn in range(options.rounds):
-            seconds = {}
-            for name, program in programs.items():
-                if turn:
-                    program.wait()
-                seconds[name] = program.run()
-            first = next(iter(seconds.values()))
-            for name, value in seconds.items():
-                ratios[name].append(first / value)
-        for name, values in ratios.items():
-            gains[name][kind] = statistics.median(values)
-    return {name: program.finish() + (gains[name],) for name, program in programs.items()}
+    kinds = [program.wait() for program in programs.values()]
+    ratios = {}  # setting, kind -> one of each round
+    while kinds[0]:
+        kind = kinds[0]
+        runs = {name: program.run() for name, program in programs.items()}
+        first = next(iter(runs.values()))[0]
+        for name, (seconds, _) in runs.items():
+            ratios.setdefault((name, kind), []).append(first / seconds)
+        kinds = [following for _, following in runs.values()]
+    title = next(iter(programs.values())).scene
+    return title, {key: statistics.median(values) for key, values in ratios.items()}
 
 
 def compare(paths, scene, options):
-    """The scene's name, and of each setting and kind Mray/s and the rate over that of the first setting"""
+    """The same, of several lives"""
     lives = [compare_once(paths, scene, options) for _ in range(options.lives)]
-    result = {}
-    for name in paths:
-        for kind in options.kinds.split(","):
-            rate, gain = (statistics.median(life[name][of][kind] for life in lives) for of in (1, 2))
-            result[name, kind] = rate, gain
-    return lives[0][next(iter(paths))][0], result
+    return lives[0][0], {key: statistics.median(gains[key] for _, gains in lives) for key in lives[0][1]}
 
 
 def main():
@@ -134,14 +122,14 @@ def main():
     options = parser.parse_args()
     paths = {name: program(name, options.jobs) for name in SETTINGS}
     as_it_is, *others = paths
-    print("scene,kind,setting,mrays,over_as_it_is")
+    print("scene,kind,setting,over_as_it_is")
     for scene in options.scene or ["room", "office", "building", "scan"]:
         for begin in range(0, len(others), AT_ONCE):
             names = [as_it_is] + others[begin : begin + AT_ONCE]
-            title, result = compare({name: paths[name] for name in names}, scene, options)
-            for (name, kind), (rate, gain) in result.items():
-                if begin == 0 or name != as_it_is:
-                    print(f"{title},{kind},{name},{rate:.2f},{gain:.3f}", flush=True)
+            title, gains = compare({name: paths[name] for name in names}, scene, options)
+            for (name, kind), gain in gains.items():
+                if name != as_it_is:
+                    print(f"{title},{kind},{name},{gain:.3f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -272,13 +272,14 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
         uint32_t candidates = m_bits(inside) & places;
         if (!candidates && !MLRT_COUNTING) continue;
         const vm old = no_news(packet, lane, i_load_any(numbers + v));
-        candidates &= ~m_bits(old);
+        uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(old);
         const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
         if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) {
-            candidates = mlrt_visible_places(job->tree, numbers + v, candidates, mask);
+            offered = mlrt_visible_places(job->tree, numbers + v, offered, mask);
         }
-        COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(places & ~m_bits(old)));
-        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(places & ~m_bits(old)));
+        COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(offered));
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
+        candidates &= offered;
         if (!candidates) continue;
         const struct verdict verdict = compare_distances(&test, m_andnot(inside, old), ray->t_min,
                                                          v_set1(packet->lo[lane]), v_set1(packet->hi[lane]));
@@ -290,7 +291,8 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
             if (job->any) return 1;
         }
         if (MLRT_UNLIKELY(undecided)) {
-            changed |= mlrt_decide_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker);
+            changed |= mlrt_decide_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker,
+                                             COUNTERS(worker));
             if (changed && job->any) return 1;
         }
     }

@@ -94,6 +94,8 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
     return count;
 }
 
+#define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
+
 /*
  * A vector of a packet's rays, in registers while triangles of a leaf pass by. What is nearest stays a quotient of
  * bounds (triangle_filter.h, "DISTANCES"), since products say which of two quotients is less: where a product of floats
@@ -235,20 +237,18 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
     return decided | m_bits(changed) << v;
 }
 
-#define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
-
 /*
  * Of triangles of a leaf, those that some ray of each vector of a packet is not surely outside of: all its rays at
  * once, with nothing at hand but their directions. Most of many triangles have no ray inside, and are done with so.
  */
-MLRT_INLINE void find_hit_by_vectors(const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
-                                     const struct mlrt_packet *packet, uint32_t left[PACKET_VECTORS])
+MLRT_INLINE void may_be_hit(const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
+                            const struct mlrt_packet *packet, uint32_t of_vector[PACKET_VECTORS])
 {
     vf direction[PACKET_VECTORS][3];
     vm active[PACKET_VECTORS];
     MLRT_UNROLL
     for (int i = 0; i < PACKET_VECTORS; ++i) {
-        left[i] = 0;
+        of_vector[i] = 0;
         active[i] = m_from_bits(packet->active >> VW * i);
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) direction[i][k] = v_load(packet->direction[k] + VW * i);
@@ -259,7 +259,7 @@ MLRT_INLINE void find_hit_by_vectors(const struct mlrt_leaf_setup *leaf, uint32_
         for (int i = 0; i < PACKET_VECTORS; ++i) {
             const vf least = least_leaf_edge(leaf, place, direction[i]);
             const uint32_t may = m_bits(m_and(active[i], v_ge(least, v_set1(-EDGE_BOUND * reach))));
-            left[i] |= (uint32_t)(may != 0) << place;
+            of_vector[i] |= (uint32_t)(may != 0) << place;
         }
     }
 }
@@ -289,7 +289,7 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     uint32_t of_vector[PACKET_VECTORS];
     if (VW > 1 && mlrt_count_bits(triangles) >= MLRT_FORESEEN_TRIANGLES) {
-        find_hit_by_vectors(leaf, triangles, reach, packet, of_vector);
+        may_be_hit(leaf, triangles, reach, packet, of_vector);
     } else {
         MLRT_UNROLL
         for (int i = 0; i < PACKET_VECTORS; ++i) of_vector[i] = packet->active >> VW * i & ALL_LANES ? triangles : 0;
