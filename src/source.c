@@ -398,6 +398,22 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
     }
 }
 
+/* Two pairs are a quad. */
+int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first)
+{
+    const uint32_t *pairs = (const uint32_t *)source->skip.data + 2 * first;
+    const uint32_t repeated[4] = {pairs[0], pairs[1], pairs[0], pairs[1]};
+    const f4 quad = f4_load_any(repeated);
+    MLRT_KEEP_LOOP
+    for (int row = 0; row < 16; ++row, pairs += 2 * (size_t)source->width) {
+        f4 same = f4_set1(-1);
+        MLRT_UNROLL
+        for (int i = 0; i < 32; i += 4) same = f4_and_same(same, pairs + i, quad);
+        if (f4_signs(same) != 15) return 0;
+    }
+    return 1;
+}
+
 MLRT_SMALL uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
@@ -410,23 +426,35 @@ MLRT_SMALL uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_
 /* ---- ahead of time ---- */
 
 /* Always inlined: to the compiler a function that only prefetches does nothing, and a call of it is dropped. */
-MLRT_INLINE void prefetch_rows(const mlrt_const_array *array, size_t first, uint32_t row_length, uint32_t width,
-                               uint32_t height)
+MLRT_INLINE void prefetch_rows(const char *row, size_t step, size_t bytes, uint32_t height)
+{
+    for (; height; --height, row += step) {
+        for (size_t i = 0; i < bytes; i += 64) mlrt_prefetch(row + i);
+        mlrt_prefetch(row + bytes - 1);
+    }
+}
+
+/* Those of an array. Rows of whole tiles that lie packed are mostly what there is: their loops are unrolled. */
+MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t row_length, uint32_t width,
+                                   uint32_t height, size_t usual)
 {
     if (!array->data) return;
     const char *row = (const char *)array->data + first * array->stride;
-    for (uint32_t j = 0; j < height; ++j, row += row_length * array->stride) {
-        for (size_t i = 0; i < width * array->stride; i += 64) mlrt_prefetch(row + i);
-        mlrt_prefetch(row + width * array->stride - 1);
+    const size_t step = row_length * array->stride, bytes = width * array->stride;
+    if (MLRT_LIKELY(bytes == usual)) {
+        prefetch_rows(row, step, usual, height);
+    } else {
+        prefetch_rows(row, step, bytes, height);
     }
 }
 
 void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height)
 {
     if (source->kind == MLRT_SOURCE_CAMERA || x >= source->width || y >= source->height) return;
-    const mlrt_const_array *const arrays[3] = {&source->points, &source->directions, &source->skip};
     const uint32_t width = source->width - x < 16 ? source->width - x : 16;
     if (height > source->height - y) height = source->height - y;
     const size_t first = (size_t)y * source->width + x;
-    for (int i = 0; i < 3; ++i) prefetch_rows(arrays[i], first, source->width, width, height);
+    prefetch_elements(&source->points, first, source->width, width, height, 16 * 12);
+    prefetch_elements(&source->directions, first, source->width, width, height, 16 * 12);
+    prefetch_elements(&source->skip, first, source->width, width, height, 16 * 8);
 }

@@ -112,6 +112,9 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 /* Gives all rays of a packet the mask that the source has for all. */
 void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
 
+/* Do all of 16 x 16 rays of packed arrays, from an element on, pass the same pair of mesh and triangle? */
+int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first);
+
 /* Of the lanes of a block at (x, y), which may be at the end of a list, those that exist. */
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes);
 

@@ -14,32 +14,37 @@ struct packed_tile {
     uint32_t pair[2];  /* that all pass: mesh and triangle */
 };
 
-/* Adds the directions of a block's rays. Returns whether they are safe, start at the apex and pass the pair. */
-MLRT_INLINE int add_packed_block(const struct mlrt_cells *cells, const struct packed_tile *tile, size_t element,
-                                 struct direction_extremes *directions)
+/* Adds the directions of four blocks side by side. Returns whether all rays start at the apex. */
+static MLRT_NOINLINE int add_packed_blocks(const struct mlrt_cells *cells, const struct packed_tile *tile,
+                                           size_t element, struct direction_extremes *directions,
+                                           struct usual_vectors *vectors)
 {
     const struct mlrt_source *source = tile->source;
-    const size_t width = source->width;
-    const int a = cells->main_axis, axes[2] = {mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
-    vm are_fine = m_from_bits(ALL_LANES);
-    if (source->kind == MLRT_SOURCE_RAYS &&
-        !are_same_vectors((const float *)source->points.data + 3 * element, 3 * width, cells->apex)) {
-        return 0;
-    }
-    for (size_t v = 0; v < MLRT_PACKET_RAYS; v += VW, element += VW / 4 * width) {
-        vf d[3];
-        v_triples(tile->ends + 3 * element, 3 * width, d);
-        for (int k = 0; k < 3; ++k) d[k] = v_sub(d[k], v_set1(tile->from[k]));
-        are_fine = m_and(are_fine, check_vectors(d).is_safe);
-        const vf by_slope[3] = {d[a], d[axes[0]], d[axes[1]]};
-        add_directions(by_slope, cells->sign, directions);
-        if (source->skip.data) {
-            vi mesh, triangle;
-            i_pairs((const uint32_t *)source->skip.data + 2 * element, 2 * width, &mesh, &triangle);
-            are_fine = m_and(are_fine, m_and(i_eq(mesh, i_set1(tile->pair[0])), i_eq(triangle, i_set1(tile->pair[1]))));
+    const size_t step = 3 * source->width;
+    const int a = cells->main_axis, axes[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
+    const vf from[3] = {v_set1(tile->from[0]), v_set1(tile->from[1]), v_set1(tile->from[2])};
+    const vf sign = v_set1(cells->sign);
+    struct direction_extremes of = *directions;
+    struct usual_vectors all = *vectors;
+    MLRT_KEEP_LOOP
+    for (size_t first = 3 * element; first < 3 * element + 48; first += 12) {
+        if (source->kind == MLRT_SOURCE_RAYS &&
+            !are_same_vectors((const float *)source->points.data + first, step, cells->apex)) {
+            return 0;
+        }
+        KEEP_LANES_LOOP
+        for (size_t v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            vf d[3];
+            v_triples(tile->ends + first + v / 4 * step, step, d);
+            for (int k = 0; k < 3; ++k) d[k] = v_sub(d[k], from[k]);
+            add_usual_vectors(d, &all);
+            const vf by_slope[3] = {d[axes[0]], d[axes[1]], d[axes[2]]};
+            add_directions(by_slope, sign, &of);
         }
     }
-    return m_bits(are_fine) == ALL_LANES;
+    *directions = of;
+    *vectors = all;
+    return 1;
 }
 
 /* Makes a closed cell of a whole tile; 0 if its rays are not of one kind, or they are wide. */
@@ -50,16 +55,17 @@ static MLRT_NOINLINE int add_packed_tile(const struct mlrt_rectangle *area, stru
     const float t_max = source->kind == MLRT_SOURCE_POINT_LIGHT ? 1 : INFINITY;
     float greatest_depth;
     struct direction_extremes directions = NO_DIRECTIONS;
+    struct usual_vectors vectors = NO_VECTORS;
     tile->pair[0] = tile->pair[1] = MLRT_NONE;
-    if (source->skip.data) memcpy(tile->pair, (const uint32_t *)source->skip.data + 2 * tile->first, sizeof tile->pair);
+    if (source->skip.data) {
+        memcpy(tile->pair, (const uint32_t *)source->skip.data + 2 * tile->first, sizeof tile->pair);
+        if (!mlrt_pass_one_triangle(source, tile->first)) return 0;
+    }
     for (uint32_t row = 0; row < 16; row += 4) {
         mlrt_prefetch_around(source, area, row);
-        for (uint32_t column = 0; column < 16; column += 4) {
-            if (!add_packed_block(cells, tile, tile->first + (size_t)row * source->width + column, &directions))
-                return 0;
-        }
+        if (!add_packed_blocks(cells, tile, tile->first + (size_t)row * source->width, &directions, &vectors)) return 0;
     }
-    if (!set_cell_of_directions(cells, place, &directions, t_max, &greatest_depth)) return 0;
+    if (!are_usual(&vectors) || !set_cell_of_directions(cells, place, &directions, t_max, &greatest_depth)) return 0;
     find_mesh(source->tree, tile->pair[0], known);
     cells->skip[place] = tile->pair[1] < known->range.count ? known->range.first + tile->pair[1] : MLRT_NONE;
     return 1;

@@ -44,7 +44,8 @@ MLRT_INLINE struct checked_lanes read_packed_vectors(const float *vectors, size_
                                                      float (*rows)[MLRT_PACKET_RAYS], float t_max,
                                                      struct mlrt_packet *packet)
 {
-    struct checked_lanes lanes = {0, 0, 0};
+    struct checked_lanes lanes = {0xFFFF, 0xFFFF, 0xFFFF};
+    struct usual_vectors all = NO_VECTORS;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf a[3];
         v_triples(vectors + (size_t)(v / 4) * step, step, a);
@@ -52,10 +53,10 @@ MLRT_INLINE struct checked_lanes read_packed_vectors(const float *vectors, size_
             a[k] = v_sub(a[k], v_set1(from[k]));
             v_store(rows[k] + v, a[k]);
         }
-        const struct checked_vectors checked = check_vectors(a);
-        add_checked_vectors(&checked, v, &lanes);
+        add_usual_vectors(a, &all);
         take_limits(v_set1(0), v_set1(t_max), v, packet);
     }
+    if (!are_usual(&all)) check_lanes(rows, &lanes);
     return lanes;
 }
 

@@ -27,6 +27,31 @@ MLRT_INLINE struct checked_vectors check_vectors(const vf a[3])
     return checked;
 }
 
+/*
+ * The same of many vectors, as long as none of them is unusual: the least component, and the greatest sum of three. One
+ * that is no number makes the sum none, which is not dropped.
+ */
+struct usual_vectors {
+    vf least;
+    vf sum;
+};
+
+#define NO_VECTORS ((struct usual_vectors){v_set1(INFINITY), v_set1(0)})
+
+MLRT_INLINE void add_usual_vectors(const vf a[3], struct usual_vectors *all)
+{
+    const vf x = v_abs(a[0]), y = v_abs(a[1]), z = v_abs(a[2]);
+    all->least = v_min(v_min(v_min(x, y), z), all->least);
+    all->sum = v_add(v_add(v_add(x, y), z), all->sum);
+}
+
+/* Are all components surely of magnitude 2^-60 .. 2^60? */
+MLRT_INLINE int are_usual(const struct usual_vectors *all)
+{
+    const vm small = v_le(all->sum, v_set1(MLRT_SAFE_MAX)), large = v_ge(all->least, v_set1(MLRT_SAFE_MIN));
+    return MLRT_LIKELY(m_bits(m_and(small, large)) == ALL_LANES);
+}
+
 /* Lanes whose vectors are finite, carried by float, and not 0: origins and directions must be the first for a ray that
  * can hit something, directions the last. */
 struct checked_lanes {

@@ -84,9 +84,9 @@ struct direction_extremes {
 #define NO_DIRECTIONS ((struct direction_extremes){NO_EXTREMES, {NO_EXTREMES, NO_EXTREMES}})
 
 /* Adds a vector of directions, by axis from the main one on. Where that is a NaN there is none. */
-MLRT_INLINE void add_directions(const vf d[3], float sign, struct direction_extremes *of)
+MLRT_INLINE void add_directions(const vf d[3], vf sign, struct direction_extremes *of)
 {
-    const vf depth = v_flip(d[0], v_set1(sign)), inverse = v_div(v_set1(1), depth);
+    const vf depth = v_flip(d[0], sign), inverse = v_div(v_set1(1), depth);
     add_to_extremes(depth, &of->depth);
     for (int side = 0; side < 2; ++side) add_to_extremes(v_mul(d[1 + side], inverse), &of->slopes[side]);
 }
@@ -118,7 +118,7 @@ static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
         const vf d[3] = {v_select(active, v_load(rows[0] + v), v_set1(NAN)), v_load(rows[1] + v), v_load(rows[2] + v)};
-        add_directions(d, cells->sign, &of);
+        add_directions(d, v_set1(cells->sign), &of);
     }
     const float t_max = packet->t_max[mlrt_lowest_bit(packet->active)];
     if (!set_cell_of_directions(cells, place, &of, t_max, &tile->greatest_depth[place])) return 0;
