@@ -224,25 +224,45 @@ static void fill_row(uint32_t value, uint32_t count, size_t stride, unsigned cha
     for (; count; --count, at += stride) memcpy(at, &value, 4);
 }
 
+/* The same to rows of so many times four elements that lie side by side. */
+MLRT_INLINE void fill_quads(uint32_t value, int quads, uint32_t height, size_t row_stride, unsigned char *row)
+{
+    const uint32_t words[4] = {value, value, value, value};
+    const f4 quad = f4_load_any(words);
+    for (; height; --height, row += row_stride) {
+        for (int i = 0; i < quads; ++i) f4_store_any(row + 16 * i, quad);
+    }
+}
+
 static void fill_words(uint32_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height, enum mlrt_channel c,
                        const struct mlrt_sink *sink)
 {
+    const size_t stride = sink->channel[c].stride, row_stride = sink->channel[c].row_stride;
     if (!sink->channel[c].data) return;
     unsigned char *row = element(sink, c, x, y);
-    for (; height; --height, row += sink->channel[c].row_stride) fill_row(value, width, sink->channel[c].stride, row);
+    if (MLRT_LIKELY(stride == 4 && width == 16)) {
+        fill_quads(value, 4, height, row_stride, row);
+    } else if (MLRT_LIKELY(stride == 4 && width == 4)) {
+        fill_quads(value, 1, height, row_stride, row);
+    } else {
+        for (; height; --height, row += row_stride) fill_row(value, width, stride, row);
+    }
 }
 
 void mlrt_write_same_shadow(uint8_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                             const struct mlrt_sink *sink)
 {
     const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
     if (!sink->channel[MLRT_CHANNEL_OCCLUDED].data) return;
-    for (uint32_t j = 0; j < height; ++j) {
-        unsigned char *at = element(sink, MLRT_CHANNEL_OCCLUDED, x, y + j);
-        if (stride == 1) {
-            memset(at, value, width);
+    unsigned char *row = element(sink, MLRT_CHANNEL_OCCLUDED, x, y);
+    for (; height; --height, row += row_stride) {
+        if (stride != 1) {
+            for (uint32_t i = 0; i < width; ++i) row[i * stride] = value;
+        } else if (width == 16) {
+            memset(row, value, 16);
         } else {
-            for (uint32_t i = 0; i < width; ++i, at += stride) *at = value;
+            memset(row, value, width);
         }
     }
 }

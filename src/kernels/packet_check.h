@@ -77,6 +77,14 @@ MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packe
 
 static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
 {
+    struct usual_vectors all = NO_VECTORS;
+    KEEP_LANES_LOOP
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
+        add_usual_vectors(a, &all);
+    }
+    *lanes = (struct checked_lanes){0xFFFF, 0xFFFF, 0xFFFF};
+    if (are_usual(&all)) return;
     *lanes = (struct checked_lanes){0, 0, 0};
     KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
