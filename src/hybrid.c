@@ -139,3 +139,10 @@ int mlrt_trace_few_rays(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
     return 1;
 }
+
+void mlrt_trace_alone(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                      uint32_t place)
+{
+    trace_rays(job, worker, tile, place, tile->packets[place].active, 0);
+    mlrt_leave_out_cell(&tile->cells, place);
+}

@@ -19,4 +19,9 @@
 int mlrt_trace_few_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells, uint32_t slot,
                         uint32_t met);
 
+/* Traces what is left of a packet ray by ray, through all of the hierarchy, and takes it out of its tile's traversal.
+ */
+void mlrt_trace_alone(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                      uint32_t place);
+
 #endif

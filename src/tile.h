@@ -7,6 +7,7 @@
 #define MLRT_TILE_H
 
 #include <math.h>
+#include <string.h>
 
 #include "kernels.h"
 #include "sheared.h"
@@ -144,7 +145,8 @@ struct mlrt_ray_tile {
     struct mlrt_ray_tile *seen;                        /* and the tile with them; else NULL */
     struct mlrt_slopes ray_slopes[MLRT_CELL_COUNT][2]; /* by packet: of its rays, as if each were a cell (hybrid.h) */
     uint32_t has_ray_slopes;
-    uint32_t dark[MLRT_CELL_COUNT]; /* of shadow rays: lanes without one, as the light is on the other side */
+    uint32_t tests[MLRT_CELL_COUNT]; /* of packets against triangles, in this traversal */
+    uint32_t dark[MLRT_CELL_COUNT];  /* of shadow rays: lanes without one, as the light is on the other side */
 };
 
 /* The places of so many columns and rows of packets. */
@@ -158,6 +160,7 @@ MLRT_INLINE uint32_t mlrt_places(uint32_t column_bits, uint32_t columns, uint32_
 MLRT_INLINE void mlrt_set_tile(struct mlrt_ray_tile *tile, struct mlrt_cells *cells)
 {
     cells->tile = tile;
+    if (tile) memset(tile->tests, 0, sizeof tile->tests);
     cells->few = tile && mlrt_count_bits(tile->blocks) >= MLRT_MANY_PACKETS ? MLRT_FEW_PACKETS : 0;
 }
 

@@ -129,11 +129,32 @@ static uint64_t count_alone(const mlrt_tree *tree, const struct question *questi
     return counters.packet_count;
 }
 
+/* Method tile and method ray, with all instruction sets. */
+static void compare_ways(const struct fixture *fixture, const struct question *question, uint64_t seed, int round)
+{
+    static struct answers expected, got;
+    mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
+    ask(fixture->tree, question, options, &expected);
+    options.method = MLRT_METHOD_TILE;
+    for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
+        if (!mlrt_select_kernels(options.isa, MLRT_METHOD_TILE, 0)) continue;
+        ask(fixture->tree, question, options, &got);
+        for (size_t i = 0; i < COUNT; i++) {
+            if (got.triangle[i] == expected.triangle[i] && memcmp(&got.t[i], &expected.t[i], 4) == 0 &&
+                got.occluded[i] == expected.occluded[i]) {
+                continue;
+            }
+            fail_msg("seed %u, round %d, isa %d, ray %u: triangle %u at %.9g, not %u at %.9g; any %d, not %d",
+                     (unsigned)seed, round, (int)options.isa, (unsigned)i, got.triangle[i], (double)got.t[i],
+                     expected.triangle[i], (double)expected.t[i], got.occluded[i], expected.occluded[i]);
+        }
+    }
+}
+
 static void same_as_alone(void **state)
 {
     (void)state;
     static struct question question;
-    static struct answers expected, got;
     uint64_t alone[KIND_COUNT] = {0};
     for (uint64_t seed = 0; seed < 12; seed++) {
         struct random random = {4100 + seed};
@@ -141,27 +162,47 @@ static void same_as_alone(void **state)
         for (int round = 0; round < 4 * KIND_COUNT; round++) {
             const enum kind kind = (enum kind)(round % KIND_COUNT);
             draw_question(&fixture, &random, kind, &question);
-            mlrt_trace_options options = {.struct_size = sizeof options, .method = MLRT_METHOD_RAY};
-            ask(fixture.tree, &question, options, &expected);
-            options.method = MLRT_METHOD_TILE;
-            for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
-                if (!mlrt_select_kernels(options.isa, MLRT_METHOD_TILE, 0)) continue;
-                ask(fixture.tree, &question, options, &got);
-                for (size_t i = 0; i < COUNT; i++) {
-                    if (got.triangle[i] == expected.triangle[i] && memcmp(&got.t[i], &expected.t[i], 4) == 0 &&
-                        got.occluded[i] == expected.occluded[i]) {
-                        continue;
-                    }
-                    fail_msg("seed %u, round %d, isa %d, ray %u: triangle %u at %.9g, not %u at %.9g; any %d, not %d",
-                             (unsigned)seed, round, (int)options.isa, (unsigned)i, got.triangle[i], (double)got.t[i],
-                             expected.triangle[i], (double)expected.t[i], got.occluded[i], expected.occluded[i]);
-                }
-            }
+            compare_ways(&fixture, &question, seed, round);
             if (seed < 3) alone[kind] += count_alone(fixture.tree, &question);
         }
         free_fixture(&fixture);
     }
     for (int kind = 0; kind < KIND_COUNT; kind++) assert_true(alone[kind] > 3 * COUNT);
+}
+
+/* Needles: every packet passes hundreds of them, and few of its rays hit one. */
+static struct fixture make_needles(uint64_t seed)
+{
+    struct random random = {seed};
+    struct soup soup = {0};
+    for (int i = 0; i < 5000; i++) {
+        float a[3], b[3], c[3];
+        draw_point(&random, -1, 1, a);
+        draw_point(&random, -0.5f, 0.5f, b);
+        for (int k = 0; k < 3; k++) {
+            b[k] += a[k];
+            c[k] = b[k] + draw_range(&random, -2e-3f, 2e-3f);
+        }
+        soup_add_triangle(&soup, a, b, c);
+    }
+    if (seed % 2) soup_add_icosphere(&soup, 3, 0.6f);
+    return fixture_of_soup("needles", seed, &soup);
+}
+
+/* A packet that has been tested too often goes on ray by ray, wherever it is, with what it has hit so far. */
+static void tedious_packets(void **state)
+{
+    (void)state;
+    static struct question question;
+    for (uint64_t seed = 0; seed < 4; seed++) {
+        struct random random = {4400 + seed};
+        struct fixture fixture = make_needles(seed);
+        for (int round = 0; round < 3 * KIND_COUNT; round++) {
+            draw_question(&fixture, &random, (enum kind)(round % KIND_COUNT), &question);
+            compare_ways(&fixture, &question, seed, round);
+        }
+        free_fixture(&fixture);
+    }
 }
 
 /* Cells of a camera have no rays until they are opened. */
@@ -217,6 +258,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(same_as_alone),
+        cmocka_unit_test(tedious_packets),
         cmocka_unit_test(pictures),
         cmocka_unit_test(distances_turn_back),
     };

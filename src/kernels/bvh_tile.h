@@ -362,6 +362,13 @@ static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *wo
     }
 }
 
+/* Has a packet by now been tested so often that its rays had better gone alone? */
+MLRT_INLINE int is_tedious(struct mlrt_ray_tile *tile, uint32_t place, uint32_t triangles)
+{
+    tile->tests[place] += mlrt_count_bits(triangles);
+    return tile->tests[place] > MLRT_MOST_TESTS;
+}
+
 static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt_worker *worker,
                                          struct mlrt_cells *cells, uint32_t child, uint32_t met)
 {
@@ -372,7 +379,12 @@ static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt
     if (cells->tile) {
         for (uint32_t open = met & ~cells->closed; open; open &= open - 1) {
             const uint32_t place = mlrt_lowest_bit(open), left = seen_by_cell(cells, place, seen, leaf);
-            if (left) test_packet(job, worker, cells->tile, leaf, left, place);
+            if (!left) continue;
+            if (MLRT_UNLIKELY(is_tedious(cells->tile, place, left))) {
+                mlrt_trace_alone(job, worker, cells->tile, place);
+            } else {
+                test_packet(job, worker, cells->tile, leaf, left, place);
+            }
         }
     }
     set_whole_farthest(cells);
