@@ -39,6 +39,8 @@ SETTINGS = {
     "few rays stay": {"MANY_PACKETS": "17"},
     "few rays up to 16": {"FEW_RAYS": "16"},
     "few rays up to 64": {"FEW_RAYS": "64"},
+    "tests without end": {"MOST_TESTS": "0xFFFFFFFFu"},
+    "64 tests at most": {"MOST_TESTS": "64"},
     "8 set-ups kept": {"LEAF_SETUP_BITS": "3"},
     "128 set-ups kept": {"LEAF_SETUP_BITS": "7"},
     "small leaves": {"TRIANGLE_COST": "0.08f"},
