@@ -213,24 +213,13 @@ void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
     }
 }
 
-/* One word to a row of elements. */
-static void fill_row(uint32_t value, uint32_t count, size_t stride, unsigned char *at)
-{
-    const uint32_t words[4] = {value, value, value, value};
-    if (MLRT_LIKELY(stride == 4)) {
-        const f4 quad = f4_load_any(words);
-        for (; count >= 4; count -= 4, at += 16) f4_store_any(at, quad);
-    }
-    for (; count; --count, at += stride) memcpy(at, &value, 4);
-}
-
-/* The same to rows of so many times four elements that lie side by side. */
-MLRT_INLINE void fill_quads(uint32_t value, int quads, uint32_t height, size_t row_stride, unsigned char *row)
+/* One word to rows of so many times four elements that lie side by side. */
+MLRT_INLINE void fill_quads(uint32_t value, uint32_t quads, uint32_t height, size_t row_stride, unsigned char *row)
 {
     const uint32_t words[4] = {value, value, value, value};
     const f4 quad = f4_load_any(words);
     for (; height; --height, row += row_stride) {
-        for (int i = 0; i < quads; ++i) f4_store_any(row + 16 * i, quad);
+        for (uint32_t i = 0; i < quads; ++i) f4_store_any(row + 16 * (size_t)i, quad);
     }
 }
 
@@ -240,12 +229,14 @@ static void fill_words(uint32_t value, uint32_t x, uint32_t y, uint32_t width, u
     const size_t stride = sink->channel[c].stride, row_stride = sink->channel[c].row_stride;
     if (!sink->channel[c].data) return;
     unsigned char *row = element(sink, c, x, y);
-    if (MLRT_LIKELY(stride == 4 && width == 16)) {
+    if (MLRT_LIKELY(stride == 4 && width == 16)) { /* tiles */
         fill_quads(value, 4, height, row_stride, row);
-    } else if (MLRT_LIKELY(stride == 4 && width == 4)) {
+    } else if (MLRT_LIKELY(stride == 4 && width == 4)) { /* packets */
         fill_quads(value, 1, height, row_stride, row);
     } else {
-        for (; height; --height, row += row_stride) fill_row(value, width, stride, row);
+        for (; height; --height, row += row_stride) {
+            for (uint32_t i = 0; i < width; ++i) memcpy(row + i * stride, &value, 4);
+        }
     }
 }
 
@@ -259,7 +250,7 @@ void mlrt_write_same_shadow(uint8_t value, uint32_t x, uint32_t y, uint32_t widt
     for (; height; --height, row += row_stride) {
         if (stride != 1) {
             for (uint32_t i = 0; i < width; ++i) row[i * stride] = value;
-        } else if (width == 16) {
+        } else if (width == 16) { /* a store, where the other is a call */
             memset(row, value, 16);
         } else {
             memset(row, value, width);
