@@ -6,75 +6,97 @@
 
 enum { STRIP_ROWS = 4 };
 
-// Where the directions of a row are: start + x step, and then `row` is added. Numbers that nothing else can change.
-struct row {
-    float start[3], step[3], row[3];
-    float sample;
+// The part of the directions that is the same in all rows, for some columns side by side.
+struct columns {
+    float x[SHADE_LANES], y[SHADE_LANES], z[SHADE_LANES];
 };
 
-// One pixel: these are the steps that become vectors.
-static inline uint32_t shade_pixel(const struct row *row, float column, const struct normal *normal)
+static void find_columns(const mlrt_camera *camera, uint32_t first, struct columns *restrict columns)
 {
-    const float x = column + row->sample;
-    const float a = (row->start[0] + x * row->step[0]) + row->row[0];
-    const float b = (row->start[1] + x * row->step[1]) + row->row[1];
-    const float c = (row->start[2] + x * row->step[2]) + row->row[2];
-    return grey_by_angle(a, b, c, normal);
+    const float start[3] = {camera->d00[0], camera->d00[1], camera->d00[2]};
+    const float step[3] = {camera->dx[0], camera->dx[1], camera->dx[2]}, sample = camera->sample_x;
+    for (int i = 0; i < SHADE_LANES; i++) {
+        const float column = (float)((int32_t)first + i) + sample;
+        columns->x[i] = start[0] + column * step[0];
+        columns->y[i] = start[1] + column * step[1];
+        columns->z[i] = start[2] + column * step[2];
+    }
 }
 
-static int all_equal(const uint32_t *triangles)
+// One pixel: these are the steps that become vectors. `row`: the part of the direction that all columns share.
+static inline uint32_t shade_pixel(const struct columns *columns, int i, const float row[3],
+                                   const struct normal *normal)
 {
-    uint32_t differences = 0;
-    for (int i = 0; i < SHADE_LANES; i++) differences |= triangles[i] ^ triangles[0];
+    return grey_by_angle(columns->x[i] + row[0], columns->y[i] + row[1], columns->z[i] + row[2], normal);
+}
+
+// Two at a time.
+static int all_equal(const uint32_t triangles[SHADE_LANES])
+{
+    uint64_t pairs[SHADE_LANES / 2];
+    memcpy(pairs, triangles, sizeof pairs);
+    uint64_t differences = (uint32_t)pairs[0] ^ pairs[0] >> 32;
+    for (int i = 1; i < SHADE_LANES / 2; i++) differences |= pairs[i] ^ pairs[0];
     return differences == 0;
 }
 
-static void shade_pixels(const struct shade_job *job, const struct row *some_row, uint32_t x, const uint32_t *triangles,
-                         uint32_t *restrict rgba)
+static void shade_mixed(const struct shade_job *job, const struct columns *restrict columns, const float some_row[3],
+                        const uint32_t *restrict triangles, uint32_t *restrict rgba)
 {
-    const struct row row = *some_row;
-    const uint32_t count = job->triangle_count;
-    if (all_equal(triangles)) {
-        const struct normal normal = job->normals[triangles[0] < count ? triangles[0] : count];
-        for (int i = 0; i < SHADE_LANES; i++) rgba[i] = shade_pixel(&row, (float)(int32_t)(x + (uint32_t)i), &normal);
-        return;
-    }
+    const float row[3] = {some_row[0], some_row[1], some_row[2]};
     float n[4][SHADE_LANES];
-    gather_normals(job->normals, count, triangles, n);
+    gather_normals(job->normals, job->triangle_count, triangles, n);
     for (int i = 0; i < SHADE_LANES; i++) {
         const struct normal normal = {{n[0][i], n[1][i], n[2][i]}, n[3][i]};
-        rgba[i] = shade_pixel(&row, (float)(int32_t)(x + (uint32_t)i), &normal);
+        rgba[i] = shade_pixel(columns, i, row, &normal);
     }
 }
 
+static inline void shade_pixels(const struct shade_job *job, const struct columns *restrict columns, const float row[3],
+                                const uint32_t *triangles, uint32_t *restrict rgba)
+{
+    if (!all_equal(triangles)) {
+        shade_mixed(job, columns, row, triangles, rgba);
+        return;
+    }
+    const uint32_t count = job->triangle_count;
+    const struct normal normal = job->normals[triangles[0] < count ? triangles[0] : count];
+    for (int i = 0; i < SHADE_LANES; i++) rgba[i] = shade_pixel(columns, i, row, &normal);
+}
+
 // The last pixels of a row, when they are fewer than lanes.
-static void shade_rest(const struct shade_job *job, const struct row *row, uint32_t x, uint32_t count,
+static void shade_rest(const struct shade_job *job, const struct columns *columns, const float row[3], uint32_t count,
                        const uint32_t *triangles, uint32_t *rgba)
 {
     uint32_t some_triangles[SHADE_LANES] = {0}, some_rgba[SHADE_LANES];
     memcpy(some_triangles, triangles, count * sizeof *triangles);
-    shade_pixels(job, row, x, some_triangles, some_rgba);
+    shade_pixels(job, columns, row, some_triangles, some_rgba);
     memcpy(rgba, some_rgba, count * sizeof *rgba);
+}
+
+// The columns of a tile from `first` on, as many as there are lanes.
+static void shade_strip(const struct shade_job *job, const mlrt_tile *tile, uint32_t first)
+{
+    const mlrt_camera *camera = job->camera;
+    struct columns columns;
+    find_columns(camera, tile->x + first, &columns);
+    const uint32_t count = tile->width - first;
+    const uint32_t *triangles = tile->triangle + first;
+    uint32_t *rgba = job->rgba + (size_t)tile->y * camera->width + tile->x + first;
+    for (uint32_t j = 0; j < tile->height; j++, triangles += tile->width, rgba += camera->width) {
+        const float y = (float)(tile->y + j) + camera->sample_y;
+        const float row[3] = {y * camera->dy[0], y * camera->dy[1], y * camera->dy[2]};
+        if (count >= SHADE_LANES) {
+            shade_pixels(job, &columns, row, triangles, rgba);
+        } else {
+            shade_rest(job, &columns, row, count, triangles, rgba);
+        }
+    }
 }
 
 int32_t shade_tile_of_ids(void *user, const mlrt_tile *tile)
 {
-    const struct shade_job *job = user;
-    const mlrt_camera *camera = job->camera;
-    struct row row = {.sample = camera->sample_x};
-    memcpy(row.start, camera->d00, sizeof row.start);
-    memcpy(row.step, camera->dx, sizeof row.step);
-    for (uint32_t j = 0; j < tile->height; j++) {
-        const float y = (float)(tile->y + j) + camera->sample_y;
-        for (int k = 0; k < 3; k++) row.row[k] = y * camera->dy[k];
-        const uint32_t *triangles = tile->triangle + (size_t)j * tile->width;
-        uint32_t *rgba = job->rgba + (size_t)(tile->y + j) * camera->width + tile->x;
-        uint32_t i = 0;
-        for (; i + SHADE_LANES <= tile->width; i += SHADE_LANES) {
-            shade_pixels(job, &row, tile->x + i, triangles + i, rgba + i);
-        }
-        if (i < tile->width) shade_rest(job, &row, tile->x + i, tile->width - i, triangles + i, rgba + i);
-    }
+    for (uint32_t i = 0; i < tile->width; i += SHADE_LANES) shade_strip(user, tile, i);
     return 0;
 }
 
