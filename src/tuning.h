@@ -43,12 +43,6 @@
 #define MLRT_LEAST_LIT_CELLS 9
 #endif
 
-/* Of so many triangles and more of a leaf, those with no ray of a packet inside are found before the others are tested
- * against it. 17: never. */
-#ifndef MLRT_FORESEEN_TRIANGLES
-#define MLRT_FORESEEN_TRIANGLES 4
-#endif
-
 /* A tile of at least this many packets hands what few of them meet to their rays, one by one (hybrid.h). 17: none does.
  */
 #ifndef MLRT_MANY_PACKETS

@@ -395,12 +395,13 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     if (filtered->leaf) {
         struct ray_vector rays;
         load_ray_vector(&packet, 0, &rays);
-        const vf least = least_leaf_edge(filtered->leaf, 0, rays.direction);
-        const vm candidates = v_ge(least, v_set1(-EDGE_BOUND * filtered->reach));
+        const struct filter_bounds bounds = {EDGE_BOUND * filtered->reach, PLANE_BOUND * filtered->reach};
+        vf least;
+        find_least_edges(filtered->leaf, 0, &rays.direction, 1, &least);
         const struct leaf_verdict of_leaf =
-            filter_leaf_vector(filtered->leaf, 0, filtered->reach, packet.t_min, &rays, least, candidates);
+            filter_leaf_vector(filtered->leaf, 0, &bounds, packet.t_min, &rays, least, v_ge(least, -bounds.edge));
         keep_leaf_verdict(&of_leaf, filtered->leaf, 0, &rays);
-        store_ray_vector(&rays, of_leaf.nearer, 0, &packet);
+        store_ray_vector(&rays, 0, &packet);
         return (struct verdict){of_leaf.nearer, of_leaf.undecided, of_leaf.inside, packet.lo[0], packet.hi[0]};
     }
     return filter_vector(&filtered->terms, filtered->reach, &packet, 0, m_from_bits(1));

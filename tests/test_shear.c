@@ -394,10 +394,13 @@ static double attack_decisions(const float *input)
     if (!lone.leaf.there) return is_hit ? INFINITY : 0;
     struct ray_vector rays;
     load_ray_vector(&tile->packets[0], 0, &rays);
-    const float reach = packet_reach(tile, 0), least = least_leaf_edge(&lone.leaf, 0, rays.direction);
+    const float reach = packet_reach(tile, 0);
+    const struct filter_bounds bounds = {EDGE_BOUND * reach, PLANE_BOUND * reach};
     const float *from = tile->limits_below ? tile->packets[0].begin : NULL;
-    const vm candidates = m_from_bits(least >= -EDGE_BOUND * reach);
-    const struct leaf_verdict verdict = filter_leaf_vector(&lone.leaf, 0, reach, from, &rays, least, candidates);
+    vf least;
+    find_least_edges(&lone.leaf, 0, &rays.direction, 1, &least);
+    const vm candidates = v_ge(least, -bounds.edge);
+    const struct leaf_verdict verdict = filter_leaf_vector(&lone.leaf, 0, &bounds, from, &rays, least, candidates);
     if (m_bits(verdict.nearer) && !is_hit) return INFINITY;
     if (!m_bits(verdict.nearer) && !m_bits(verdict.undecided) && is_hit) return INFINITY;
     if (!(seen_by_cells(cells, &lone.leaf) && seen_by_cell(cells, 0, 1, &lone.leaf)) && is_hit) return INFINITY;
@@ -412,7 +415,7 @@ static double attack_decisions(const float *input)
         mlrt_shear_distance(&cells->shear, &seen.ray, &nearest);
         if ((double)nearest.lo > lo || (double)nearest.hi < hi) return INFINITY;
         keep_leaf_verdict(&verdict, &lone.leaf, 0, &rays);
-        store_ray_vector(&rays, m_from_bits(1), 0, &tile->packets[0]);
+        store_ray_vector(&rays, 0, &tile->packets[0]);
         if ((double)tile->packets[0].lo[0] > hi || (double)tile->packets[0].hi[0] < lo) return INFINITY;
     }
     if (!(cells->closed & 1)) return 0;

@@ -34,8 +34,6 @@ SETTINGS = {
     "wide packets go alone": {"LEAST_PART": "17"},
     "wide from 2": {"WIDE_FACTOR": "2.0f"},
     "wide from 5": {"WIDE_FACTOR": "5.0f"},
-    "none foreseen": {"FORESEEN_TRIANGLES": "17"},
-    "all foreseen": {"FORESEEN_TRIANGLES": "1"},
     "few rays stay": {"MANY_PACKETS": "17"},
     "few rays up to 16": {"FEW_RAYS": "16"},
     "few rays up to 64": {"FEW_RAYS": "64"},

@@ -121,17 +121,27 @@ MLRT_INLINE void load_ray_vector(const struct mlrt_packet *packet, int v, struct
 }
 
 /*
- * Stores the nearest hits of the lanes where they changed. A quotient has a rounding, and so has the product that moves
- * it; where they lose 2^-149, N's bounds have 2^-83 / D to spare.
+ * Stores the nearest hits of the lanes where they changed, and returns these. A quotient has a rounding, and so has the
+ * product that moves it; where they lose 2^-149, N's bounds have 2^-83 / D to spare.
  */
-MLRT_INLINE void store_ray_vector(const struct ray_vector *rays, vm changed, int v, struct mlrt_packet *packet)
+MLRT_INLINE uint32_t store_ray_vector(const struct ray_vector *rays, int v, struct mlrt_packet *packet)
 {
+    const vm same = i_eq(rays->triangle, i_load(packet->triangle + v));
+    const uint32_t changed = ~m_bits(same) & ALL_LANES;
+    if (!changed) return 0;
     const vf lo = v_mul(v_div(rays->least_n, rays->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
     const vf hi = v_mul(v_div(rays->greatest_n, rays->least_d), v_set1(1 + RECIPROCAL_SLACK));
-    v_store(packet->lo + v, v_select(changed, lo, v_load(packet->lo + v)));
-    v_store(packet->hi + v, v_select(changed, hi, v_load(packet->hi + v)));
+    v_store(packet->lo + v, v_select(same, v_load(packet->lo + v), lo));
+    v_store(packet->hi + v, v_select(same, v_load(packet->hi + v), hi));
     i_store(packet->triangle + v, rays->triangle);
+    return changed << v;
 }
+
+/* How far off the filter's edge functions and D may be, over all rays of a packet. */
+struct filter_bounds {
+    vf edge;
+    vf plane;
+};
 
 /* What the filter says of a triangle of a leaf. */
 struct leaf_verdict {
@@ -144,30 +154,33 @@ struct leaf_verdict {
 
 /*
  * The float part of a test of rays against the triangle at `place` of a leaf: filter_vector for triangles whose
- * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it. First the edges: the least of the
- * edge functions,
+ * sign is known, where D < 0 is a miss and, with t_min = 0, N / D is surely above it. First the edges of so many
+ * vectors of rays: the least of the edge functions of each,
  */
-MLRT_INLINE vf least_leaf_edge(const struct mlrt_leaf_setup *leaf, uint32_t place, const vf direction[3])
+MLRT_INLINE void find_least_edges(const struct mlrt_leaf_setup *leaf, uint32_t place, vf (*direction)[3], int vectors,
+                                  vf *least)
 {
-    vf product[3];
     MLRT_UNROLL
-    for (int i = 0; i < 3; ++i) {
-        const vf cross[3] = {v_set1(leaf->cross[i][0][place]), v_set1(leaf->cross[i][1][place]),
-                             v_set1(leaf->cross[i][2][place])};
-        product[i] = dot_product(direction, cross);
+    for (int edge = 0; edge < 3; ++edge) {
+        const vf cross[3] = {v_set1(leaf->cross[edge][0][place]), v_set1(leaf->cross[edge][1][place]),
+                             v_set1(leaf->cross[edge][2][place])};
+        MLRT_UNROLL
+        for (int i = 0; i < vectors; ++i) {
+            const vf product = dot_product(direction[i], cross);
+            least[i] = edge == 0 ? product : v_min(least[i], product);
+        }
     }
-    return v_min(v_min(product[0], product[1]), product[2]);
 }
 
 /* and then the distances, of rays that are not surely outside. `t_min` is NULL if all are 0. */
-MLRT_INLINE struct leaf_verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf, uint32_t place, float reach,
-                                                   const float *t_min, const struct ray_vector *rays, vf least,
-                                                   vm candidates)
+MLRT_INLINE struct leaf_verdict filter_leaf_vector(const struct mlrt_leaf_setup *leaf, uint32_t place,
+                                                   const struct filter_bounds *bounds, const float *t_min,
+                                                   const struct ray_vector *rays, vf least, vm candidates)
 {
     struct leaf_verdict verdict;
     const vf normal[3] = {v_set1(leaf->cross[3][0][place]), v_set1(leaf->cross[3][1][place]),
                           v_set1(leaf->cross[3][2][place])};
-    const vf size = dot_product(rays->direction, normal), width = v_set1(PLANE_BOUND * reach);
+    const vf size = dot_product(rays->direction, normal), width = bounds->plane;
     const vf least_d = v_sub(size, width), greatest_d = v_add(size, width);
     const vf least_n = v_set1(leaf->least_n[place]), greatest_n = v_set1(leaf->greatest_n[place]);
     const vm certain = m_and(candidates, v_gt(least_d, width));
@@ -178,7 +191,7 @@ MLRT_INLINE struct leaf_verdict filter_leaf_vector(const struct mlrt_leaf_setup 
         farther = m_or(farther, v_le(greatest_n, v_mul(from, least_d)));
         nearer = m_and(nearer, m_or(v_gt(least_n, v_mul(from, greatest_d)), v_eq(from, v_set1(0))));
     }
-    verdict.inside = m_and(certain, v_gt(least, v_set1(EDGE_BOUND * reach)));
+    verdict.inside = m_and(certain, v_gt(least, bounds->edge));
     if (MLRT_GUESS) verdict.inside = m_and(candidates, v_gt(size, v_set1(0)));
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided =
@@ -200,66 +213,60 @@ MLRT_INLINE void keep_leaf_verdict(const struct leaf_verdict *verdict, const str
     rays->triangle = i_select(verdict->nearer, i_set1(leaf->numbers[place]), rays->triangle);
 }
 
-/*
- * Tests a vector of a packet's rays against triangles of a leaf. Shadow rays rarely pass inside, and where none does
- * nothing more is looked at; of others a branch costs more than it saves. Returns the lanes whose nearest hit changed.
- */
+/* Tests a vector of a packet's rays against triangles of a leaf, by the least of their edge functions. Returns the
+ * lanes whose nearest hit changed. */
 MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                     const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
+                                     const struct mlrt_leaf_setup *leaf, uint32_t triangles,
+                                     float (*edges)[MLRT_PACKET_RAYS], const struct filter_bounds *bounds,
                                      const float *t_min, int v, struct mlrt_packet *packet)
 {
-    const vm active = m_from_bits(packet->active >> v);
-    const uint32_t in_any_case = !job->any;
+    const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
     struct ray_vector rays;
     uint32_t decided = 0;
-    vm changed = m_from_bits(0);
     load_ray_vector(packet, v, &rays);
     for (; triangles; triangles &= triangles - 1) {
         const uint32_t place = mlrt_lowest_bit(triangles), number = leaf->numbers[place];
-        vm concerned = m_andnot(active, i_eq(rays.triangle, i_set1(number)));
-        if (packet->has_skip) concerned = m_andnot(concerned, i_eq(i_load(packet->skip + v), i_set1(number)));
-        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(concerned)));
-        const vf least = least_leaf_edge(leaf, place, rays.direction);
-        const vm candidates = m_and(concerned, v_ge(least, v_set1(-EDGE_BOUND * reach)));
-        if (!(m_bits(candidates) | in_any_case)) continue;
-        const struct leaf_verdict verdict = filter_leaf_vector(leaf, place, reach, t_min, &rays, least, candidates);
+        const vf least = v_load(edges[place] + v);
+        const vm known = m_or(i_eq(rays.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
+        const vm candidates = m_andnot(v_ge(least, v_sub(v_set1(0), bounds->edge)), known);
+        const struct leaf_verdict verdict = filter_leaf_vector(leaf, place, bounds, t_min, &rays, least, candidates);
         keep_leaf_verdict(&verdict, leaf, place, &rays);
-        changed = m_or(changed, verdict.nearer);
         if (MLRT_LIKELY(!m_bits(verdict.undecided))) continue;
-        store_ray_vector(&rays, changed, v, packet);
-        decided |= m_bits(changed) << v;
+        decided |= store_ray_vector(&rays, v, packet);
         decided |= mlrt_decide_lanes(job->tree, number, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v,
                                      packet, worker, COUNTERS(worker));
-        changed = m_from_bits(0);
         load_ray_vector(packet, v, &rays);
     }
-    if (m_bits(changed)) store_ray_vector(&rays, changed, v, packet);
-    return decided | m_bits(changed) << v;
+    return decided | store_ray_vector(&rays, v, packet);
 }
 
 /*
- * Of triangles of a leaf, those that some ray of each vector of a packet is not surely outside of: all its rays at
- * once, with nothing at hand but their directions. Most of many triangles have no ray inside, and are done with so.
+ * Finds the least edge functions of all rays of a packet, and of triangles of a leaf those that some ray of each vector
+ * is not surely outside of: with nothing at hand but directions, and no branch on what each triangle says. Most of many
+ * have no ray inside, and are done with so.
  */
-MLRT_INLINE void may_be_hit(const struct mlrt_leaf_setup *leaf, uint32_t triangles, float reach,
-                            const struct mlrt_packet *packet, uint32_t of_vector[PACKET_VECTORS])
+MLRT_INLINE void find_edges(const struct mlrt_leaf_setup *leaf, uint32_t triangles, vf edge_bound,
+                            const struct mlrt_packet *packet, float (*edges)[MLRT_PACKET_RAYS],
+                            uint32_t of_vector[PACKET_VECTORS])
 {
     vf direction[PACKET_VECTORS][3];
-    vm active[PACKET_VECTORS];
     MLRT_UNROLL
     for (int i = 0; i < PACKET_VECTORS; ++i) {
         of_vector[i] = 0;
-        active[i] = m_from_bits(packet->active >> VW * i);
+        const vm active = m_from_bits(packet->active >> VW * i);
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) direction[i][k] = v_load(packet->direction[k] + VW * i);
+        for (int k = 0; k < 3; ++k) {
+            direction[i][k] = v_select(active, v_load(packet->direction[k] + VW * i), v_set1(NAN));
+        }
     }
     for (; triangles; triangles &= triangles - 1) {
-        const uint32_t place = mlrt_lowest_bit(triangles);
+        const uint32_t place = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
+        vf least[PACKET_VECTORS];
+        find_least_edges(leaf, place, direction, PACKET_VECTORS, least);
         MLRT_UNROLL
         for (int i = 0; i < PACKET_VECTORS; ++i) {
-            const vf least = least_leaf_edge(leaf, place, direction[i]);
-            const uint32_t may = m_bits(m_and(active[i], v_ge(least, v_set1(-EDGE_BOUND * reach))));
-            of_vector[i] |= (uint32_t)(may != 0) << place;
+            v_store(edges[place] + VW * i, least[i]);
+            of_vector[i] |= m_bits(v_ge(least[i], v_sub(v_set1(0), edge_bound))) ? bit : 0;
         }
     }
 }
@@ -285,19 +292,17 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     struct mlrt_packet *packet = &tile->packets[place];
     uint32_t changed = 0;
     const float reach = packet_reach(tile, place);
+    const struct filter_bounds bounds = {v_set1(EDGE_BOUND * reach), v_set1(PLANE_BOUND * reach)};
     const float *from = !tile->limits_below ? NULL : packet->shear ? packet->begin : packet->t_min;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
+    MLRT_ALIGNED(64) float edges[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
     uint32_t of_vector[PACKET_VECTORS];
-    if (VW > 1 && mlrt_count_bits(triangles) >= MLRT_FORESEEN_TRIANGLES) {
-        may_be_hit(leaf, triangles, reach, packet, of_vector);
-    } else {
-        MLRT_UNROLL
-        for (int i = 0; i < PACKET_VECTORS; ++i) of_vector[i] = packet->active >> VW * i & ALL_LANES ? triangles : 0;
-    }
+    find_edges(leaf, triangles, bounds.edge, packet, edges, of_vector);
     for (int i = 0; i < PACKET_VECTORS; ++i) {
         const int v = VW * i;
         if (!of_vector[i]) continue;
-        changed |= test_ray_vector(job, worker, leaf, of_vector[i], reach, from ? from + v : NULL, v, packet);
+        changed |= test_ray_vector(job, worker, leaf, of_vector[i], edges, &bounds, from ? from + v : NULL, v, packet);
     }
     if (changed) update_cell(tile, place, job->any ? changed : 0);
 }

@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""tables.py - keeps the tables of documents equal to what the bench program measured
+
+    tables.py [--check] DATA FILE...
+
+rewrites each table of the Markdown files that stands between two lines
+
+    <!-- table: NAME.csv WHAT KIND... -->
+    <!-- end of table -->
+
+from DATA/NAME.csv. WHAT is one of
+
+    ratio       the library's speed over that of Embree's fast mode; a column for each kind
+    mrays, embree_fast_mrays, embree_robust_mrays
+                millions of rays per second; likewise
+    all         these four, of one kind
+    settings    what sweep.py wrote: a row for each setting, a column for each kind and scene
+
+A kind is the bench's, or KIND=TITLE with _ for spaces. With --check nothing is written, and the exit status is 1 if
+something would be.
+"""
+import csv
+import os
+import re
+import sys
+
+BLOCK = re.compile(r"(<!-- table: (\S+) (\S+) ([^>]*?) -->\n).*?(<!-- end of table -->)", re.S)
+RATES = ("mrays", "embree_fast_mrays", "embree_robust_mrays")
+
+
+def read(path):
+    with open(path, newline="") as file:
+        return [row for row in csv.DictReader(file) if row.get("threads", "1") == "1"]
+
+
+def in_order(rows, column):
+    return list(dict.fromkeys(row[column] for row in rows))
+
+
+def show_speed(row, column):
+    rate = float(row[column])
+    return f"{rate:.0f}" if rate >= 100 else f"{rate:.1f}"
+
+
+def show_ratio(row):
+    rate, peer = float(row["mrays"]), float(row["embree_fast_mrays"])
+    return f"{rate / peer:.2f}" if peer > 0 else ""
+
+
+def table(head, body):
+    rows = [head, ["---"] + ["---:"] * (len(head) - 1)] + body
+    return "".join("| " + " | ".join(row) + " |\n" for row in rows)
+
+
+def table_of_kinds(rows, titles, show):
+    found = {(row["scene"], row["kind"]): row for row in rows}
+    body = [[scene] + [show(found[scene, kind]) if (scene, kind) in found else "" for kind in titles]
+            for scene in in_order(rows, "scene")]
+    return table(["scene"] + list(titles.values()), body)
+
+
+def table_of_all(rows, kind):
+    body = [[row["scene"]] + [show_speed(row, column) for column in RATES] + [show_ratio(row)]
+            for row in rows if row["kind"] == kind]
+    return table(["scene", "mlrt", "Embree fast", "robust", "/ fast"], body)
+
+
+def table_of_settings(rows, titles):
+    found = {(row["setting"], row["kind"], row["scene"]): f"{float(row['over_as_it_is']):.2f}" for row in rows}
+    columns = [(kind, scene) for kind in titles for scene in in_order(rows, "scene")]
+    first = in_order(rows, "scene")[0]
+    head = [f"{titles[kind]}: {scene}" if scene == first else scene for kind, scene in columns]
+    body = [[setting] + [found[setting, kind, scene] for kind, scene in columns] for setting in in_order(rows, "setting")]
+    return table(["setting"] + head, body)
+
+
+def make_table(rows, what, titles):
+    if what == "all":
+        return table_of_all(rows, *titles)
+    if what == "settings":
+        return table_of_settings(rows, titles)
+    return table_of_kinds(rows, titles, show_ratio if what == "ratio" else lambda row: show_speed(row, what))
+
+
+def renew(text, data):
+    def replace(block):
+        begin, name, what, kinds, end = block.groups()
+        titles = {kind.split("=")[0]: kind.split("=")[-1].replace("_", " ") for kind in kinds.split()}
+        return begin + make_table(read(os.path.join(data, name)), what, titles) + end
+
+    return BLOCK.sub(replace, text)
+
+
+def main():
+    arguments = [argument for argument in sys.argv[1:] if argument != "--check"]
+    is_check = len(arguments) < len(sys.argv) - 1
+    if len(arguments) < 2:
+        sys.exit(__doc__)
+    status = 0
+    for path in arguments[1:]:
+        with open(path) as file:
+            old = file.read()
+        new = renew(old, arguments[0])
+        if new == old:
+            continue
+        print(f"{path}: tables {'are not those of' if is_check else 'renewed from'} {arguments[0]}")
+        if is_check:
+            status = 1
+            continue
+        with open(path, "w") as file:
+            file.write(new)
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    main()
