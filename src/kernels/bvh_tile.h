@@ -243,7 +243,7 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
 /*
  * Finds the least edge functions of all rays of a packet, and of triangles of a leaf those that some ray of each vector
  * is not surely outside of: with nothing at hand but directions, and no branch on what each triangle says. Most of many
- * have no ray inside, and are done with so.
+ * have no ray inside, and are done with so; so are those that rays to a light begin on, and pass.
  */
 MLRT_INLINE void find_edges(const struct mlrt_leaf_setup *leaf, uint32_t triangles, vf edge_bound,
                             const struct mlrt_packet *packet, float (*edges)[MLRT_PACKET_RAYS],
@@ -262,12 +262,21 @@ MLRT_INLINE void find_edges(const struct mlrt_leaf_setup *leaf, uint32_t triangl
     for (; triangles; triangles &= triangles - 1) {
         const uint32_t place = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
         vf least[PACKET_VECTORS];
+        vm may[PACKET_VECTORS];
         find_least_edges(leaf, place, direction, PACKET_VECTORS, least);
         MLRT_UNROLL
         for (int i = 0; i < PACKET_VECTORS; ++i) {
             v_store(edges[place] + VW * i, least[i]);
-            of_vector[i] |= m_bits(v_ge(least[i], v_sub(v_set1(0), edge_bound))) ? bit : 0;
+            may[i] = v_ge(least[i], v_sub(v_set1(0), edge_bound));
         }
+        if (packet->has_skip) {
+            MLRT_UNROLL
+            for (int i = 0; i < PACKET_VECTORS; ++i) {
+                may[i] = m_andnot(may[i], i_eq(i_load(packet->skip + VW * i), i_set1(leaf->numbers[place])));
+            }
+        }
+        MLRT_UNROLL
+        for (int i = 0; i < PACKET_VECTORS; ++i) of_vector[i] |= m_bits(may[i]) ? bit : 0;
     }
 }
 
