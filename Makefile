@@ -24,6 +24,7 @@
 #   make check-abi       exported names, layouts and types against tests/abi; size and needs of the shared object
 #   make update-abi      writes tests/abi anew, after a change that is meant
 #   make check-header    mlrt.h alone, in every C and C++ that there is
+#   make check-tables    the tables of README.md and docs/ are what docs/data says
 #   make check-copies    three copies of the library in one process
 #   make check-churn     10,000 trees and pools made and destroyed under valgrind
 #   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
@@ -102,7 +103,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: deps deps-study deps-docs deps-bindings
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn test-wheel test-trimesh
 .PHONY: install install-strip uninstall
-.PHONY: bench charts charts-accuracy charts-speed sweep
+.PHONY: bench charts charts-accuracy charts-speed check-tables sweep
 .SECONDARY:
 
 all: library examples
@@ -303,10 +304,17 @@ charts-speed: | $(AFTER_DEPS)
 	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
 	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
+	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
+
+# The tables of documents are what docs/data says.
+DOCUMENTS := README.md docs/performance.md
+check-tables:
+	$(PYTHON) examples/bench/tables.py --check docs/data $(DOCUMENTS)
 
 # What the library decides while it traces, against fixed choices; some twenty minutes with four scenes.
 sweep: | $(AFTER_DEPS)
 	$(PYTHON) examples/bench/sweep.py $(BENCH_ALL) > docs/data/sweep.csv
+	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 
