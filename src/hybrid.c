@@ -114,25 +114,50 @@ static int is_large(const struct mlrt_cells *cells, uint32_t place, const struct
     return rays > limit;
 }
 
+/*
+ * Whether to ask how many rays meet a leaf. On meshes where that is seldom few, asking costs more than it spares; so
+ * there it is done for some leaves only.
+ */
+static int is_worth_asking(struct mlrt_worker *worker)
+{
+    return worker->leaf_credit > 0 || ++worker->leaves_not_asked % MLRT_LEAVES_NOT_ASKED == 0;
+}
+
+static void learn(struct mlrt_worker *worker, int found)
+{
+    worker->leaf_credit += found ? MLRT_LEAF_GAIN : -1;
+    if (worker->leaf_credit < 0) worker->leaf_credit = 0;
+    if (worker->leaf_credit > MLRT_MOST_LEAF_CREDIT) worker->leaf_credit = MLRT_MOST_LEAF_CREDIT;
+}
+
+/* Finds which rays of packets may meet a box, and whether they are few. */
+static int are_few(struct mlrt_cells *cells, uint32_t met, const struct mlrt_seen_box *box, uint32_t most,
+                   uint32_t lanes[MLRT_CELL_COUNT])
+{
+    uint32_t count = 0;
+    if (is_large(cells, mlrt_lowest_bit(met), box, most)) return 0;
+    for (; met && count <= most; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        lanes[place] = rays_met(cells->tile, place, box);
+        count += mlrt_count_bits(lanes[place]);
+    }
+    return count <= most;
+}
+
 int mlrt_trace_few_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells, uint32_t slot,
                         uint32_t met)
 {
     const struct mlrt_bvh_node *node = &job->tree->bvh.nodes[slot / MLRT_BVH_WIDTH];
     const uint32_t in_node = slot % MLRT_BVH_WIDTH, child = node->child[in_node];
     const int is_leaf = mlrt_bvh_quad_count(child) != 0;
-    const uint32_t most = is_leaf ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
-    uint32_t lanes[MLRT_CELL_COUNT], count = 0;
+    uint32_t lanes[MLRT_CELL_COUNT];
     struct mlrt_seen_box box;
     if (met & cells->closed) return 0;
-    if (is_leaf && mlrt_is_set_up(cells, child, mlrt_place_of_leaf(child, &worker->caches[job->any]))) return 0;
+    if (is_leaf && (mlrt_is_set_up(cells, child, &worker->caches[job->any]) || !is_worth_asking(worker))) return 0;
     mlrt_see_box(cells, node, in_node, &box);
-    if (is_large(cells, mlrt_lowest_bit(met), &box, most)) return 0;
-    for (uint32_t left = met; left && count <= most; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        lanes[place] = rays_met(cells->tile, place, &box);
-        count += mlrt_count_bits(lanes[place]);
-    }
-    if (count > most) return 0;
+    const int few = are_few(cells, met, &box, is_leaf ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS, lanes);
+    if (is_leaf) learn(worker, few);
+    if (!few) return 0;
     for (; met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
         if (lanes[place]) trace_rays(job, worker, cells->tile, place, lanes[place], child);

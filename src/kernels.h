@@ -68,7 +68,6 @@ struct mlrt_triangle_setup {
  * a bit.
  */
 struct mlrt_leaf_setup {
-    uint32_t child;    /* as in the node above; 0 = empty entry */
     int axis;          /* the main one; ~axis if rays go down it */
     uint32_t there;    /* triangles that can be hit from the apex at all */
     uint32_t ready;    /* those with terms */
@@ -87,9 +86,11 @@ struct mlrt_leaf_setup {
 
 /* The set-ups of leaves that were met last, from one apex. */
 struct mlrt_leaf_cache {
-    struct mlrt_leaf_setup leaves[1u << MLRT_LEAF_SETUP_BITS]; /* by a hash of the first quad */
+    struct mlrt_leaf_setup *leaves; /* 1 << bits of them, by a hash of the first quad */
+    uint32_t bits;
     float apex[3];
     struct mlrt_shear shear;
+    uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes above; 0 = nobody's */
 };
 
 /* Two triangles, and whether they lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
@@ -101,15 +102,17 @@ struct mlrt_plane_pair {
 
 #define MLRT_PLANE_PAIR_COUNT 64
 
-/* What one worker has to itself. */
+/* What one worker has to itself, in cache lines of its own. */
 struct mlrt_worker {
-    mlrt_counters counters;
+    MLRT_ALIGNED(64) mlrt_counters counters;
     struct mlrt_plane_pair pairs[MLRT_PLANE_PAIR_COUNT]; /* entry (first ^ second) % MLRT_PLANE_PAIR_COUNT */
     struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
     struct mlrt_leaf_cache caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
+    int32_t leaf_credit;                /* how often few rays met leaves of late (hybrid.c) */
+    uint32_t leaves_not_asked;        /* for how many, since that is seldom */
     uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (levels.c); squares likewise */
     uint32_t open_squares;

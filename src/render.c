@@ -99,27 +99,54 @@ static size_t tile_buffer_size(const struct mlrt_job *job)
     return size;
 }
 
-/* Gives workers their parts of a block of buffers. */
-static void share_buffers(const struct mlrt_job *job, uint32_t worker_count, unsigned char *next,
-                          struct mlrt_worker *workers)
+/* As a power of two, how many set-ups of leaves are kept: few for few rays, which would not pay for the memory. */
+static uint32_t leaf_setup_bits(const struct mlrt_job *job)
+{
+    const uint64_t ray_count = (uint64_t)job->source.width * job->source.height;
+    return ray_count < MLRT_MANY_RAYS ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
+}
+
+/* Closest hits (0) and any hits (1) have set-ups of their own: a picture's shadows go in turn with its tiles. */
+static int keeps_leaves(const struct mlrt_job *job, int any)
+{
+    return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
+}
+
+/* Bytes that a worker has besides its state: set-ups of leaves and the callback's arrays. */
+static size_t share_size(const struct mlrt_job *job)
+{
+    size_t size = tile_buffer_size(job);
+    for (int any = 0; any < 2; ++any) {
+        if (keeps_leaves(job, any)) size += sizeof(struct mlrt_leaf_setup) << leaf_setup_bits(job);
+    }
+    return (size + 63) / 64 * 64;
+}
+
+static void share_out(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
-    for (uint32_t w = 0; w < worker_count; ++w) {
-        for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-            if (!wants_channel(job, (enum mlrt_channel)c)) continue;
-            workers[w].tile.channel[c].data = next;
-            workers[w].tile.channel[c].stride = mlrt_channel_size((enum mlrt_channel)c);
-            next += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
-        }
+    for (int any = 0; any < 2; ++any) {
+        struct mlrt_leaf_cache *cache = &worker->caches[any];
+        if (!keeps_leaves(job, any)) continue;
+        cache->bits = leaf_setup_bits(job);
+        cache->leaves = (struct mlrt_leaf_setup *)(void *)next;
+        next += sizeof(struct mlrt_leaf_setup) << cache->bits;
+    }
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        if (!wants_channel(job, (enum mlrt_channel)c)) continue;
+        worker->tile.channel[c].data = next;
+        worker->tile.channel[c].stride = mlrt_channel_size((enum mlrt_channel)c);
+        next += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
     }
 }
 
 /* A call of few rays should not pay for clearing tables: an apex that no ray has says that they are empty. */
-static void begin_worker(const struct mlrt_job *job, struct mlrt_worker *worker)
+static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
 {
     memset(&worker->counters, 0, sizeof worker->counters);
     memset(worker->pairs, 0, sizeof worker->pairs);
     memset(&worker->tile, 0, sizeof worker->tile);
+    share_out(job, share, worker);
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) {
@@ -129,6 +156,8 @@ static void begin_worker(const struct mlrt_job *job, struct mlrt_worker *worker)
     worker->open_tiles = MLRT_FIRST_OPEN_TILES;
     worker->open_squares = MLRT_FIRST_OPEN_SQUARES;
     worker->mesh = 0;
+    worker->leaf_credit = MLRT_MOST_LEAF_CREDIT;
+    worker->leaves_not_asked = 0;
 }
 
 static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
@@ -149,18 +178,14 @@ int32_t mlrt_run_job(const struct mlrt_job *job, const struct mlrt_run_options *
     if (item_count == 0) return mlrt_end_nothing(&options->host);
 
     const uint32_t worker_count = mlrt_worker_count(options->pool);
-    const size_t buffer_size = tile_buffer_size(job);
+    const size_t share = share_size(job);
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
     struct run run = {.job = job, .column_count = columns};
-    run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers);
-    unsigned char *buffers = buffer_size ? mlrt_allocate(&memory, worker_count, buffer_size) : NULL;
-    int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
-    if (run.workers && (buffers || !buffer_size)) {
-        for (uint32_t w = 0; w < worker_count; ++w) begin_worker(job, &run.workers[w]);
-        if (buffers) share_buffers(job, worker_count, buffers, run.workers);
-        status = run_items(options, (uint32_t)item_count, worker_count, &run);
-    }
-    mlrt_free(&memory, buffers, worker_count, buffer_size);
-    mlrt_free(&memory, run.workers, worker_count, sizeof *run.workers);
+    run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers + share);
+    if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
+    unsigned char *shares = (unsigned char *)(run.workers + worker_count);
+    for (uint32_t w = 0; w < worker_count; ++w) begin_worker(job, shares + w * share, &run.workers[w]);
+    const int32_t status = run_items(options, (uint32_t)item_count, worker_count, &run);
+    mlrt_free(&memory, run.workers, worker_count, sizeof *run.workers + share);
     return status;
 }

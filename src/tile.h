@@ -86,14 +86,15 @@ MLRT_INLINE int mlrt_axis_code(const struct mlrt_cells *cells)
 }
 
 /* Where the set-up of a leaf is kept, if it is. */
-MLRT_INLINE struct mlrt_leaf_setup *mlrt_place_of_leaf(uint32_t child, struct mlrt_leaf_cache *cache)
+MLRT_INLINE uint32_t mlrt_place_of_leaf(uint32_t child, const struct mlrt_leaf_cache *cache)
 {
-    return &cache->leaves[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - MLRT_LEAF_SETUP_BITS)];
+    return mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits);
 }
 
-MLRT_INLINE int mlrt_is_set_up(const struct mlrt_cells *cells, uint32_t child, const struct mlrt_leaf_setup *place)
+MLRT_INLINE int mlrt_is_set_up(const struct mlrt_cells *cells, uint32_t child, const struct mlrt_leaf_cache *cache)
 {
-    return place->child == child && place->axis == mlrt_axis_code(cells);
+    const uint32_t place = mlrt_place_of_leaf(child, cache);
+    return cache->children[place] == child && cache->leaves[place].axis == mlrt_axis_code(cells);
 }
 
 /* A cell that meets nothing. */

@@ -1859,6 +1859,7 @@ static void stacks_hold_what_waits(void **state)
     static struct mlrt_bvh_node nodes[MLRT_BVH_DEPTH_LIMIT];
     static float corners[36 * (QUAD + 1) + 16];
     static uint32_t numbers[4 * (QUAD + 1) + 16];
+    static struct mlrt_leaf_setup setups[2];
     static struct mlrt_worker worker;
     static struct mlrt_packet packet;
     static struct mlrt_triangle triangle;
@@ -1898,6 +1899,8 @@ static void stacks_hold_what_waits(void **state)
     cells.farthest[0] = cells.cover_near[0] = INFINITY;
     cells.closed = 1;
     sum_up_cells(&cells);
+    worker.caches[0].leaves = setups;
+    worker.caches[0].bits = 1;
     traverse_bvh(&job, &worker, &cells);
     assert_true(cells.closed == 1 && cells.cover[0] == MLRT_NONE);
 

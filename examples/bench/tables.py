@@ -12,6 +12,7 @@ rewrites each table of the Markdown files that stands between two lines
 from DATA/NAME.csv. WHAT is one of
 
     ratio       the library's speed over that of Embree's fast mode; a column for each kind
+    aims        the same with what it ought to be, from DATA/aims.csv: in bold where it is
     mrays, embree_fast_mrays, embree_robust_mrays
                 millions of rays per second; likewise
     all         these four, of one kind
@@ -75,7 +76,22 @@ def table_of_settings(rows, titles):
     return table(["setting"] + head, body)
 
 
-def make_table(rows, what, titles):
+def table_of_aims(rows, titles, aims):
+    wanted = {(row["scene"], row["kind"]): row["aim"] for row in aims}
+
+    def show(row):
+        ratio, aim = show_ratio(row), wanted.get((row["scene"], row["kind"]))
+        if not ratio or aim is None:
+            return ratio
+        return f"**{ratio}** of {aim}" if float(ratio) >= float(aim) else f"{ratio} of {aim}"
+
+    return table_of_kinds(rows, titles, show)
+
+
+def make_table(data, name, what, titles):
+    rows = read(os.path.join(data, name))
+    if what == "aims":
+        return table_of_aims(rows, titles, read(os.path.join(data, "aims.csv")))
     if what == "all":
         return table_of_all(rows, *titles)
     if what == "settings":
@@ -87,7 +103,7 @@ def renew(text, data):
     def replace(block):
         begin, name, what, kinds, end = block.groups()
         titles = {kind.split("=")[0]: kind.split("=")[-1].replace("_", " ") for kind in kinds.split()}
-        return begin + make_table(read(os.path.join(data, name)), what, titles) + end
+        return begin + make_table(data, name, what, titles) + end
 
     return BLOCK.sub(replace, text)
 

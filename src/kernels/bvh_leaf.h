@@ -126,7 +126,6 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
                                      uint32_t mask, struct mlrt_leaf_setup *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
-    leaf->child = child;
     leaf->axis = mlrt_axis_code(cells);
     leaf->corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
@@ -170,8 +169,12 @@ static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const s
                                            const struct mlrt_worker *worker, struct mlrt_leaf_cache *cache,
                                            uint32_t *seen)
 {
-    struct mlrt_leaf_setup *leaf = mlrt_place_of_leaf(child, cache);
-    if (!mlrt_is_set_up(cells, child, leaf)) begin_leaf(tree, cells, child, worker->mask, leaf);
+    const uint32_t place = mlrt_place_of_leaf(child, cache);
+    struct mlrt_leaf_setup *leaf = &cache->leaves[place];
+    if (!mlrt_is_set_up(cells, child, cache)) {
+        begin_leaf(tree, cells, child, worker->mask, leaf);
+        cache->children[place] = child;
+    }
     *seen = seen_by_cells(cells, leaf);
     const uint32_t wanted = *seen & ~leaf->ready;
     if (wanted) {
@@ -191,7 +194,7 @@ MLRT_INLINE int have_other_leaves(const struct mlrt_cells *cells, const struct m
 
 static MLRT_SMALL void forget_leaves(const struct mlrt_cells *cells, struct mlrt_leaf_cache *cache)
 {
-    for (uint32_t i = 0; i < 1u << MLRT_LEAF_SETUP_BITS; ++i) cache->leaves[i].child = 0;
+    memset(cache->children, 0, sizeof cache->children);
     memcpy(cache->apex, cells->apex, sizeof cache->apex);
     cache->shear = cells->shear;
 }
