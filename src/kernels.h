@@ -112,7 +112,7 @@ struct mlrt_worker {
     struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
     struct mlrt_leaf_cache caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
     int32_t leaf_credit;              /* how often few rays met leaves of late (hybrid.c) */
-    uint32_t leaves_not_asked;        /* for how many, since that is seldom */
+    uint32_t leaves_not_asked;        /* how many were not asked for it while that was seldom */
     uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (levels.c); squares likewise */
     uint32_t open_squares;

@@ -87,7 +87,7 @@
 
 /*
  * A worker keeps 1 << this set-ups of leaves, of 1.25 KiB; in calls of fewer rays than many, fewer, since what first
- * uses memory waits for it. By instructions, pictures and shadows take 1 to 3 % more with 32.
+ * uses memory waits for it. By instructions, pictures and shadows take up to 3 % more with 32.
  */
 #ifndef MLRT_LEAF_SETUP_BITS
 #define MLRT_LEAF_SETUP_BITS 7
