@@ -5,6 +5,7 @@
 #ifndef MLRT_KERNELS_H
 #define MLRT_KERNELS_H
 
+#include "bundle.h"
 #include "hit_terms.h"
 #include "output.h"
 #include "shear.h"
@@ -110,6 +111,7 @@ struct mlrt_worker {
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
+    struct mlrt_bundle_cache bundle_caches[2];
     struct mlrt_leaf_cache caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
     int32_t leaf_credit;              /* how often few rays met leaves of late (hybrid.c) */
     uint32_t leaves_not_asked;        /* how many were not asked for it while that was seldom */
@@ -169,6 +171,9 @@ struct mlrt_kernels {
     void (*update_cell)(struct mlrt_ray_tile *tile, uint32_t place, uint32_t done);
     /* Takes cells of packets down the hierarchy. bvh_tile.h */
     void (*trace_gathered)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
+    /* Traces the packets `waiting` (bit per place) of a tile, whose rays are there, down the hierarchy. bundle_tile.h */
+    void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                         uint32_t waiting);
     /* Takes cells down the hierarchy; makes the rays of one. bvh_tile.h */
     void (*traverse)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells);
     void (*open_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,

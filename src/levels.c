@@ -109,7 +109,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         if (job->has_frame && !is_list(&job->source)) {
             mlrt_prefetch_sink(area->x, area->y, area->width, area->height, &job->frame);
         }
-        mlrt_trace_packets(job, worker, &tile, waiting);
+        job->kernels->trace_bundle(job, worker, &tile, waiting);
     }
     const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;
     if (known) write_closed(job, worker, known->cover, area);

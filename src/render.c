@@ -117,7 +117,9 @@ static size_t share_size(const struct mlrt_job *job)
 {
     size_t size = tile_buffer_size(job);
     for (int any = 0; any < 2; ++any) {
-        if (keeps_leaves(job, any)) size += sizeof(struct mlrt_leaf_setup) << leaf_setup_bits(job);
+        if (keeps_leaves(job, any)) {
+            size += (sizeof(struct mlrt_leaf_setup) + sizeof(struct mlrt_bundle_leaf)) << leaf_setup_bits(job);
+        }
     }
     return (size + 63) / 64 * 64;
 }
@@ -131,6 +133,9 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
         cache->bits = leaf_setup_bits(job);
         cache->leaves = (struct mlrt_leaf_setup *)(void *)next;
         next += sizeof(struct mlrt_leaf_setup) << cache->bits;
+        worker->bundle_caches[any].bits = cache->bits;
+        worker->bundle_caches[any].leaves = (struct mlrt_bundle_leaf *)(void *)next;
+        next += sizeof(struct mlrt_bundle_leaf) << cache->bits;
     }
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
@@ -152,6 +157,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     for (int k = 0; k < 3; ++k) {
         worker->apex[k] = worker->caches[0].apex[k] = worker->caches[1].apex[k] = worker->hit_terms.apex[k] = NAN;
     }
+    for (int any = 0; any < 2; ++any) worker->bundle_caches[any].waist.main_axis = -1;
     worker->mask = job->source.common_mask;
     worker->open_tiles = MLRT_FIRST_OPEN_TILES;
     worker->open_squares = MLRT_FIRST_OPEN_SQUARES;

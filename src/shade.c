@@ -147,7 +147,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         made |= 1u << place;
     }
     tile.made = 0xFFFF;
-    mlrt_trace_packets(light, worker, &tile, waiting);
+    light->kernels->trace_bundle(light, worker, &tile, waiting);
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
         if (!(made >> place & 1)) continue;

@@ -30,12 +30,7 @@ uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worke
             packet->single |= packet->active;
             packet->active = 0;
         }
-        const int is_alike = packet->has_apex || (!packet->has_masks && packet->has_direction);
-        if (packet->active && !is_alike) {
-            job->kernels->trace_singles(job, packet->active, packet, worker, 0);
-        } else {
-            waiting |= (packet->active != 0u) << place;
-        }
+        waiting |= (packet->active != 0u) << place;
     }
     return waiting;
 }

@@ -24,6 +24,10 @@
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
+#include "bundle.h"
+#include "bundle_leaf.h"
+#include "lanes.h"
+#include "bundle_tile.h"
 #include "sheared_body.h"
 
 /* clang-format off: a table */
@@ -31,7 +35,7 @@
     .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
     .gather_camera_cells = gather_camera_cells, .gather_packed_cells = gather_packed_cells,                            \
     .sum_up_cells = sum_up_cells, .add_packet = add_packet, .update_cell = update_cell,                                \
-    .trace_gathered = trace_gathered, .traverse = traverse_bvh, .open_packet = open_packet
+    .trace_gathered = trace_gathered, .traverse = traverse_bvh, .trace_bundle = trace_bundle, .open_packet = open_packet
 /* clang-format on */
 
 #if MLRT_COUNTING

@@ -184,43 +184,50 @@ MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
     return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
 }
 
-/* The bounds of the head of this file; a guess has none. */
-MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], float reach, struct float_test *test)
+/* The bounds of the head of this file; a guess has none. `reach` is 4 m. */
+MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reach, struct float_test *test)
 {
     test->above = test->below = test->plane_bound = test->distance_bound = v_set1(0);
     if (MLRT_GUESS) return;
     const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
     const vf plane_size = v_mul(size_f, size_g), floor = v_set1(DISTANCE_FLOOR);
     const vf edge_size = v_mul_add(size_s, v_add(size_f, size_g), plane_size);
-    test->above = v_mul_add(v_mul(edge_size, v_set1(reach)), v_set1(EDGE_BOUND / 4), floor);
+    test->above = v_mul_add(v_mul(edge_size, reach), v_set1(EDGE_BOUND / 4), floor);
     test->below = v_sub(v_set1(0), test->above);
-    test->plane_bound = v_mul_add(v_mul(plane_size, v_set1(reach)), v_set1(PLANE_BOUND / 4), floor);
+    test->plane_bound = v_mul_add(v_mul(plane_size, reach), v_set1(PLANE_BOUND / 4), floor);
     const vf distance_floor = v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor);
     test->distance_bound =
         v_mul_add(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4), distance_floor);
 }
 
-/* What the filter needs of one ray and triangles in a row. `corners` is where the lanes begin, rows are `stride` apart.
- */
-MLRT_INLINE void set_float_test(const struct single_ray *ray, const float *corners, uint32_t stride,
+/* What the filter needs of rays and triangles, lane by lane: s from corner a to the origin, f and g from a to b and c. */
+MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], const vf direction[3], vf reach,
                                 struct float_test *test)
 {
-    vf s[3], f[3], g[3], p[3], q[3];
+    vf p[3], q[3];
+    cross_product(g, direction, p);
+    cross_product(f, s, q);
+    set_bounds(s, f, g, reach, test);
+    test->determinant = dot_product(f, p);
+    test->distance = dot_product(g, q);
+    const vf ca = dot_product(s, p), ab = dot_product(direction, q);
+    const vf bc = v_sub(v_sub(test->determinant, ca), ab);
+    test->least = v_min(v_min(ab, bc), ca);
+    test->greatest = v_max(v_max(ab, bc), ca);
+}
+
+/* Of one ray and triangles in a row. `corners` is where the lanes begin, rows are `stride` apart. */
+MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corners, uint32_t stride,
+                                 struct float_test *test)
+{
+    vf s[3], f[3], g[3];
     for (int k = 0; k < 3; ++k) {
         const vf a = v_load_any(corners + (uint32_t)k * stride);
         s[k] = v_sub(ray->origin[k], a);
         f[k] = v_sub(v_load_any(corners + (uint32_t)(3 + k) * stride), a);
         g[k] = v_sub(v_load_any(corners + (uint32_t)(6 + k) * stride), a);
     }
-    cross_product(g, ray->direction, p);
-    cross_product(f, s, q);
-    set_bounds(s, f, g, ray->reach, test);
-    test->determinant = dot_product(f, p);
-    test->distance = dot_product(g, q);
-    const vf ca = dot_product(s, p), ab = dot_product(ray->direction, q);
-    const vf bc = v_sub(v_sub(test->determinant, ca), ab);
-    test->least = v_min(v_min(ab, bc), ca);
-    test->greatest = v_max(v_max(ab, bc), ca);
+    set_float_test(s, f, g, ray->direction, v_set1(ray->reach), test);
 }
 
 /* Makes the nearest of the triangles that are surely hit, bits in `nearer`, the nearest hit. Returns those that need to
@@ -267,7 +274,7 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
     for (uint32_t v = 0; v < place_count; v += VW) {
         const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
         struct float_test test;
-        set_float_test(ray, corners + v, place_count, &test);
+        set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
         uint32_t candidates = m_bits(inside) & places;
         if (!candidates && !MLRT_COUNTING) continue;

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A bundle: rays of a tile that share a main axis and its sign, seen relative to their waist.
+ *
+ * The waist is a point w near where the rays come closest to each other. Relative to it a point p has a depth
+ * z = +-(p_main - w_main), signed so that all rays go up it, and two places x_j = p_j - w_j over the axes main + 1 and
+ * main + 2. A ray is its place x0 where z = 0, its slopes s = d_j / |d_main|, and the depths between which it looks for
+ * hits: its points are x0 + s z. Rays that start at one point or end at one have x0 = 0 or nearly so, rays of one
+ * direction have one slope; others that are alike have small ranges of both.
+ *
+ * Along a ray, distances are measured in depth from its origin: tau = t |d_main|. That is not negative for hits, and a
+ * nearer hit has the smaller tau.
+ */
+#ifndef MLRT_BUNDLE_H
+#define MLRT_BUNDLE_H
+
+#include "bvh.h"
+#include "packet.h"
+#include "tuning.h"
+
+#define MLRT_BUNDLE_PACKETS 16
+
+struct mlrt_waist {
+    int32_t main_axis;
+    float sign; /* of the main components: +-1 */
+    float point[3];
+};
+
+/* What rays of a packet have in numbers: their slopes, their places at the waist and the cross product of both. */
+enum mlrt_ray_term {
+    MLRT_SLOPE_J,
+    MLRT_SLOPE_L,
+    MLRT_PLACE_J,
+    MLRT_PLACE_L,
+    MLRT_MOMENT, /* s_l x_j - s_j x_l */
+    MLRT_RAY_TERMS
+};
+
+/* The rays of a packet, lane by lane. */
+struct mlrt_bundle_rays {
+    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, place j, place l */
+    MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];        /* |d_main| */
+    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];       /* bounds of tau: after it; nearest hit so far */
+    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
+};
+
+/* Intervals of the terms, by packet. */
+struct mlrt_hull_row {
+    MLRT_ALIGNED(64) float lo[MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float hi[MLRT_BUNDLE_PACKETS];
+};
+
+/*
+ * The hulls of packets, by packet. `term` is what the lanes have; slopes and places are moved apart by what rounding may
+ * change. A packet that looks no further has first = inf, last = -inf.
+ */
+struct mlrt_hulls {
+    struct mlrt_hull_row term[MLRT_RAY_TERMS];
+    struct mlrt_hull_row slope[2];
+    struct mlrt_hull_row place[2];
+    MLRT_ALIGNED(64) float first[MLRT_BUNDLE_PACKETS]; /* depths between which the rays look */
+    MLRT_ALIGNED(64) float last[MLRT_BUNDLE_PACKETS];
+    /* What the filters need (kernels/bundle_leaf.h): the terms as middle and radius, and what errors are relative to. */
+    MLRT_ALIGNED(64) float middle[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float radius[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float reach[MLRT_BUNDLE_PACKETS]; /* R */
+    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* Q */
+    MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];  /* A */
+};
+
+/* One hull of all packets that go together. */
+struct mlrt_hull {
+    float slope_lo[2];
+    float slope_hi[2];
+    float place_lo[2];
+    float place_hi[2];
+    float first;
+    float last;
+};
+
+/* What bundles with one waist share about the triangles of a leaf: arrays have a place for each triangle. */
+struct mlrt_bundle_leaf {
+    uint32_t there; /* places with a triangle that the call's common mask shows; bit per place */
+    uint32_t row;   /* floats in a row of corners */
+    const uint32_t *numbers;
+    MLRT_ALIGNED(64) float lo[3][MLRT_BVH_LEAF_LIMIT]; /* the triangle's box: depth, place j, place l */
+    MLRT_ALIGNED(64) float hi[3][MLRT_BVH_LEAF_LIMIT];
+    /* Edge functions ab, bc, ca: a constant, and what the terms of a ray are multiplied with. */
+    MLRT_ALIGNED(64) float edge_constant[3][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float edge[3][MLRT_RAY_TERMS][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float normal[3][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT]; /* of the plane from the waist: N there */
+    MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: how much places weigh in edge functions */
+    MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];      /* what the error of `distance` is relative to */
+};
+
+/* The set-ups of leaves that were met last, for one waist. */
+struct mlrt_bundle_cache {
+    struct mlrt_bundle_leaf *leaves; /* 1 << bits of them, by a hash of the first quad */
+    uint32_t bits;
+    struct mlrt_waist waist; /* main_axis -1: of none */
+    uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes; 0 = nobody's */
+};
+
+#endif

@@ -1,0 +1,436 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The triangles of a leaf as a bundle sees them (../bundle.h), sixteen at a time, and tests of packets against them.
+ *
+ * WHAT IS COMPUTED. In depth and places relative to the waist, let p, q be the ends of an edge and g = q - p; a ray is at
+ * o = (0, x_j, x_l) where z = 0 and goes along d = (1, s_j, s_l). Then
+ *
+ *     e = d . ((p - o) x g) = C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z,    C = p x g,  m = s_l x_j - s_j x_l
+ *     D = d . n = n_z + s_j n_j + s_l n_l                                             n = (a - c) x (b - a)
+ *     N = n . (a - w) + n . (w - o'),  o' the ray's origin                            so tau = N / D
+ *
+ * Each edge function is divided by a size, so is n; only signs of e and ratios of N and D matter. With M_k the sum of the
+ * magnitudes of the two products in component k of a cross product, size is M_z + (M_j + M_l) / 2, or |g| 2^-20 if that
+ * is more (|g| the sum of magnitudes), but at least 2^-100.
+ *
+ * EDGES, u = 2^-24, in units of size, with R, A, X = the greatest |x|, of a packet (bundle.h). C_k has 4 roundings (p, g,
+ * product, difference), 1 / size and its product 2; a slope 1, a product 1, and up to 5 sums: 13. As |s| <= R / 2, that is
+ * 13.001 u R. A place is off by E = 3.05 u R A, a factor of g has 1 + 2 roundings, product and sums 6: so both products of
+ * places are off by (9.001 u X + E) |g|. The moment is off by 2 |s| E + 3.001 u 2 |s| X <= R E + 3.001 u R X, and g_z times
+ * it by 9.001 u R X more. Together no more than
+ *
+ *     13.001 u R + (12.1 u X + E) R rho,   rho the greatest |g| / size of the three edges.
+ *
+ * EDGE_ERROR makes 14 u R of the first and BLUR_OF_PLACE and PLACE_ERROR 13 u X + 4 u R A of the second: that also pays
+ * for the roundings of the bound. Where a processor multiplies and adds at once there are fewer. Without places only the
+ * first is left.
+ *
+ * DISTANCES. n has 4 + 2 roundings, D 1 + 1 + 2 more: 10.001 u R. N has 6 + 1 + 1 and up to 5 sums: with F the greatest of
+ * |z|, 2 |x_j|, 2 |x_l| of corner a, and A the same of origins, it is off by 13.001 u (F + A). PLANE_BOUND, 16 u R, and
+ * DISTANCE_ERROR, 16 u (F + A), leave 5.9 u R and 2.9 u (F + A) for the roundings of N -+ E, D -+ W and the products that
+ * compare them, as in triangle_filter.h.
+ *
+ * UNDERFLOW AND RANGE as there: coordinates are 0 or of magnitude 2^-60 .. 2^60, sizes at least 2^-100; a coefficient so
+ * loses no more than 2^-49, which is nothing beside u R; and since size >= |g| 2^-20, no edge function exceeds 2^82.
+ *
+ * CUTS. Over a hull an edge function lies within its value at the middles of the terms and the sum of |coefficient| radius:
+ * both as computed are off by less than half of the bound of the edge function for rays of the hull, whose terms are no
+ * larger; so twice the bound is enough.
+ */
+
+#if MLRT_GUESS
+#define EDGE_ERROR     0.0f
+#define DISTANCE_ERROR 0.0f
+#else
+#define EDGE_ERROR     (14 * 0x1p-24f)
+#define DISTANCE_ERROR (16 * 0x1p-24f)
+#endif
+
+/* ---- set-ups ---- */
+
+/* Corners of a vector of triangles by axis from the main one on, in the signs of the waist: as given, and relative to
+ * it. */
+struct bundle_corners {
+    vf from[3][3];
+    vf to[3][3];
+};
+
+MLRT_INLINE void load_bundle_corners(const struct mlrt_waist *waist, const float *corners, uint32_t row, uint32_t v,
+                                     struct bundle_corners *of)
+{
+    const vf sign = v_set1(waist->sign);
+    for (int k = 0; k < 3; ++k) {
+        const int axis = (waist->main_axis + k) % 3;
+        const vf w = v_set1(waist->point[axis]);
+        for (int i = 0; i < 3; ++i) {
+            const vf c = v_load_any(corners + (uint32_t)(3 * i + axis) * row + v);
+            of->from[i][k] = k == 0 ? v_flip(c, sign) : c;
+            of->to[i][k] = k == 0 ? v_flip(v_sub(c, w), sign) : v_sub(c, w);
+        }
+    }
+}
+
+/* A cross product, and the size it is divided by, if it is not less than `least`. */
+MLRT_INLINE vf cross_with_size(const vf p[3], const vf q[3], vf least, vf cross[3])
+{
+    vf size[3];
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const vf second = v_mul(p[j], q[i]);
+        cross[k] = v_mul_sub(p[i], q[j], second);
+        size[k] = v_mul_add(v_abs(p[i]), v_abs(q[j]), v_abs(second));
+    }
+    return v_max(v_mul_add(v_add(size[1], size[2]), v_set1(0.5f), size[0]), least);
+}
+
+/* Sets what one vector of triangles is. */
+static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v,
+                                               struct mlrt_bundle_leaf *leaf)
+{
+    vf g[3][3], steepness = v_set1(0);
+    for (int k = 0; k < 3; ++k) {
+        const vf a = corners->to[0][k], b = corners->to[1][k], c = corners->to[2][k];
+        v_store(leaf->lo[k] + v, v_min(v_min(a, b), c));
+        v_store(leaf->hi[k] + v, v_max(v_max(a, b), c));
+        for (int i = 0; i < 3; ++i) g[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        vf cross[3];
+        const vf length = v_add(v_add(v_abs(g[i][0]), v_abs(g[i][1])), v_abs(g[i][2]));
+        const vf least = v_max(v_mul(length, v_set1(0x1p-20f)), v_set1(SMALLEST_SIZE));
+        const vf size = cross_with_size(corners->to[i], g[i], least, cross);
+        const vf scale = v_div(v_set1(1), size);
+        v_store(leaf->edge_constant[i] + v, v_mul(cross[0], scale));
+        v_store(leaf->edge[i][MLRT_SLOPE_J] + v, v_mul(cross[1], scale));
+        v_store(leaf->edge[i][MLRT_SLOPE_L] + v, v_mul(cross[2], scale));
+        v_store(leaf->edge[i][MLRT_PLACE_J] + v, v_sub(v_set1(0), v_mul(g[i][2], scale)));
+        v_store(leaf->edge[i][MLRT_PLACE_L] + v, v_mul(g[i][1], scale));
+        v_store(leaf->edge[i][MLRT_MOMENT] + v, v_mul(g[i][0], scale));
+        steepness = v_max(v_mul(length, scale), steepness);
+    }
+    v_store(leaf->steepness + v, steepness);
+    vf normal[3];
+    const vf scale = v_div(v_set1(1), cross_with_size(g[2], g[0], v_set1(SMALLEST_SIZE), normal));
+    for (int k = 0; k < 3; ++k) {
+        normal[k] = v_mul(normal[k], scale);
+        v_store(leaf->normal[k] + v, normal[k]);
+    }
+    v_store(leaf->distance + v, dot_product(corners->to[0], normal));
+    const vf other = v_max(v_abs(corners->to[0][1]), v_abs(corners->to[0][2]));
+    v_store(leaf->away + v, v_max(v_abs(corners->to[0][0]), v_mul(other, v_set1(2))));
+}
+
+static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                             uint32_t child, uint32_t mask, struct mlrt_bundle_leaf *leaf)
+{
+    const uint32_t row = 4 * mlrt_bvh_quad_count(child);
+    const float *corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
+    leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    leaf->row = row;
+    leaf->there = 0;
+    for (uint32_t v = 0; v < row; v += VW) {
+        struct bundle_corners of;
+        load_bundle_corners(waist, corners, row, v, &of);
+        set_up_bundle_vector(&of, v, leaf);
+        leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
+    }
+    leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
+}
+
+/* The set-up of a leaf. A worker keeps the last ones for its next tiles. */
+MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job, const struct bundle *bundle,
+                                                            uint32_t child, const struct mlrt_worker *worker,
+                                                            struct mlrt_bundle_cache *cache)
+{
+    const uint32_t place = mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits);
+    struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
+    if (cache->children[place] != child) {
+        set_up_bundle_leaf(job->tree, &bundle->waist, child, worker->mask, leaf);
+        cache->children[place] = child;
+    }
+    return leaf;
+}
+
+/* Has set-ups for another waist forgotten. */
+static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle_cache *cache)
+{
+    if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
+    memset(cache->children, 0, sizeof cache->children);
+    cache->waist = *waist;
+}
+
+/* ---- cuts ---- */
+
+/* Triangles of a leaf that rays with these slopes and places may hit, by their boxes. */
+MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, float first, float last, const float slope_lo[2],
+                                   const float slope_hi[2], const float place_lo[2], const float place_hi[2],
+                                   int has_places, uint32_t among)
+{
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(among >> v & ALL_LANES)) continue;
+        const vf from = v_max(v_load(leaf->lo[0] + v), v_set1(first)), to = v_min(v_load(leaf->hi[0] + v), v_set1(last));
+        vm may = v_le(from, to);
+        for (int i = 0; i < 2; ++i) {
+            const vf lo = v_set1(slope_lo[i]), hi = v_set1(slope_hi[i]);
+            const vf upper = upper_place(from, to, lo, hi, v_set1(place_hi[i]), has_places);
+            const vf lower = lower_place(from, to, lo, hi, v_set1(place_lo[i]), has_places);
+            may = m_and(may, m_and(v_le(v_load(leaf->lo[1 + i] + v), upper), v_ge(v_load(leaf->hi[1 + i] + v), lower)));
+        }
+        met |= m_bits(may) << v;
+    }
+    return met & among;
+}
+
+/* Of an edge function, or of D: bounds over the hull of a packet, but for rounding. */
+MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place, const float *constant,
+                                 const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], int term_count, vf *least, vf *greatest)
+{
+    vf middle = v_load(constant), radius = v_set1(0);
+    MLRT_UNROLL
+    for (int i = 0; i < term_count; ++i) {
+        const vf c = v_load(coefficient[i]);
+        middle = v_mul_add(c, v_set1(hulls->middle[i][place]), middle);
+        radius = v_mul_add(v_abs(c), v_set1(hulls->radius[i][place]), radius);
+    }
+    *least = v_sub(middle, radius);
+    *greatest = v_add(middle, radius);
+}
+
+/* Error bounds of edge functions of triangles for the rays of a packet. */
+MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf steepness, int has_places)
+{
+    const vf bound = v_set1(EDGE_ERROR * hulls->reach[place]);
+    if (!has_places || MLRT_GUESS) return bound;
+    return v_mul_add(steepness, v_set1(hulls->blur[place] * hulls->reach[place]), bound);
+}
+
+/*
+ * Of triangles whose boxes a packet may meet, those that its rays may hit by their edges: left out is what all rays pass
+ * outside of one edge, where D has one sign, or of two edges on different sides.
+ */
+MLRT_INLINE uint32_t triangles_within_edges(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                            uint32_t place, int has_places, uint32_t among)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(among >> v & ALL_LANES)) continue;
+        vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), least, greatest;
+        for (int i = 0; i < 3; ++i) {
+            bound_over_hull(hulls, place, leaf->edge_constant[i] + v,
+                            (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->edge[i][0] + v), term_count, &least, &greatest);
+            lowest = v_min(greatest, lowest);
+            highest = v_max(least, highest);
+        }
+        const vf bound = v_mul(edge_bounds(hulls, place, v_load(leaf->steepness + v), has_places), v_set1(2));
+        bound_over_hull(hulls, place, leaf->normal[0] + v, (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->normal[1] + v), 2,
+                        &least, &greatest);
+        const vf width = v_set1(2 * PLANE_BOUND * hulls->reach[place]);
+        const vm below = v_lt(lowest, v_sub(v_set1(0), bound)), above = v_gt(highest, bound);
+        const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(v_set1(0), width));
+        const vm out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
+        met |= (~m_bits(out) & ALL_LANES) << v;
+    }
+    return met & among;
+}
+
+/* ---- tests ---- */
+
+/* What lanes of a packet are to a triangle: bits per lane. */
+struct lanes_of_triangle {
+    uint32_t may;    /* not surely outside */
+    uint32_t inside; /* surely inside all edges */
+};
+
+/* The edge functions of a vector of rays. */
+MLRT_INLINE void find_lanes_inside(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const vf *term, int term_count,
+                                   vf bound, struct lanes_of_triangle *of)
+{
+    vf least = v_set1(INFINITY), greatest = v_set1(-INFINITY);
+    MLRT_UNROLL
+    for (int edge = 0; edge < 3; ++edge) {
+        vf e = v_set1(leaf->edge_constant[edge][triangle]);
+        MLRT_UNROLL
+        for (int i = 0; i < term_count; ++i) e = v_mul_add(v_set1(leaf->edge[edge][i][triangle]), term[i], e);
+        least = edge ? v_min(e, least) : e;
+        greatest = edge ? v_max(e, greatest) : e;
+    }
+    const vf below = v_sub(v_set1(0), bound);
+    /* Lanes that are not active have NaN, of which no comparison is true. */
+    of->may = m_bits(m_or(v_ge(least, below), v_le(greatest, bound)));
+    of->inside = m_bits(m_or(v_gt(least, bound), v_lt(greatest, below)));
+}
+
+/* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients (bvh_tile.h). */
+struct bundle_vector {
+    vf slope[2];
+    vf to_waist[3];
+    vf least_n;
+    vf greatest_n;
+    vf least_d;
+    vf greatest_d;
+    vi triangle;
+};
+
+MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet, int has_places,
+                                    int v, struct bundle_vector *of)
+{
+    for (int i = 0; i < 2; ++i) of->slope[i] = v_load(rays->term[i] + v);
+    for (int i = 0; has_places && i < 3; ++i) of->to_waist[i] = v_load(rays->to_waist[i] + v);
+    of->least_n = v_load(rays->lo + v);
+    of->greatest_n = v_load(rays->hi + v);
+    of->least_d = of->greatest_d = v_set1(1);
+    of->triangle = i_load(packet->triangle + v);
+}
+
+/* Stores the nearest hits of the lanes where they changed, and returns these. */
+MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, struct mlrt_bundle_rays *rays,
+                                         struct mlrt_packet *packet)
+{
+    const vm same = i_eq(of->triangle, i_load(packet->triangle + v));
+    const uint32_t changed = ~m_bits(same) & ALL_LANES;
+    if (!changed) return 0;
+    const vf lo = v_mul(v_div(of->least_n, of->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
+    const vf hi = v_mul(v_div(of->greatest_n, of->least_d), v_set1(1 + RECIPROCAL_SLACK));
+    v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), lo));
+    v_store(rays->hi + v, v_select(same, v_load(rays->hi + v), hi));
+    i_store(packet->triangle + v, of->triangle);
+    return changed << v;
+}
+
+/* Puts bounds of t where a packet has them, from those of tau. */
+static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf pace = v_load(rays->pace + v), t_max = v_load(packet->t_max + v);
+        const vm none = i_eq(i_load(packet->triangle + v), i_set1(MLRT_NONE));
+        const vf lo = v_mul(v_div(v_load(rays->lo + v), pace), v_set1(1 - RECIPROCAL_SLACK));
+        const vf hi = v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK));
+        v_store(packet->lo + v, v_select(none, t_max, lo));
+        v_store(packet->hi + v, v_select(none, t_max, hi));
+    }
+}
+
+/* Hands lanes to who knows (undecided.h). Returns those that are hit nearer than before. */
+static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                                                  uint32_t lanes, uint32_t inside, struct mlrt_bundle_rays *rays,
+                                                  struct mlrt_packet *packet)
+{
+    set_packet_distances(rays, packet);
+    if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    const uint32_t nearer =
+        mlrt_decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
+    for (uint32_t left = nearer; left; left &= left - 1) {
+        const uint32_t lane = mlrt_lowest_bit(left);
+        rays->lo[lane] = packet->lo[lane] * rays->pace[lane] * (1 - RECIPROCAL_SLACK);
+        rays->hi[lane] = packet->hi[lane] * rays->pace[lane] * (1 + RECIPROCAL_SLACK);
+    }
+    return nearer;
+}
+
+/* How far off the plane's terms may be, over all rays of a packet. */
+struct plane_bounds {
+    vf width;    /* of D */
+    float away;  /* A */
+    int has_begins;
+};
+
+/*
+ * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
+ * returns the lanes that are left undecided. A quotient of bounds is compared as products (bvh_tile.h).
+ */
+MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const struct plane_bounds *bounds,
+                                    const float *begin, int has_places, uint32_t may, uint32_t inside,
+                                    struct bundle_vector *of)
+{
+    vf n = v_set1(leaf->distance[triangle]), d = v_set1(leaf->normal[0][triangle]);
+    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(leaf->normal[1 + i][triangle]), of->slope[i], d);
+    for (int i = 0; has_places && i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), of->to_waist[i], n);
+    const float error = DISTANCE_ERROR * (leaf->away[triangle] + bounds->away) + DISTANCE_FLOOR;
+    const vf size = v_abs(d), distance = v_flip(n, d), width = bounds->width;
+    const vf least_d = v_sub(size, width), greatest_d = v_add(size, width);
+    const vf least_n = v_sub(distance, v_set1(error)), greatest_n = v_add(distance, v_set1(error));
+    const vm candidates = m_from_bits(may), certain = m_and(candidates, v_gt(least_d, width));
+    vm farther = v_gt(v_mul(least_n, of->least_d), v_mul(of->greatest_n, greatest_d));
+    vm nearer = v_lt(v_mul(greatest_n, of->greatest_d), v_mul(of->least_n, least_d));
+    if (MLRT_UNLIKELY(bounds->has_begins)) {
+        const vf from = v_load(begin);
+        farther = m_or(farther, v_lt(greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), least_d)));
+        nearer = m_and(nearer, v_gt(least_n, v_mul(v_mul(from, v_set1(1 + SLOPE_SLACK)), greatest_d)));
+    } else {
+        farther = m_or(farther, v_lt(greatest_n, v_set1(0)));
+        nearer = m_and(nearer, v_gt(least_n, v_set1(0)));
+    }
+    vm hit = m_and(m_and(certain, m_from_bits(inside)), nearer);
+    uint32_t undecided = m_bits(m_andnot(m_andnot(candidates, m_and(certain, farther)), hit));
+    if (MLRT_GUESS) hit = m_and(m_and(candidates, nearer), v_gt(size, v_set1(0))), undecided = 0;
+    of->least_n = v_select(hit, least_n, of->least_n);
+    of->greatest_n = v_select(hit, greatest_n, of->greatest_n);
+    of->least_d = v_select(hit, least_d, of->least_d);
+    of->greatest_d = v_select(hit, greatest_d, of->greatest_d);
+    of->triangle = i_select(hit, i_set1(leaf->numbers[triangle]), of->triangle);
+    return undecided;
+}
+
+/* Tests a vector of a packet's rays against triangles of a leaf. Returns the lanes whose nearest hit changed. */
+MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                        uint32_t triangles, const float *edge_bound, uint32_t place, int has_places, int v,
+                                        struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
+    struct lanes_of_triangle lanes[MLRT_BVH_LEAF_LIMIT];
+    vf term[MLRT_RAY_TERMS];
+    uint32_t met = 0, decided = 0;
+    const vm active = m_from_bits(packet->active >> v);
+    for (int i = 0; i < term_count; ++i) term[i] = v_select(active, v_load(rays->term[i] + v), v_set1(NAN));
+    for (uint32_t left = triangles; left; left &= left - 1) {
+        const uint32_t triangle = mlrt_lowest_bit(left);
+        find_lanes_inside(leaf, triangle, term, term_count, v_set1(edge_bound[triangle]), &lanes[triangle]);
+        met |= lanes[triangle].may ? left & (0u - left) : 0;
+    }
+    if (!met) return 0;
+    const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
+                                        bundle->has_begins};
+    const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
+    struct bundle_vector of;
+    load_bundle_vector(rays, packet, has_places, v, &of);
+    for (; met; met &= met - 1) {
+        const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
+        const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
+        uint32_t may = lanes[triangle].may & ~m_bits(known);
+        if (MLRT_UNLIKELY(packet->has_masks)) may &= mlrt_seeing_lanes(job->tree, number, packet->mask, may << v) >> v;
+        if (!may) continue;
+        const uint32_t undecided =
+            test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, lanes[triangle].inside, &of);
+        if (MLRT_LIKELY(!undecided)) continue;
+        decided |= store_bundle_vector(&of, v, rays, packet);
+        decided |= decide_bundle_lanes(job, worker, number, undecided << v, lanes[triangle].inside << v, rays, packet);
+        load_bundle_vector(rays, packet, has_places, v, &of);
+    }
+    return decided | store_bundle_vector(&of, v, rays, packet);
+}
+
+/* Tests a packet against triangles of a leaf. Returns the lanes whose nearest hit changed. */
+MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+                                        const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
+                                        int has_places)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    MLRT_ALIGNED(64) float edge_bound[MLRT_BVH_LEAF_LIMIT];
+    uint32_t changed = 0;
+    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        v_store(edge_bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
+    }
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        changed |= test_bundle_vector(job, worker, bundle, leaf, triangles, edge_bound, place, has_places, v,
+                                      &bundle->rays[place], packet);
+    }
+    return changed;
+}
