@@ -80,7 +80,7 @@ static void print_row(const struct contest *contest, const struct contender *con
 {
     const struct contender *fast = find_contender(contest, PEER_FAST, contender->threads);
     const struct contender *robust = find_contender(contest, PEER_ROBUST, contender->threads);
-    printf("%-9s %-10s %-7s %3u ", kind_names[contest->task->kind], method_names[contender->method],
+    printf("%-10s %-10s %-7s %3u ", kind_names[contest->task->kind], method_names[contender->method],
            isa_names[contender->isa], (unsigned)contender->threads);
     if (contender->unsupported) {
         printf("unsupported\n");
@@ -126,7 +126,7 @@ static void print_head(const struct subject *subject, uint32_t size, double buil
 {
     printf("\n%s: %zu triangles, %lu x %lu pixels, tree built in %.2f s\n", subject->name,
            subject->scene.triangle_count, (unsigned long)size, (unsigned long)size, build_seconds);
-    printf("%-9s %-10s %-7s %3s %8s", "kind", "method", "isa", "thr", "Mray/s");
+    printf("%-10s %-10s %-7s %3s %8s", "kind", "method", "isa", "thr", "Mray/s");
     if (have_peer()) {
         printf(" %8s %-3s %8s %-3s %7s %7s %9s %9s", "E. fast", "by", "E.robust", "by", "/ fast", "/robust", "differ",
                "fast diff");
@@ -171,9 +171,9 @@ static int bench_scenes(const struct bench_settings *settings)
 // The kinds of the command line: "array" asks for rows and for lists.
 static uint32_t kinds_of(uint32_t words)
 {
-    static const uint32_t kinds[] = {1u << FRAME,    1u << LIT,   1u << PRIMARY,
-                                     1u << SHADOW,   1u << SUN,   1u << ARRAY | 1u << LIST,
-                                     1u << PARALLEL, 1u << BOUNCE};
+    static const uint32_t kinds[] = {
+        1u << FRAME,  1u << LIT,   1u << PRIMARY, 1u << SHADOW, 1u << SUN,     1u << ARRAY | 1u << LIST, 1u << PARALLEL,
+        1u << BOUNCE, 1u << REACH, 1u << MIRROR,  1u << LENS,   1u << ONE_WAY, 1u << HEMISPHERE,         1u << RECORD};
     uint32_t result = 0;
     for (size_t i = 0; i < LENGTH(kinds); i++) result |= words & 1u << i ? kinds[i] : 0;
     return result;
@@ -209,7 +209,8 @@ int main(int argc, char **argv)
         {OPTION_TEXT, "--view", &settings.view, "FILE.json:SCENE/VIEW", "one view for all scenes", 0, 0},
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
          16384},
-        {OPTION_SET, "--kind", &kind_words, "frame,lit,primary,shadow,sun,array,parallel,bounce",
+        {OPTION_SET, "--kind", &kind_words,
+         "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record",
          "kinds of rays, a list (default: all);\nlit is a frame with shadows, after frame also the difference, "
          "lit-frame",
          0, 0},

@@ -32,6 +32,12 @@ KINDS = {
     "list": "list: the same, no rows given",
     "parallel": "parallel: camera rays of one direction, in rows",
     "bounce": "bounce: diffuse rays",
+    "reach": "reach: hits to light, records",
+    "mirror": "mirror: reflections, records",
+    "lens": "lens: origins on a lens",
+    "one-way": "one-way: occlusion in one direction, records",
+    "hemisphere": "hemisphere: 16 rays of occlusion from each hit",
+    "record": "record: camera rays, full records",
 }
 
 WHO = [("mrays", "mlrt, exact", BLUE, 2.6), ("embree_fast_mrays", "Embree 3 fast", BLACK, 1.4),

@@ -105,12 +105,17 @@ static int sort_answers(const struct task *task, struct answers *answers)
     if (!stream->elements) return 0;
     struct answers sorted;
     int failed = make_answers(task, &sorted);
-    for (size_t i = 0; i < task->element_count && sorted.occluded && !failed; i++) sorted.occluded[i] = 0;
+    for (size_t i = 0; i < task->element_count && !failed; i++) {
+        if (sorted.occluded) sorted.occluded[i] = 0;
+        if (sorted.triangles) sorted.triangles[i] = MLRT_NONE;
+    }
     for (size_t i = 0; i < stream->count && !failed; i++) {
         const uint32_t element = stream->elements[i];
         if (sorted.occluded) sorted.occluded[element] = answers->occluded[i];
         if (sorted.triangles) sorted.triangles[element] = answers->triangles[i];
         if (sorted.t) sorted.t[element] = answers->t[i];
+        if (sorted.u) sorted.u[element] = answers->u[i], sorted.v[element] = answers->v[i];
+        if (sorted.mesh) sorted.mesh[element] = answers->mesh[i];
     }
     struct answers *old = failed ? &sorted : answers;
     free_answers(old);
@@ -148,7 +153,8 @@ static int compare_pictures(const struct task *task, const struct answers *a, co
 struct sample {
     size_t count;
     uint32_t elements[SAMPLE_SIZE], skip[SAMPLE_SIZE][2], triangles[SAMPLE_SIZE];
-    float origins[SAMPLE_SIZE][3], directions[SAMPLE_SIZE][3], t[SAMPLE_SIZE];
+    float origins[SAMPLE_SIZE][3], directions[SAMPLE_SIZE][3], t[SAMPLE_SIZE], u[SAMPLE_SIZE], v[SAMPLE_SIZE];
+    struct ray_record records[SAMPLE_SIZE];
     uint8_t occluded[SAMPLE_SIZE];
 };
 
@@ -157,6 +163,10 @@ static void copy_element(const struct task *task, uint32_t element, struct sampl
     const size_t n = sample->count++;
     const mlrt_camera *camera = &task->subject->camera;
     sample->elements[n] = element;
+    if (task->kind >= REACH) {
+        get_ray(task, element, &sample->records[n]);
+        return;
+    }
     if (task->skip) memcpy(sample->skip[n], task->skip[element], sizeof sample->skip[n]);
     if (task->directions) memcpy(sample->directions[n], task->directions[element], sizeof sample->directions[n]);
     if (task->origins) {
@@ -198,17 +208,21 @@ static int32_t ask_pixels(const struct contest *contest, const mlrt_trace_option
 
 static int32_t ask_other_method(const struct contest *contest, int32_t method, struct sample *sample)
 {
-    struct task task = {.kind = is_shadow(contest->task->kind) ? contest->task->kind : LIST,
+    const enum kind kind = contest->task->kind;
+    struct task task = {.kind = is_yes_or_no(kind) ? kind : LIST,
+                        .row_length = is_shadow(kind) ? contest->task->row_length : 0,
                         .subject = contest->task->subject,
                         .element_count = sample->count,
                         .origins = sample->origins,
                         .directions = sample->directions,
+                        .records = kind >= REACH ? sample->records : NULL,
                         .skip = sample->skip};
     memcpy(task.sun, contest->task->sun, sizeof task.sun);
-    const struct answers answers = {.triangles = sample->triangles, .t = sample->t, .occluded = sample->occluded};
+    struct answers answers = {.triangles = sample->triangles, .t = sample->t, .u = sample->u, .v = sample->v};
     const mlrt_trace_options options = {.struct_size = sizeof options,
                                         .method = method == MLRT_METHOD_RAY ? MLRT_METHOD_DEFAULT : MLRT_METHOD_RAY};
-    if (contest->task->kind == LIT) return ask_pixels(contest, &options, sample);
+    if (kind == LIT) return ask_pixels(contest, &options, sample);
+    if (is_yes_or_no(kind)) answers = (struct answers){.occluded = sample->occluded};
     return run_library(contest->tree, &options, &task, &answers);
 }
 
@@ -218,7 +232,9 @@ static int sample_differs(const struct sample *sample, const struct answers *ans
     if (answers->occluded && answers->occluded[element] != sample->occluded[i]) return 1;
     if (!answers->triangles) return 0;
     return answers->triangles[element] != sample->triangles[i] ||
-           (answers->t && memcmp(&answers->t[element], &sample->t[i], sizeof sample->t[i]) != 0);
+           (answers->t && memcmp(&answers->t[element], &sample->t[i], sizeof sample->t[i]) != 0) ||
+           (answers->u && memcmp(&answers->u[element], &sample->u[i], sizeof sample->u[i]) != 0) ||
+           (answers->v && memcmp(&answers->v[element], &sample->v[i], sizeof sample->v[i]) != 0);
 }
 
 // Returns 1 after saying so if the answers of one contender are not those of the library's other methods.

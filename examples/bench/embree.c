@@ -189,13 +189,10 @@ static void trace_closest_stream(const struct batch *batch, size_t first, size_t
         unsigned count = 0;
         for (; count < STREAM_PACKETS && first + 16 * count < end; count++) {
             read_rays_16(batch->stream, first + 16 * count, &queries[count].ray);
-            start_query_16(&queries[count], batch->stream->t_max);
+            start_hit_16(&queries[count]);
         }
         rtcIntersectNM(batch->scene, &context, (struct RTCRayHitN *)queries, 16, count, sizeof *queries);
-        for (unsigned i = 0; i < count; i++, first += 16) {
-            read_triangles_16(&queries[i], batch->answers->triangles + first);
-            memcpy(batch->answers->t + first, queries[i].ray.tfar, sizeof queries[i].ray.tfar);
-        }
+        for (unsigned i = 0; i < count; i++, first += 16) store_hits_16(&queries[i], batch->answers, first);
     }
 }
 
@@ -209,7 +206,6 @@ static void trace_any_stream(const struct batch *batch, size_t first, size_t end
         unsigned count = 0;
         for (; count < STREAM_PACKETS && first + 16 * count < end; count++) {
             read_rays_16(batch->stream, first + 16 * count, &rays[count]);
-            for (int i = 0; i < 16; i++) rays[count].tfar[i] = batch->stream->t_max;
         }
         rtcOccludedNM(batch->scene, &context, (struct RTCRayN *)rays, 16, count, sizeof *rays);
         for (unsigned k = 0; k < count; k++, first += 16) {
@@ -227,17 +223,22 @@ static const struct variant {
     void (*closest)(const struct batch *batch, size_t first, size_t end);
     void (*any)(const struct batch *batch, size_t first, size_t end);
     void (*lit)(const struct picture *picture, uint32_t column, uint32_t row);
-    int table; // only frames, lit or not
+    int table;      // only frames, lit or not
+    int incoherent; // only rays of renderers: these with the other flag
 } variants[PEER_VARIANT_COUNT] = {
-    {"16", trace_picture_16, trace_closest_16, trace_any_16, trace_lit_16, 0},
-    {"8", trace_picture_8, trace_closest_8, trace_any_8, trace_lit_8, 0},
-    {"4", trace_picture_4, trace_closest_4, trace_any_4, trace_lit_4, 0},
-    {"1", trace_picture_1, trace_closest_1, trace_any_1, trace_lit_1, 0},
-    {"NM", NULL, trace_closest_stream, trace_any_stream, NULL, 0},
-    {"16t", trace_picture_16, NULL, NULL, trace_lit_16, 1},
-    {"8t", trace_picture_8, NULL, NULL, trace_lit_8, 1},
-    {"4t", trace_picture_4, NULL, NULL, trace_lit_4, 1},
-    {"1t", trace_picture_1, NULL, NULL, trace_lit_1, 1},
+    {"16", trace_picture_16, trace_closest_16, trace_any_16, trace_lit_16, 0, 0},
+    {"8", trace_picture_8, trace_closest_8, trace_any_8, trace_lit_8, 0, 0},
+    {"4", trace_picture_4, trace_closest_4, trace_any_4, trace_lit_4, 0, 0},
+    {"1", trace_picture_1, trace_closest_1, trace_any_1, trace_lit_1, 0, 0},
+    {"NM", NULL, trace_closest_stream, trace_any_stream, NULL, 0, 0},
+    {"16t", trace_picture_16, NULL, NULL, trace_lit_16, 1, 0},
+    {"8t", trace_picture_8, NULL, NULL, trace_lit_8, 1, 0},
+    {"4t", trace_picture_4, NULL, NULL, trace_lit_4, 1, 0},
+    {"1t", trace_picture_1, NULL, NULL, trace_lit_1, 1, 0},
+    {"16i", NULL, trace_closest_16, trace_any_16, NULL, 0, 1},
+    {"8i", NULL, trace_closest_8, trace_any_8, NULL, 0, 1},
+    {"4i", NULL, trace_closest_4, trace_any_4, NULL, 0, 1},
+    {"NMi", NULL, trace_closest_stream, trace_any_stream, NULL, 0, 1},
 };
 
 const char *peer_variant_name(enum kind kind, int variant)
@@ -252,7 +253,7 @@ const char *peer_variant_name(enum kind kind, int variant)
     case PRIMARY:
         return v->picture && !v->table ? v->name : NULL;
     default:
-        return v->closest ? v->name : NULL;
+        return v->closest && (!v->incoherent || kind >= REACH) ? v->name : NULL;
     }
 }
 
@@ -315,9 +316,9 @@ static size_t start_batches(const struct peer *peer, const struct task *task, co
 {
     job->batch = (struct batch){.scene = peer->scene, .stream = &task->stream, .answers = answers};
     rtcInitIntersectContext(&job->batch.context);
-    job->batch.context.flags =
-        task->kind == BOUNCE ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    job->any = is_shadow(task->kind);
+    job->batch.context.flags = task->kind == BOUNCE || job->variant->incoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
+                                                                                : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    job->any = is_yes_or_no(task->kind);
     return (task->stream.count + BATCH_SIZE - 1) / BATCH_SIZE;
 }
 

@@ -15,13 +15,18 @@ static void NAME(start_ray)(struct NAME_RAY *ray, const float origin[3])
     }
 }
 
-static inline void NAME(start_query)(struct QUERY *query, float t_max)
+static inline void NAME(start_hit)(struct QUERY *query)
 {
     for (int i = 0; i < WIDTH; i++) {
-        LANE(query->ray.tfar, i) = t_max;
         LANE(query->hit.geomID, i) = RTC_INVALID_GEOMETRY_ID;
         LANE(query->hit.instID[0], i) = RTC_INVALID_GEOMETRY_ID;
     }
+}
+
+static inline void NAME(start_query)(struct QUERY *query, float t_max)
+{
+    for (int i = 0; i < WIDTH; i++) LANE(query->ray.tfar, i) = t_max;
+    NAME(start_hit)(query);
 }
 
 /* ---- pictures -----------------------------------------------------------------------------------------------------
@@ -236,11 +241,27 @@ static inline void NAME(read_rays)(const struct stream *stream, size_t first, st
         LANE(ray->dir_y, i) = stream->directions[1][first + (size_t)i];
         LANE(ray->dir_z, i) = stream->directions[2][first + (size_t)i];
     }
-    if (!stream->origins[0]) return;
-    for (int i = 0; i < WIDTH; i++) {
+    for (int i = 0; stream->origins[0] && i < WIDTH; i++) {
         LANE(ray->org_x, i) = stream->origins[0][first + (size_t)i];
         LANE(ray->org_y, i) = stream->origins[1][first + (size_t)i];
         LANE(ray->org_z, i) = stream->origins[2][first + (size_t)i];
+    }
+    for (int i = 0; stream->t_mins && i < WIDTH; i++) LANE(ray->tnear, i) = stream->t_mins[first + (size_t)i];
+    for (int i = 0; i < WIDTH; i++) {
+        LANE(ray->tfar, i) = stream->t_maxes ? stream->t_maxes[first + (size_t)i] : stream->t_max;
+    }
+}
+
+// The triangles, distances, and what else is asked for.
+static inline void NAME(store_hits)(const struct QUERY *query, const struct answers *answers, size_t first)
+{
+    NAME(read_triangles)(query, answers->triangles + first);
+    for (int i = 0; i < WIDTH; i++) answers->t[first + (size_t)i] = LANE(query->ray.tfar, i);
+    if (!answers->u) return;
+    for (int i = 0; i < WIDTH; i++) {
+        answers->u[first + (size_t)i] = LANE(query->hit.u, i);
+        answers->v[first + (size_t)i] = LANE(query->hit.v, i);
+        answers->mesh[first + (size_t)i] = LANE(query->hit.geomID, i);
     }
 }
 
@@ -252,10 +273,9 @@ static void NAME(trace_closest)(const struct batch *batch, size_t first, size_t 
     NAME(start_stream)(batch->stream, &query.ray);
     for (; first < end; first += WIDTH) {
         NAME(read_rays)(batch->stream, first, &query.ray);
-        NAME(start_query)(&query, batch->stream->t_max);
+        NAME(start_hit)(&query);
         INTERSECT(all_valid, batch->scene, &context, &query);
-        NAME(read_triangles)(&query, batch->answers->triangles + first);
-        for (int i = 0; i < WIDTH; i++) batch->answers->t[first + (size_t)i] = LANE(query.ray.tfar, i);
+        NAME(store_hits)(&query, batch->answers, first);
     }
 }
 
@@ -267,7 +287,6 @@ static void NAME(trace_any)(const struct batch *batch, size_t first, size_t end)
     NAME(start_stream)(batch->stream, &ray);
     for (; first < end; first += WIDTH) {
         NAME(read_rays)(batch->stream, first, &ray);
-        for (int i = 0; i < WIDTH; i++) LANE(ray.tfar, i) = batch->stream->t_max;
         OCCLUDED(all_valid, batch->scene, &context, &ray);
         for (int i = 0; i < WIDTH; i++) batch->answers->occluded[first + (size_t)i] = LANE(ray.tfar, i) < 0;
     }

@@ -63,7 +63,7 @@ static int32_t trace_shadows(const mlrt_tree *tree, const mlrt_trace_options *op
 {
     const float *p = task->kind == SUN ? task->sun : task->subject->light;
     const mlrt_points points = {.struct_size = sizeof points,
-                                .row_length = task->subject->camera.width,
+                                .row_length = task->row_length,
                                 .count = task->element_count,
                                 .positions = {task->origins, 0},
                                 .skip = {task->skip, 0}};
@@ -74,17 +74,38 @@ static int32_t trace_shadows(const mlrt_tree *tree, const mlrt_trace_options *op
     return mlrt_occluded_points(tree, &points, &light, options, &occluded);
 }
 
+// Of hemispheres every origin stands there HEMISPHERE_RAYS times; task->shared_origins has each of them once.
+static mlrt_rays rays_of(const struct task *task)
+{
+    mlrt_rays rays = {.struct_size = sizeof rays, .row_length = task->row_length, .count = task->element_count};
+    const struct ray_record *first = task->records;
+    if (first) {
+        rays.origins = (mlrt_const_array){first->origin, sizeof *first};
+        rays.directions = (mlrt_const_array){first->direction, sizeof *first};
+        rays.t_min = (mlrt_const_array){&first->t_min, sizeof *first};
+        rays.t_max = (mlrt_const_array){&first->t_max, sizeof *first};
+    } else {
+        rays.origins = (mlrt_const_array){task->origins, 0};
+        rays.directions = (mlrt_const_array){task->directions, 0};
+        rays.t_max = (mlrt_const_array){task->t_max, 0};
+    }
+    return rays;
+}
+
 static int32_t trace_arrays(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
                             const struct answers *answers)
 {
-    const mlrt_rays rays = {.struct_size = sizeof rays,
-                            .row_length = task->kind == LIST || task->kind == BOUNCE ? 0 : task->subject->camera.width,
-                            .count = task->element_count,
-                            .origins = {task->origins, 0},
-                            .directions = {task->directions, 0}};
-    const mlrt_hits hits = {
-        .struct_size = sizeof hits, .t = {answers->t, 0, 0}, .triangle = {answers->triangles, 0, 0}};
-    return mlrt_trace_packet(tree, &rays, options, &hits);
+    const mlrt_rays rays = rays_of(task);
+    const mlrt_hits hits = {.struct_size = sizeof hits,
+                            .t = {answers->t, 0, 0},
+                            .u = {answers->u, 0, 0},
+                            .v = {answers->v, 0, 0},
+                            .mesh = {answers->mesh, 0, 0},
+                            .triangle = {answers->triangles, 0, 0},
+                            .occluded = {answers->occluded, 0, 0}};
+    mlrt_trace_options with_query = *options;
+    if (is_any(task->kind)) with_query.query = MLRT_QUERY_ANY;
+    return mlrt_trace_packet(tree, &rays, &with_query, &hits);
 }
 
 int32_t run_library(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,

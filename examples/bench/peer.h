@@ -38,8 +38,11 @@ struct peer *create_peer(const struct scene *scene, const struct peer_settings *
 
 void destroy_peer(struct peer *peer);
 
-/* Ways to call it: so many rays at a time, or a stream; for frames each with its own normals or the table's. */
-enum { PEER_VARIANT_COUNT = 10 };
+/*
+ * Ways to call it: so many rays at a time, or a stream; for frames each with its own normals or the table's; for rays
+ * of renderers each with the coherent or the incoherent flag.
+ */
+enum { PEER_VARIANT_COUNT = 13 };
 
 /* The name of a variant, or NULL if it cannot do tasks of this kind. */
 const char *peer_variant_name(enum kind kind, int variant);

@@ -2,14 +2,16 @@
 /* task.c - scenes, views and rays: see task.h */
 #include "task.h"
 
+#include "common/timer.h"
 #include "study/meshes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *const kind_names[KIND_COUNT + 1] = {"frame", "lit",  "primary",  "shadow", "sun",
-                                                "array", "list", "parallel", "bounce", "lit-frame"};
+const char *const kind_names[KIND_COUNT + 1] = {"frame",   "lit",        "primary", "shadow",   "sun",    "array",
+                                                "list",    "parallel",   "bounce",  "reach",    "mirror", "lens",
+                                                "one-way", "hemisphere", "record",  "lit-frame"};
 
 enum { WIDTH = 16, BLOCK_SIDE = 4, REGION_SIDE = 64, LARGEST_SPHERE = 9 };
 
@@ -113,19 +115,40 @@ static uint32_t pixel_at(uint32_t size, size_t place)
 // Where Embree's rays towards the sun begin: their direction is as long as the light is far.
 #define SUN_BEGIN 0.0001f
 
-static int allocate_stream(size_t count, int one_origin, int one_direction, struct stream *stream)
+static int allocate_limits(const struct task *task, size_t padded, struct stream *stream)
 {
-    const size_t padded = (count + WIDTH - 1) / WIDTH * WIDTH;
+    if (!task->records && !task->t_max) return 0;
+    if (task->records) stream->t_mins = allocate(padded, sizeof(float));
+    stream->t_maxes = allocate(padded, sizeof(float));
+    return (task->records && !stream->t_mins) || !stream->t_maxes;
+}
+
+static int allocate_stream(const struct task *task, struct stream *stream)
+{
+    const int one_origin = task->kind == SHADOW, one_direction = task->kind == SUN;
+    const size_t padded = (task->ray_count + WIDTH - 1) / WIDTH * WIDTH;
     for (int k = 0; k < 3; k++) {
         stream->directions[k] = one_direction ? NULL : allocate(padded, sizeof(float));
         stream->origins[k] = one_origin ? NULL : allocate(padded, sizeof(float));
         if ((!one_direction && !stream->directions[k]) || (!one_origin && !stream->origins[k])) return 1;
     }
     stream->elements = allocate(padded, sizeof *stream->elements);
-    return !stream->elements;
+    return !stream->elements || allocate_limits(task, padded, stream);
 }
 
-static void set_stream_ray(const struct task *task, size_t place, uint32_t element, struct stream *stream)
+void get_ray(const struct task *task, size_t element, struct ray_record *ray)
+{
+    if (task->records) {
+        *ray = task->records[element];
+        return;
+    }
+    memcpy(ray->origin, task->origins[element], sizeof ray->origin);
+    memcpy(ray->direction, task->directions[element], sizeof ray->direction);
+    ray->t_min = 0;
+    ray->t_max = task->t_max ? task->t_max[element] : INFINITY;
+}
+
+static void set_stream_point(const struct task *task, size_t place, uint32_t element, struct stream *stream)
 {
     const float *p = task->origins[element];
     for (int k = 0; k < 3; k++) {
@@ -133,28 +156,45 @@ static void set_stream_ray(const struct task *task, size_t place, uint32_t eleme
             stream->directions[k][place] = p[k] - task->subject->light[k];
         } else {
             stream->origins[k][place] = p[k];
-            if (task->directions) stream->directions[k][place] = task->directions[element][k];
         }
     }
     stream->elements[place] = element;
+}
+
+static void set_stream_ray(const struct task *task, size_t place, uint32_t element, struct stream *stream)
+{
+    struct ray_record ray;
+    get_ray(task, element, &ray);
+    for (int k = 0; k < 3; k++) {
+        stream->origins[k][place] = ray.origin[k];
+        stream->directions[k][place] = ray.direction[k];
+    }
+    if (stream->t_mins) stream->t_mins[place] = ray.t_min;
+    if (stream->t_maxes) stream->t_maxes[place] = ray.t_max;
+    stream->elements[place] = element;
+}
+
+static int has_ray(const struct task *task, size_t element)
+{
+    return !isnan(task->records ? task->records[element].origin[0] : task->origins[element][0]);
 }
 
 // Only elements that have a point. In pictures the order is that of blocks, in lists it stays.
 static int make_stream(struct task *task)
 {
     struct stream *stream = &task->stream;
-    const int is_picture = task->kind != LIST && task->kind != BOUNCE;
-    if (allocate_stream(task->ray_count, task->kind == SHADOW, task->kind == SUN, stream)) return 1;
+    void (*const set)(const struct task *, size_t, uint32_t, struct stream *) =
+        is_shadow(task->kind) ? set_stream_point : set_stream_ray;
+    if (allocate_stream(task, stream)) return 1;
     memcpy(stream->origin, task->subject->light, sizeof stream->origin);
     memcpy(stream->direction, task->sun, sizeof stream->direction);
     stream->t_min = task->kind == SUN ? SUN_BEGIN : 0;
     stream->t_max = task->kind == SHADOW ? SHADOW_END : INFINITY;
     for (size_t i = 0; i < task->element_count; i++) {
-        const uint32_t element = is_picture ? pixel_at(task->subject->camera.width, i) : (uint32_t)i;
-        if (isnan(task->origins[element][0])) continue;
-        set_stream_ray(task, stream->count++, element, stream);
+        const uint32_t element = task->row_length ? pixel_at(task->row_length, i) : (uint32_t)i;
+        if (has_ray(task, element)) set(task, stream->count++, element, stream);
     }
-    for (size_t i = stream->count; i % WIDTH; i++) set_stream_ray(task, i, stream->elements[stream->count - 1], stream);
+    for (size_t i = stream->count; i % WIDTH; i++) set(task, i, stream->elements[stream->count - 1], stream);
     return 0;
 }
 
@@ -162,13 +202,14 @@ static int make_stream(struct task *task)
  */
 
 struct view_hits {
-    float *u, *v;
+    float *t, *u, *v;
     uint32_t *triangle;
     int32_t *facing;
 };
 
 static void free_hits(struct view_hits *hits)
 {
+    free(hits->t);
     free(hits->u);
     free(hits->v);
     free(hits->triangle);
@@ -180,9 +221,11 @@ static int find_hits(const struct subject *subject, const mlrt_tree *tree, mlrt_
     const size_t n = subject->pixel_count;
     hits->u = allocate(n, sizeof *hits->u), hits->v = allocate(n, sizeof *hits->v);
     hits->triangle = allocate(n, sizeof *hits->triangle), hits->facing = allocate(n, sizeof *hits->facing);
-    if (!hits->u || !hits->v || !hits->triangle || !hits->facing) return 1;
+    hits->t = allocate(n, sizeof *hits->t);
+    if (!hits->t || !hits->u || !hits->v || !hits->triangle || !hits->facing) return 1;
     const mlrt_trace_options options = {.struct_size = sizeof options, .pool = pool};
     const mlrt_hits frame = {.struct_size = sizeof frame,
+                             .t = {hits->t, 0, 0},
                              .u = {hits->u, 0, 0},
                              .v = {hits->v, 0, 0},
                              .triangle = {hits->triangle, 0, 0},
@@ -214,6 +257,7 @@ static void set_sun(struct task *task)
 static int make_shadow_points(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
 {
     task->element_count = task->subject->pixel_count;
+    task->row_length = task->subject->camera.width;
     task->origins = allocate(task->element_count, sizeof *task->origins);
     task->skip = allocate(task->element_count, sizeof *task->skip);
     if (!task->origins || !task->skip) return 1;
@@ -287,6 +331,7 @@ static mlrt_camera parallel_camera(const struct subject *subject)
 static int make_camera_arrays(struct task *task)
 {
     task->element_count = task->ray_count = task->subject->pixel_count;
+    task->row_length = task->kind == LIST ? 0 : task->subject->camera.width;
     task->origins = allocate(task->ray_count, sizeof *task->origins);
     task->directions = allocate(task->ray_count, sizeof *task->directions);
     if (!task->origins || !task->directions) return 1;
@@ -294,6 +339,235 @@ static int make_camera_arrays(struct task *task)
     const mlrt_camera parallel = parallel_camera(task->subject);
     return mlrt_camera_rays(task->kind == PARALLEL ? &parallel : &task->subject->camera, &origins, &directions) !=
            MLRT_OK;
+}
+
+/* ---- rays of renderers --------------------------------------------------------------------------------------------
+ */
+
+#define OFF_SURFACE 1e-5  // of the scene's diagonal
+#define TO_LIGHT    1e-4  // of the way: where rays to the light begin
+#define NEAR_BY     0.1   // of the diagonal: how far ambient occlusion looks
+#define NO_END      1e30f // as renderers write it
+#define F_NUMBER    8
+
+static double diagonal_of(const struct scene *scene)
+{
+    float minimum[3], maximum[3];
+    double square = 0;
+    scene_bounds(scene, minimum, maximum);
+    for (int k = 0; k < 3; k++) square += ((double)maximum[k] - minimum[k]) * ((double)maximum[k] - minimum[k]);
+    return sqrt(square);
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void normalize(double v[3])
+{
+    const double length = sqrt(dot(v, v));
+    for (int k = 0; k < 3; k++) v[k] /= length > 0 ? length : 1;
+}
+
+// The unit normal of a hit, on the side that the ray came from.
+static void normal_of(const struct subject *subject, const struct view_hits *hits, size_t i, double normal[3])
+{
+    for (int k = 0; k < 3; k++) normal[k] = -hits->facing[i] * (double)subject->normals[hits->triangle[i]].n[k];
+}
+
+static void aim_at(const float light[3], struct ray_record *ray)
+{
+    for (int k = 0; k < 3; k++) ray->origin[k] += (float)(TO_LIGHT * ((double)light[k] - ray->origin[k]));
+    for (int k = 0; k < 3; k++) ray->direction[k] = light[k] - ray->origin[k];
+    ray->t_max = 1;
+}
+
+static void reflect(const struct subject *subject, size_t pixel, const double normal[3], struct ray_record *ray)
+{
+    const uint32_t width = subject->camera.width;
+    float direction[3];
+    double d[3];
+    camera_direction(&subject->camera, (uint32_t)(pixel % width), (uint32_t)(pixel / width), direction);
+    for (int k = 0; k < 3; k++) d[k] = direction[k];
+    normalize(d);
+    const double twice = 2 * dot(d, normal);
+    for (int k = 0; k < 3; k++) ray->direction[k] = (float)(d[k] - twice * normal[k]);
+}
+
+// Upwards, somewhat towards the eye and to the side: the side of most that is seen.
+static void set_one_way(const struct view *view, double direction[3])
+{
+    static const double weights[3] = {1, 0.6, 0.25};
+    double up[3], back[3];
+    for (int k = 0; k < 3; k++) up[k] = view->up[k], back[k] = view->eye[k] - view->look[k];
+    normalize(up);
+    normalize(back);
+    for (int k = 0; k < 3; k++) {
+        const double side = up[(k + 1) % 3] * back[(k + 2) % 3] - up[(k + 2) % 3] * back[(k + 1) % 3];
+        direction[k] = weights[0] * up[k] + weights[1] * back[k] + weights[2] * side;
+    }
+    normalize(direction);
+}
+
+// Sets the ray of a hit, whose origin is set. Returns 0 if it has none.
+static int make_record(const struct task *task, const struct view_hits *hits, size_t i, double diagonal,
+                       const double one_way[3], struct ray_record *ray)
+{
+    double normal[3];
+    normal_of(task->subject, hits, i, normal);
+    if (task->kind == REACH) {
+        aim_at(task->subject->light, ray);
+        return 1;
+    }
+    ray->t_min = (float)(OFF_SURFACE * diagonal);
+    if (task->kind == MIRROR) {
+        reflect(task->subject, i, normal, ray);
+        return 1;
+    }
+    for (int k = 0; k < 3; k++) ray->direction[k] = (float)one_way[k];
+    ray->t_max = (float)(NEAR_BY * diagonal);
+    return dot(normal, one_way) > 0;
+}
+
+static int make_records(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
+{
+    const struct ray_record none = {{NAN, NAN, NAN}, 0, {0, 0, 0}, 0};
+    const double diagonal = diagonal_of(&task->subject->scene);
+    double one_way[3];
+    set_one_way(&task->subject->scene.view, one_way);
+    task->element_count = task->subject->pixel_count;
+    task->row_length = task->subject->camera.width;
+    task->records = allocate(task->element_count, sizeof *task->records);
+    if (!task->records) return 1;
+    for (size_t i = 0; i < task->element_count; i++) {
+        struct ray_record *ray = &task->records[i];
+        *ray = (struct ray_record){.t_max = NO_END};
+        if (place_point(tree, hits, i, ray->origin) && make_record(task, hits, i, diagonal, one_way, ray))
+            task->ray_count++;
+        else
+            *ray = none;
+    }
+    return 0;
+}
+
+static int make_camera_records(struct task *task)
+{
+    task->element_count = task->ray_count = task->subject->pixel_count;
+    task->row_length = task->subject->camera.width;
+    task->records = allocate(task->ray_count, sizeof *task->records);
+    if (!task->records) return 1;
+    const mlrt_array origins = {task->records->origin, sizeof *task->records, 0};
+    const mlrt_array directions = {task->records->direction, sizeof *task->records, 0};
+    for (size_t i = 0; i < task->ray_count; i++) task->records[i] = (struct ray_record){.t_max = NO_END};
+    return mlrt_camera_rays(&task->subject->camera, &origins, &directions) != MLRT_OK;
+}
+
+// Of the rays' lengths along the view, at the hits.
+static int find_median_depth(const struct subject *subject, const struct view_hits *hits, const double axis[3],
+                             double *depth)
+{
+    size_t count = 0;
+    double *depths = allocate(subject->pixel_count, sizeof *depths);
+    const uint32_t width = subject->camera.width;
+    for (size_t i = 0; i < subject->pixel_count && depths; i++) {
+        float d[3];
+        if (hits->facing[i] == 0) continue;
+        camera_direction(&subject->camera, (uint32_t)(i % width), (uint32_t)(i / width), d);
+        depths[count++] = hits->t[i] * (d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]);
+    }
+    *depth = count ? median(depths, count) : 1;
+    free(depths);
+    return !depths;
+}
+
+// From a random point of the lens to where the pixel's ray meets the plane that is sharp.
+static void bend_ray(const mlrt_camera *camera, const double axis[3], double depth, uint64_t *state, float origin[3],
+                     float direction[3])
+{
+    double right[3], down[3], x, y, along = 0;
+    for (int k = 0; k < 3; k++) right[k] = camera->dx[k], down[k] = camera->dy[k];
+    normalize(right);
+    normalize(down);
+    do x = next_random(state), y = next_random(state);
+    while (x * x + y * y > 1);
+    for (int k = 0; k < 3; k++) along += direction[k] * axis[k];
+    for (int k = 0; k < 3; k++) {
+        const double sharp = camera->eye[k] + depth / along * direction[k];
+        origin[k] = (float)(camera->eye[k] + depth / (2 * F_NUMBER) * (x * right[k] + y * down[k]));
+        direction[k] = (float)(sharp - origin[k]);
+    }
+}
+
+static int make_lens_rays(const struct view_hits *hits, struct task *task)
+{
+    const struct view *view = &task->subject->scene.view;
+    double axis[3], depth;
+    uint64_t state = 54321;
+    for (int k = 0; k < 3; k++) axis[k] = view->look[k] - view->eye[k];
+    normalize(axis);
+    if (make_camera_arrays(task) || find_median_depth(task->subject, hits, axis, &depth)) return 1;
+    for (size_t i = 0; i < task->ray_count; i++) {
+        bend_ray(&task->subject->camera, axis, depth, &state, task->origins[i], task->directions[i]);
+    }
+    return 0;
+}
+
+enum { HEMISPHERE_STEP = 4 /* in columns and in rows, from one hit to the next */ };
+
+static void make_hemisphere(const double normal[3], double diagonal, uint64_t *state, struct task *task)
+{
+    const size_t first = task->ray_count;
+    float *point = task->shared_origins[first / HEMISPHERE_RAYS], n[3];
+    for (int k = 0; k < 3; k++) n[k] = (float)normal[k], point[k] += (float)(OFF_SURFACE * diagonal * normal[k]);
+    for (size_t i = first; i < first + HEMISPHERE_RAYS; i++) {
+        memcpy(task->origins[i], point, sizeof task->origins[i]);
+        random_direction(state, n, 1, task->directions[i]);
+        double d[3];
+        for (int k = 0; k < 3; k++) d[k] = task->directions[i][k];
+        normalize(d);
+        for (int k = 0; k < 3; k++) task->directions[i][k] = (float)d[k];
+        task->t_max[i] = (float)(NEAR_BY * diagonal);
+    }
+    task->ray_count += HEMISPHERE_RAYS;
+}
+
+static int make_hemispheres(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
+{
+    const uint32_t width = task->subject->camera.width, step = HEMISPHERE_STEP;
+    const size_t points = task->subject->pixel_count / (step * step), n = points * HEMISPHERE_RAYS;
+    const double diagonal = diagonal_of(&task->subject->scene);
+    uint64_t state = 67890;
+    task->shared_origins = allocate(points, sizeof *task->shared_origins);
+    task->origins = allocate(n, sizeof *task->origins), task->directions = allocate(n, sizeof *task->directions);
+    task->t_max = allocate(n, sizeof *task->t_max);
+    if (!task->shared_origins || !task->origins || !task->directions || !task->t_max) return 1;
+    for (size_t i = 0; i < task->subject->pixel_count; i++) {
+        double normal[3];
+        if (i % width % step || i / width % step) continue;
+        if (!place_point(tree, hits, i, task->shared_origins[task->ray_count / HEMISPHERE_RAYS])) continue;
+        normal_of(task->subject, hits, i, normal);
+        make_hemisphere(normal, diagonal, &state, task);
+    }
+    task->element_count = task->ray_count;
+    return 0;
+}
+
+static int make_rays_at_hits(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
+{
+    switch ((int)task->kind) {
+    case SHADOW:
+    case SUN:
+        return make_shadow_points(tree, hits, task);
+    case BOUNCE:
+        return make_bounces(tree, hits, task);
+    case LENS:
+        return make_lens_rays(hits, task);
+    case HEMISPHERE:
+        return make_hemispheres(tree, hits, task);
+    default:
+        return make_records(tree, hits, task);
+    }
 }
 
 int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tree, mlrt_pool *pool, struct task *task)
@@ -304,10 +578,11 @@ int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tr
     task->ray_count = task->element_count = subject->pixel_count;
     if (is_picture(kind)) return 0;
     if (kind == ARRAY || kind == LIST || kind == PARALLEL) return make_camera_arrays(task) || make_stream(task);
-    struct view_hits hits = {NULL, NULL, NULL, NULL};
+    if (kind == RECORD) return make_camera_records(task) || make_stream(task);
+    struct view_hits hits = {.t = NULL};
     task->ray_count = 0;
     int failed = find_hits(subject, tree, pool, &hits);
-    if (!failed) failed = is_shadow(kind) ? make_shadow_points(tree, &hits, task) : make_bounces(tree, &hits, task);
+    if (!failed) failed = make_rays_at_hits(tree, &hits, task);
     free_hits(&hits);
     return failed || make_stream(task);
 }
@@ -316,8 +591,13 @@ void free_task(struct task *task)
 {
     free(task->origins);
     free(task->directions);
+    free(task->t_max);
+    free(task->shared_origins);
+    free(task->records);
     free(task->skip);
     for (int k = 0; k < 3; k++) free(task->stream.origins[k]), free(task->stream.directions[k]);
+    free(task->stream.t_mins);
+    free(task->stream.t_maxes);
     free(task->stream.elements);
     memset(task, 0, sizeof *task);
 }
@@ -330,9 +610,14 @@ int make_answers(const struct task *task, struct answers *answers)
     const size_t n = (task->element_count + WIDTH - 1) / WIDTH * WIDTH;
     memset(answers, 0, sizeof *answers);
     int failed = 0;
-    if (is_shadow(task->kind) || task->kind == LIT) failed = !(answers->occluded = allocate(n, 1));
-    if (!is_shadow(task->kind)) failed |= !(answers->triangles = allocate(n, sizeof *answers->triangles));
-    if (task->kind >= ARRAY) failed |= !(answers->t = allocate(n, sizeof *answers->t));
+    if (is_yes_or_no(task->kind) || task->kind == LIT) failed = !(answers->occluded = allocate(n, 1));
+    if (!is_yes_or_no(task->kind)) failed |= !(answers->triangles = allocate(n, sizeof *answers->triangles));
+    if (task->kind >= ARRAY && !is_any(task->kind)) failed |= !(answers->t = allocate(n, sizeof *answers->t));
+    if (task->kind == RECORD) {
+        failed |= !(answers->u = allocate(n, sizeof *answers->u));
+        failed |= !(answers->v = allocate(n, sizeof *answers->v));
+        failed |= !(answers->mesh = allocate(n, sizeof *answers->mesh));
+    }
     if (task->kind == FRAME || task->kind == LIT) failed |= !(answers->rgba = allocate(n, sizeof *answers->rgba));
     return failed;
 }
@@ -341,6 +626,9 @@ void free_answers(struct answers *answers)
 {
     free(answers->triangles);
     free(answers->t);
+    free(answers->u);
+    free(answers->v);
+    free(answers->mesh);
     free(answers->occluded);
     free(answers->rgba);
     memset(answers, 0, sizeof *answers);

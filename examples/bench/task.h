@@ -11,6 +11,18 @@
  *     list       the same as a plain list
  *     parallel   the rays of a camera with parallel rays instead, in arrays, in rows of pixels
  *     bounce     one ray from each hit in a random direction, cosine-weighted; numbers and distances into arrays
+ *
+ * Rays that a renderer makes by itself; those marked * are structs of 32 bytes with limits, in rows of pixels:
+ *
+ *     reach *    from each hit of the view to the light: is anything between
+ *     mirror *   the reflections at the hits; numbers and distances
+ *     lens       one ray for each pixel from a random point of a lens: f/8 of the median depth of the hits, where it is
+ *                sharp; arrays of origins and directions in rows of pixels; numbers and distances
+ *     one-way *  from each hit that faces one direction in that direction, a tenth of the scene's diagonal far: is
+ *                anything there (a batch of ambient occlusion whose pixels share a sequence of directions)
+ *     hemisphere from each hit of every fourth pixel of every fourth row 16 rays in random directions, cosine-weighted,
+ *                a tenth of the diagonal far: is anything there; a list: arrays of origins, directions and ends
+ *     record *   the camera's rays; distances, weights, and numbers of meshes and triangles
  */
 #ifndef TASK_H
 #define TASK_H
@@ -20,7 +32,25 @@
 
 #include <mlrt.h>
 
-enum kind { FRAME, LIT, PRIMARY, SHADOW, SUN, ARRAY, LIST, PARALLEL, BOUNCE, KIND_COUNT, LIT_LESS_FRAME = KIND_COUNT };
+enum kind {
+    FRAME,
+    LIT,
+    PRIMARY,
+    SHADOW,
+    SUN,
+    ARRAY,
+    LIST,
+    PARALLEL,
+    BOUNCE,
+    REACH,
+    MIRROR,
+    LENS,
+    ONE_WAY,
+    HEMISPHERE,
+    RECORD,
+    KIND_COUNT,
+    LIT_LESS_FRAME = KIND_COUNT
+};
 
 /* Kinds whose rays nobody has made before. */
 static inline int is_picture(enum kind kind)
@@ -32,6 +62,18 @@ static inline int is_picture(enum kind kind)
 static inline int is_shadow(enum kind kind)
 {
     return kind == SHADOW || kind == SUN;
+}
+
+/* Kinds that ask whether anything is hit, of rays. */
+static inline int is_any(enum kind kind)
+{
+    return kind == REACH || kind == ONE_WAY || kind == HEMISPHERE;
+}
+
+/* Kinds whose answers are only whether something is hit. */
+static inline int is_yes_or_no(enum kind kind)
+{
+    return is_shadow(kind) || is_any(kind);
 }
 
 /*
@@ -72,6 +114,16 @@ static inline mlrt_light light_of(const struct subject *subject)
 /* Pixel (column, row) of a camera: the arithmetic of mlrt.h. */
 void camera_direction(const mlrt_camera *camera, uint32_t column, uint32_t row, float direction[3]);
 
+/* A ray as a renderer may have it. */
+struct ray_record {
+    float origin[3]; /* NaN = there is none */
+    float t_min;
+    float direction[3];
+    float t_max;
+};
+
+enum { HEMISPHERE_RAYS = 16 /* from each hit */ };
+
 /* Rays by component, in an order that is good for packets; the arrays are filled up to a multiple of 16 rays. */
 struct stream {
     size_t count;         /* without those that fill up */
@@ -79,6 +131,8 @@ struct stream {
     float *directions[3]; /* NULL = all have `direction` */
     float origin[3];
     float direction[3];
+    float *t_mins;  /* NULL = all have `t_min` */
+    float *t_maxes; /* NULL = all have `t_max` */
     float t_min;
     float t_max;
     uint32_t *elements; /* for each ray, the element of the caller's arrays that it is */
@@ -89,12 +143,19 @@ struct task {
     const struct subject *subject;
     size_t ray_count;     /* rays that count: all elements but those without a point */
     size_t element_count; /* of the results */
+    uint32_t row_length;  /* elements of a row of the picture; 0 = a list */
     float (*origins)[3];  /* shadow, sun: points, NaN where there is none; others: origins */
     float (*directions)[3];
-    float sun[3];         /* sun: the direction towards it */
-    uint32_t (*skip)[2];  /* shadow, sun: the triangles that points lie on */
-    struct stream stream; /* not of pictures */
+    float *t_max;               /* NULL = rays do not end */
+    float (*shared_origins)[3]; /* hemisphere: the origins once for all HEMISPHERE_RAYS neighbours that have them */
+    struct ray_record *records; /* rays in place of those arrays; or NULL */
+    float sun[3];               /* sun: the direction towards it */
+    uint32_t (*skip)[2];        /* shadow, sun: the triangles that points lie on */
+    struct stream stream;       /* not of pictures */
 };
+
+/* An element's ray, of kinds that have origins and directions. */
+void get_ray(const struct task *task, size_t element, struct ray_record *ray);
 
 /* Prepares the rays, using the pool. Returns 0, or 1 after saying on stderr what is wrong. Free it either way. */
 int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tree, mlrt_pool *pool, struct task *task);
@@ -103,7 +164,8 @@ void free_task(struct task *task);
 /* What comes out: those arrays that a kind writes, an element each; the others are NULL. */
 struct answers {
     uint32_t *triangles; /* MLRT_NONE = miss. Of frames, only when asked for as primary */
-    float *t;
+    float *t, *u, *v;
+    uint32_t *mesh;
     uint8_t *occluded; /* lit: 1 = a hit that the light does not reach. Its `triangles` and this only without `rgba` */
     uint32_t *rgba;
 };
