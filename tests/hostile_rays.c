@@ -11,25 +11,24 @@
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-static float round_finite(double value)
+float round_finite(double value)
 {
     if (value > (double)FLT_MAX) return FLT_MAX;
     if (value < -(double)FLT_MAX) return -FLT_MAX;
     return (float)value;
 }
 
-static double draw_unit(struct random *random)
+double draw_unit(struct random *random)
 {
     return (double)draw_bits(random) / 4294967296.0;
 }
 
-static double draw_signed(struct random *random)
+double draw_signed(struct random *random)
 {
     return 2 * draw_unit(random) - 1;
 }
 
-/* A triangle whose coordinates are finite, if a few attempts find one; NULL in a scene without. */
-static const struct reference_triangle *draw_triangle(struct random *random, const struct fixture *fixture)
+const struct reference_triangle *draw_triangle(struct random *random, const struct fixture *fixture)
 {
     size_t count = reference_triangle_count(fixture->reference);
     for (int attempt = 0; count > 0 && attempt < 20; attempt++) {
@@ -42,7 +41,7 @@ static const struct reference_triangle *draw_triangle(struct random *random, con
     return NULL;
 }
 
-static void draw_vertex(struct random *random, const struct fixture *fixture, float vertex[3])
+void draw_vertex(struct random *random, const struct fixture *fixture, float vertex[3])
 {
     const struct reference_triangle *triangle = draw_triangle(random, fixture);
     memset(vertex, 0, 3 * sizeof(float));
@@ -59,8 +58,7 @@ static double triangle_size(const struct reference_triangle *triangle)
     return size;
 }
 
-/* A vertex, a point on an edge as far as floats go, or an inner point. */
-static void draw_target(struct random *random, const struct fixture *fixture, float target[3])
+void draw_target(struct random *random, const struct fixture *fixture, float target[3])
 {
     const struct reference_triangle *triangle = draw_triangle(random, fixture);
     memset(target, 0, 3 * sizeof(float));
@@ -74,8 +72,7 @@ static void draw_target(struct random *random, const struct fixture *fixture, fl
         target[k] = kind == 0 ? a[k] : round_finite((double)a[k] * (1 - u - v) + (double)b[k] * u + (double)c[k] * v);
 }
 
-/* Half of them in the scene's box and around it, half at distances from a vertex like some triangle's size, or more. */
-static void draw_origin(struct random *random, const struct fixture *fixture, float origin[3])
+void draw_origin(struct random *random, const struct fixture *fixture, float origin[3])
 {
     float a[3], b[3];
     const struct reference_triangle *triangle = draw_triangle(random, fixture);
@@ -91,12 +88,12 @@ static void draw_origin(struct random *random, const struct fixture *fixture, fl
     }
 }
 
-static void draw_direction(struct random *random, float direction[3])
+void draw_direction(struct random *random, float direction[3])
 {
     for (int k = 0; k < 3; k++) direction[k] = (float)draw_signed(random);
 }
 
-static float signed_zero(struct random *random)
+float signed_zero(struct random *random)
 {
     return draw_below(random, 2) ? 0.0f : -0.0f;
 }

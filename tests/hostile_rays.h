@@ -8,6 +8,28 @@
 
 #include "support.h"
 
+/* ---- numbers and places ------------------------------------------------------------------------------------------ */
+
+float round_finite(double value);          /* to the nearest finite float */
+double draw_unit(struct random *random);   /* [0, 1) */
+double draw_signed(struct random *random); /* [-1, 1) */
+float signed_zero(struct random *random);
+void draw_direction(struct random *random, float direction[3]); /* in the cube [-1, 1)^3 */
+
+/* A triangle whose coordinates are finite, if a few attempts find one; NULL in a scene without. */
+const struct reference_triangle *draw_triangle(struct random *random, const struct fixture *fixture);
+
+/* A vertex of the scene; 0 in a scene without triangles, as for the next two. */
+void draw_vertex(struct random *random, const struct fixture *fixture, float vertex[3]);
+
+/* A vertex, a point on an edge as far as floats go, or an inner point. */
+void draw_target(struct random *random, const struct fixture *fixture, float target[3]);
+
+/* Half of them in the scene's box and around it, half at distances from a vertex like some triangle's size, or more. */
+void draw_origin(struct random *random, const struct fixture *fixture, float origin[3]);
+
+/* ---- kinds of rays ----------------------------------------------------------------------------------------------- */
+
 /* A kind of ray, and which of the hard cases (numbers as in hard_scenes.h) it brings to every scene. */
 struct hostile_kind {
     const char *name;
@@ -24,6 +46,8 @@ size_t draw_hostile_kind(struct random *random);
 /* Adds `count` rays (or up to 255 more, to fill a bundle) of one kind. */
 void add_hostile_rays(struct ray_list *list, struct random *random, const struct fixture *fixture, size_t kind,
                       size_t count);
+
+/* ---- cameras and lights ------------------------------------------------------------------------------------------ */
 
 /* A pinhole or a parallel camera of `size` squared pixels near the scene, one of whose pixels goes through a vertex. */
 mlrt_camera draw_hostile_camera(struct random *random, const struct fixture *fixture, uint32_t size);
