@@ -53,7 +53,8 @@
  * MLRT_ERROR_STRUCT_SIZE. In an array of structs all have the struct_size of the first. mlrt_array and mlrt_const_array
  * have no struct_size and never grow. That of mlrt_tile is set by the library.
  *
- * Arrays are a pointer and a byte stride; stride 0 means packed. Addresses and strides must be multiples of 4 (of 2
+ * Arrays are a pointer and a byte stride; stride 0 means packed, and MLRT_STRIDE_ALL that one element serves all rays
+ * (input arrays of rays and points only). Addresses and strides must be multiples of 4 (of 2
  * for 2-byte indices, of 1 for uint8_t), or the answer is MLRT_ERROR_ARGUMENT. No byte outside the elements is read or
  * written.
  *
@@ -688,10 +689,17 @@ typedef struct mlrt_hits {
  * Tracing rays
  * ------------------------------------------------------------------------------------------------------------------ */
 
+/*
+ * The stride of an input array with one element, which serves all rays: a common origin, direction, t_max and so on.
+ * The answers are those of the array written out in full. No other array can have this stride: neither a mesh's nor one
+ * for results (MLRT_ERROR_ARGUMENT). Languages that cannot read it here: all bits of a size_t are set.
+ */
+#define MLRT_STRIDE_ALL ((size_t)-1)
+
 /* An input array. Where it may be left out, `data` = NULL does that. */
 typedef struct mlrt_const_array {
     const void *data; /* the first element */
-    size_t stride;    /* bytes from one element to the next; 0 = packed */
+    size_t stride;    /* bytes from one element to the next; 0 = packed; MLRT_STRIDE_ALL = one element serves all */
 } mlrt_const_array;
 
 /*
@@ -711,6 +719,11 @@ typedef struct mlrt_rays {
     mlrt_const_array mask; /* uint32_t: as in mlrt_trace_options, for each ray, and in place of that one (0 = all bits).
                               NULL = that of the options for all. Where the tree's meshes have masks, rays with masks of
                               their own go alone, and slower */
+    uint32_t rays_per_origin; /* k neighbouring rays leave from one point: ray i has element i / k of origins, t_min and
+                                 skip, which have count / k elements; of the other arrays it has element i. 0 = 1. Must
+                                 divide count. With more than 1, rays are grouped in the order given, and row_length
+                                 does nothing */
+    uint32_t reserved;        /* must be 0 */
 } mlrt_rays;
 
 /*

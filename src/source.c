@@ -16,18 +16,19 @@
 
 /* ---- checking ---- */
 
-/* Resolves a packed stride; 0 if the array cannot be read as 4-byte numbers. */
+/* Resolves a stride: bytes from one ray's element to the next one's. 0 if the array cannot be read as 4-byte numbers. */
 static int resolve_array(const mlrt_const_array *array, size_t element_size, int required, mlrt_const_array *resolved)
 {
     *resolved = *array;
     if (!array->data) return !required;
-    if (resolved->stride == 0) resolved->stride = element_size;
+    if (array->stride == 0) resolved->stride = element_size;
+    if (array->stride == MLRT_STRIDE_ALL) resolved->stride = 0;
     return resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
 }
 
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
 {
-    source->width = row_length ? row_length : 4;
+    source->width = row_length && source->rays_per_origin <= 1 ? row_length : 4;
     const uint32_t widest = source->count > 4 ? source->count : 4;
     if (source->width > widest) source->width = widest;
     source->height = source->count / source->width + (source->count % source->width != 0);
@@ -44,6 +45,7 @@ static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_CAMERA;
+    source->rays_per_origin = 1;
     source->mask.data = NULL;
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
@@ -57,6 +59,7 @@ MLRT_SMALL int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
+    source->rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1;
     const int required = rays->count > 0;
     if (!resolve_array(&rays->origins, 12, required, &source->points) ||
         !resolve_array(&rays->directions, 12, required, &source->directions) ||
@@ -85,6 +88,7 @@ MLRT_SMALL int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const ml
     if (status != MLRT_OK) return status;
     source->directions.data = source->mask.data = NULL;
     source->tree = tree;
+    source->rays_per_origin = 1;
     if (!resolve_array(&points->positions, 12, points->count > 0, &source->points) ||
         !resolve_array(&points->skip, 8, 0, &source->skip)) {
         return MLRT_ERROR_ARGUMENT;
@@ -139,11 +143,18 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
     return number_in_mesh(mlrt_find_mesh(tree, mesh_id), triangle);
 }
 
+/* The element of ray i in an array with one for each `group` rays. Mostly that is 1, and not worth a division. */
+MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
+{
+    return MLRT_LIKELY(group == 1) ? i : i / group;
+}
+
+/* What ray i skips. */
 static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
 {
     if (!source->skip.data) return MLRT_NONE;
-    const uint32_t *pair =
-        (const uint32_t *)(const void *)((const unsigned char *)source->skip.data + (size_t)i * source->skip.stride);
+    const uint32_t element = element_of_ray(i, source->rays_per_origin);
+    const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->skip, element);
     return mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
 
@@ -166,10 +177,11 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
 /* Ray i of arrays. */
 static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray)
 {
-    const float *point = float_at(&source->points, i);
+    const uint32_t origin = element_of_ray(i, source->rays_per_origin);
+    const float *point = float_at(&source->points, origin);
     if (source->kind == MLRT_SOURCE_RAYS) {
         return mlrt_make_segment(point, float_at(&source->directions, i),
-                                 source->t_min.data ? *float_at(&source->t_min, i) : 0,
+                                 source->t_min.data ? *float_at(&source->t_min, origin) : 0,
                                  source->t_max.data ? *float_at(&source->t_max, i) : INFINITY, ray);
     }
     if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return mlrt_make_segment(point, source->light, 0, INFINITY, ray);
@@ -240,20 +252,21 @@ MLRT_INLINE void load_vectors(const mlrt_const_array *array, uint32_t first, f4 
     }
 }
 
-/* Words of elements, lane by lane: word k of lane l goes to words[k][l]. */
-static MLRT_SMALL void fetch_lanes(const mlrt_const_array *array, const struct block *block, int word_count,
-                                   void *const *words)
+/* Words of elements, lane by lane: word k of lane l goes to words[k][l]. The array has one for each `group` rays. */
+static MLRT_SMALL void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group,
+                                   int word_count, void *const *words)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const float *element = float_at(array, element_of_lane(block, lane));
+        const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
         for (int k = 0; k < word_count; ++k) memcpy((unsigned char *)words[k] + 4 * lane, element + k, 4);
     }
 }
 
-static void fetch_vectors(const mlrt_const_array *array, const struct block *block, float vectors[3][MLRT_PACKET_RAYS])
+static void fetch_vectors(const mlrt_const_array *array, const struct block *block, uint32_t group,
+                          float vectors[3][MLRT_PACKET_RAYS])
 {
-    if (MLRT_UNLIKELY(!is_whole(block))) {
-        fetch_lanes(array, block, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
+    if (MLRT_UNLIKELY(!is_whole(block) || group > 1)) {
+        fetch_lanes(array, block, group, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
         return;
     }
     for (uint32_t row = 0; row < 4; row += 2) {
@@ -272,14 +285,14 @@ MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
 }
 
 /* Numbers out of an array, or `standard` if there is none. */
-MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, float standard,
-                               float numbers[MLRT_PACKET_RAYS])
+MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, uint32_t group,
+                               float standard, float numbers[MLRT_PACKET_RAYS])
 {
     if (!array->data) {
         fill(standard, numbers);
         return;
     }
-    fetch_lanes(array, block, 1, (void *const[]){numbers});
+    fetch_lanes(array, block, group, 1, (void *const[]){numbers});
 }
 
 MLRT_INLINE void load_pairs(const mlrt_const_array *array, uint32_t first, f4 *meshes, f4 *triangles)
@@ -302,8 +315,8 @@ void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, 
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_skip = array->data != NULL;
     if (!array->data) return;
-    if (MLRT_UNLIKELY(!is_whole(&block))) {
-        fetch_lanes(array, &block, 2, (void *const[]){packet->skip_mesh, packet->skip});
+    if (MLRT_UNLIKELY(!is_whole(&block) || source->rays_per_origin > 1)) {
+        fetch_lanes(array, &block, source->rays_per_origin, 2, (void *const[]){packet->skip_mesh, packet->skip});
         return;
     }
     for (uint32_t row = 0; row < 4; row += 2) {
@@ -333,7 +346,7 @@ static MLRT_SMALL void fetch_camera_rays(const struct mlrt_view *view, uint32_t 
 static void fetch_light_rays(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    fetch_vectors(&source->points, block, is_point ? packet->direction : packet->origin);
+    fetch_vectors(&source->points, block, 1, is_point ? packet->direction : packet->origin);
     for (int k = 0; k < 3; ++k) {
         const f4 light = f4_set1(source->light[k]);
         float *direction = packet->direction[k];
@@ -378,10 +391,10 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
     }
     if (source->kind == MLRT_SOURCE_RAYS) {
         packet->has_limits = source->t_min.data || source->t_max.data;
-        fetch_vectors(&source->points, &block, packet->origin);
-        fetch_vectors(&source->directions, &block, packet->direction);
-        fetch_numbers(&source->t_min, &block, 0, packet->t_min);
-        fetch_numbers(&source->t_max, &block, INFINITY, packet->t_max);
+        fetch_vectors(&source->points, &block, source->rays_per_origin, packet->origin);
+        fetch_vectors(&source->directions, &block, 1, packet->direction);
+        fetch_numbers(&source->t_min, &block, source->rays_per_origin, 0, packet->t_min);
+        fetch_numbers(&source->t_max, &block, 1, INFINITY, packet->t_max);
     } else {
         fetch_light_rays(source, &block, packet);
     }
@@ -438,7 +451,7 @@ MLRT_INLINE void prefetch_rows(const char *row, size_t step, size_t bytes, uint3
 MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t row_length, uint32_t width,
                                    uint32_t height, size_t usual)
 {
-    if (!array->data) return;
+    if (!array->data || array->stride == 0) return;
     const char *row = (const char *)array->data + first * array->stride;
     const size_t step = row_length * array->stride, bytes = width * array->stride;
     if (MLRT_LIKELY(bytes == usual)) {
@@ -454,7 +467,8 @@ void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y
     const uint32_t width = source->width - x < 16 ? source->width - x : 16;
     if (height > source->height - y) height = source->height - y;
     const size_t first = (size_t)y * source->width + x;
-    prefetch_elements(&source->points, first, source->width, width, height, 16 * 12);
     prefetch_elements(&source->directions, first, source->width, width, height, 16 * 12);
+    if (source->rays_per_origin > 1) return; /* a few points, which lie side by side: the processor sees them coming */
+    prefetch_elements(&source->points, first, source->width, width, height, 16 * 12);
     prefetch_elements(&source->skip, first, source->width, width, height, 16 * 8);
 }

@@ -27,12 +27,14 @@ struct mlrt_source {
     uint32_t count;        /* of rays; the last row may be short */
     struct mlrt_view view; /* camera */
     float light[3];
+    /* Arrays with resolved strides: 0 where one element serves all rays. */
     mlrt_const_array points; /* rays: the origins; lights: the points */
     mlrt_const_array directions;
     mlrt_const_array t_min;
     mlrt_const_array t_max;
     mlrt_const_array skip;
     mlrt_const_array mask;
+    uint32_t rays_per_origin; /* ray i has element i / rays_per_origin of points, t_min and skip; if not 1, in a list */
     const struct mlrt_tree *tree; /* whose ids `skip` names */
     /* Set by mlrt_set_masks. */
     uint32_t common_mask; /* of all rays, if `mask` has no data */
@@ -54,7 +56,7 @@ int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *
 /* Sets kind and light of a source. The struct_size of `light` is right. */
 int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source);
 
-/* Gives the arrays of a source rows of this length; 0 makes them a list. */
+/* Gives the arrays of a source rows of this length; 0 makes them a list, and so do several rays from one point. */
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source);
 
 /* The triangles of a mesh: none if there is no such mesh. */
@@ -112,7 +114,8 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 /* Gives all rays of a packet the mask that the source has for all. */
 void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
 
-/* Do all of 16 x 16 rays of packed arrays, from an element on, pass the same pair of mesh and triangle? */
+/* Do all of 16 x 16 rays of packed arrays, from an element on, pass the same pair of mesh and triangle? Each ray has an
+ * element of its own. */
 int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first);
 
 /* Of the lanes of a block at (x, y), which may be at the end of a list, those that exist. */

@@ -143,6 +143,17 @@ static int32_t take_rays(const mlrt_rays *given, mlrt_rays *rays)
     return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_rays, skip), rays, sizeof *rays);
 }
 
+/* Whether rays_per_origin divides count; if it does not, the host's log says so. */
+static int32_t check_rays(const mlrt_rays *rays, const struct call *call)
+{
+    if (rays->reserved != 0) return MLRT_ERROR_ARGUMENT;
+    if (rays->rays_per_origin == 0 || rays->count % rays->rays_per_origin == 0) return MLRT_OK;
+    const struct mlrt_voice voice = {.host = call->run.host};
+    mlrt_explain(&voice, "rays.rays_per_origin: %lu does not divide count %.0f", (unsigned long)rays->rays_per_origin,
+                 (double)rays->count);
+    return MLRT_ERROR_ARGUMENT;
+}
+
 static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
 {
     const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
@@ -159,6 +170,7 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     int32_t status = take_rays(rays, &own_rays);
     if (status == MLRT_OK) status = take_hits(hits, &own_hits);
     if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK) status = check_rays(&own_rays, &call);
     if (status != MLRT_OK) return status;
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
@@ -311,6 +323,7 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
         status = mlrt_take_struct(lists, MLRT_SIZE_UP_TO(mlrt_hit_lists, crossing_total), &own_lists, sizeof own_lists);
     }
     if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK) status = check_rays(&own_rays, &call);
     if (status != MLRT_OK) return status;
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();

@@ -105,7 +105,7 @@ static void structs_have_no_padding(void **state)
     assert_int_equal(sizeof(mlrt_counters), 2 * 4 + 19 * 8);
     assert_int_equal(sizeof(mlrt_trace_options), 14 * 4 + 4 * 8);
     assert_int_equal(sizeof(mlrt_hits), 2 * 4 + 7 * 24);
-    assert_int_equal(sizeof(mlrt_rays), 2 * 4 + 8 + 6 * 16);
+    assert_int_equal(sizeof(mlrt_rays), 2 * 4 + 8 + 6 * 16 + 2 * 4);
     assert_int_equal(sizeof(mlrt_ray), 12 * 4);
     assert_int_equal(sizeof(mlrt_hit), 8 * 4);
     assert_int_equal(sizeof(mlrt_hit_lists), 2 * 4 + 9 * 24);

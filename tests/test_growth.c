@@ -107,12 +107,14 @@ static void older_structs(void **state)
     float t = 0;
     mlrt_build_options build = {.host = (const mlrt_host *)(uintptr_t)16, .memory_limit = 1};
     mlrt_trace_options trace = {.host = (const mlrt_host *)(uintptr_t)16};
-    mlrt_rays rays = {.count = 1, .origins = {origin, 0}, .directions = {direction, 0}, .mask = {origin, 3}};
+    mlrt_rays rays = {.count = 1, .origins = {origin, 0}, .directions = {direction, 0}};
     mlrt_hits hits = {.struct_size = sizeof hits, .t = {&t, 0, 0}};
     mlrt_tree *tree;
     build.struct_size = offsetof(mlrt_build_options, host);
     trace.struct_size = offsetof(mlrt_trace_options, host);
     rays.struct_size = offsetof(mlrt_rays, mask);
+    rays.mask = (mlrt_const_array){origin, 3};
+    rays.rays_per_origin = 7;
     assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
     assert_int_equal(mlrt_trace_packet(tree, &rays, &trace, &hits), MLRT_OK);
     assert_true(t == 5);

@@ -18,6 +18,7 @@ MLRT_INLINE int has_packed_rays(const struct mlrt_source *source)
     return 0;
 #else
     if (source->kind == MLRT_SOURCE_CAMERA || source->has_masks || source->points.stride != 12) return 0;
+    if (source->rays_per_origin > 1) return 0;
     if (source->skip.data && source->skip.stride != 8) return 0;
     if (source->kind == MLRT_SOURCE_RAYS) {
         return source->directions.stride == 12 && !source->t_min.data && !source->t_max.data;
