@@ -39,7 +39,7 @@
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
-OPTIMIZE ?= -O2
+OPTIMIZE ?= -O3
 SAN      ?=
 RENAME   ?=
 V        ?=
@@ -112,33 +112,19 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
-# Short loops over axes and corners must be gone from kernels that somebody waits for; gcc does not need the size of -O3
-# for that. Those that count should be small.
-FAST  := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -fpeel-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fpeel-loops || echo -O3))
-SMALL := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -Oz -E -x c /dev/null >/dev/null 2>&1 && echo -Oz || echo -Os))
-
-# Loops and jumps need not begin at round addresses: that is size, and no speed.
-TIGHT := $(if $(filter -O2,$(OPTIMIZE)),$(shell $(CC) -Werror -falign-functions=1 -falign-jumps=1 -falign-loops=1 -E -x c /dev/null >/dev/null 2>&1 && echo -falign-functions=1 -falign-jumps=1 -falign-loops=1))
-
+# Every object has the same OPTIMIZE; docs/design.md, "Kernels", has what -O2 and -O3 cost.
+#
 # What only tests call stays out of the shared library. So do assertions, which would end the program they are in; they
 # are for the tests with SAN.
-INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG) $(TIGHT)
+INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
 $(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(SMALL) -DMLRT_INLINE_LESS $(ISA_FLAGS_$*) -c $< -o $@
+	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(ISA_FLAGS_$*) -c $< -o $@
 
 $(BUILD)/obj/kernels/%.o: src/kernels/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(if $(filter kdtree,$*),$(SMALL) -DMLRT_INLINE_LESS,$(FAST)) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
-
-# What hardly takes time, or few wait for.
-COLD := library tree bvh_spatial bvh_ray shear shadow shadow_cells shade results save trace trace_ray meshes rows host structs memory progress scheduler render camera beam offset grid exact \
-        bvh_build bvh_check bvh_collapse bvh_split kdtree_build kdtree_check split clip all_hits hit_list
-
-# What is as fast if it is small, or faster, or slower by less than 1 % of a room: counted in instructions.
-COLD += predicate dispatch levels tile_packets
-$(COLD:%=$(BUILD)/obj/%.o): OPTIMIZE += $(SMALL)
+	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
@@ -185,7 +171,7 @@ $(BUILD)/examples/study/%.o: examples/study/%.c
 	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
 
 # What the benchmark does itself, for everyone alike, is compiled for the machine at hand.
-NATIVE = $(if $(filter -O2,$(OPTIMIZE)),-O3 $(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
+NATIVE = $(if $(filter -O2 -O3,$(OPTIMIZE)),$(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
 
 $(BUILD)/examples/bench/%.o: examples/bench/%.c
 	@mkdir -p $(@D)

@@ -11,8 +11,8 @@ sections do not meet,
   - macros of a section are undefined at its end;
   - everything at file scope is static, but for the functions of mlrt.h.
 
-What the Makefile says by flags is said by pragmas: a target for each instruction set, no contraction of a * b + c, loops
-peeled in kernels. Relies on the house style: clang-format, one declaration per item, an include guard in each header.
+What the Makefile says by flags is said by pragmas: a target for each instruction set, no contraction of a * b + c.
+Relies on the house style: clang-format, one declaration per item, an include guard in each header.
 """
 import collections
 import os
@@ -50,7 +50,7 @@ HEAD = """\
 /*
  * mlrt, the whole library in one file, written by src/amalgamate.py: change the files it was made of instead.
  *
- *     cc -O2 -c mlrt.c         gcc or clang; on 32-bit x86 with -msse2 -mfpmath=sse; programs link with -lm -pthread
+ *     cc -O3 -c mlrt.c         gcc or clang; on 32-bit x86 with -msse2 -mfpmath=sse; programs link with -lm -pthread
  *
  * A DLL: -shared -DMLRT_BUILD_DLL. With a gcc for Windows that does not align the stack for AVX (GCC bug 54412; those
  * of Debian and MSYS2 do without) add -Wa,-muse-unaligned-vector-move.
@@ -372,10 +372,9 @@ def kernel_section(kernel, text):
     before = [f"#undef {macro}\n" for macro in COUNTING_MACROS]
     if kernel.counting:
         before.append("#define MLRT_COUNTING 1\n")
-    gcc = "" if kernel.counting or kernel.name == "kdtree" else '#pragma GCC optimize("peel-loops")\n'
-    clang, clang_end = "", ""
+    gcc, clang, clang_end = "", "", ""
     if kernel.target:
-        gcc += f'#pragma GCC target("{kernel.target}")\n'
+        gcc = f'#pragma GCC target("{kernel.target}")\n'
         clang = f'#pragma clang attribute push(__attribute__((target("{kernel.target}"))), apply_to = function)\n'
         clang_end = "#pragma clang attribute pop\n"
     text = BEFORE_KERNELS.format(clang=clang, gcc=gcc) + "".join(before) + text

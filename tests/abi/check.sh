@@ -15,7 +15,7 @@ if [ "$1" = update ]; then update=1; shift; fi
 folder=$1
 library=$2
 files=tests/abi
-: "${CC:=cc}" "${MAXIMUM_SIZE:=300000}"
+: "${CC:=cc}" "${MAXIMUM_SIZE:=600000}"
 export LC_ALL=C
 failures=0
 
