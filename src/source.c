@@ -241,14 +241,33 @@ MLRT_INLINE void put_rows(f4 even, f4 odd, void *lanes)
     f4_store_any((unsigned char *)lanes + 16, f4_high(even, odd));
 }
 
-/* The vectors of a row, by axis. */
-MLRT_INLINE void load_vectors(const mlrt_const_array *array, uint32_t first, f4 by_axis[3])
+/* A row of four elements: where it begins, and the distance between neighbours. */
+struct row {
+    const unsigned char *at;
+    size_t step;
+};
+
+/* Are the rows of a block evenly spaced elements? With an element for several rays they are, if whole rows share one. */
+MLRT_INLINE int has_rows(const struct block *block, uint32_t group)
 {
-    const float *at = float_at(array, first);
-    if (MLRT_LIKELY(array->stride == 12)) {
+    return MLRT_LIKELY(is_whole(block) && group % 4 <= (group == 1));
+}
+
+MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct block *block, uint32_t group,
+                                    uint32_t row)
+{
+    const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
+    return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
+}
+
+/* The vectors of a row, by axis. */
+MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
+{
+    const float *at = (const float *)(const void *)row.at;
+    if (MLRT_LIKELY(row.step == 12)) {
         f4_triples(at, by_axis);
     } else {
-        f4_gather_triples(at, array->stride / sizeof *at, by_axis);
+        f4_gather_triples(at, row.step / sizeof *at, by_axis);
     }
 }
 
@@ -265,18 +284,25 @@ static MLRT_SMALL void fetch_lanes(const mlrt_const_array *array, const struct b
 static void fetch_vectors(const mlrt_const_array *array, const struct block *block, uint32_t group,
                           float vectors[3][MLRT_PACKET_RAYS])
 {
-    if (MLRT_UNLIKELY(!is_whole(block) || group > 1)) {
+    if (!has_rows(block, group)) {
         fetch_lanes(array, block, group, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
         return;
     }
     for (uint32_t row = 0; row < 4; row += 2) {
         f4 even[3], odd[3];
-        load_vectors(array, block->first + row * block->row_length, even);
-        load_vectors(array, block->first + (row + 1) * block->row_length, odd);
+        load_vectors(row_of_block(array, block, group, row), even);
+        load_vectors(row_of_block(array, block, group, row + 1), odd);
         put_rows(even[0], odd[0], vectors[0] + 4 * row);
         put_rows(even[1], odd[1], vectors[1] + 4 * row);
         put_rows(even[2], odd[2], vectors[2] + 4 * row);
     }
+}
+
+/* The numbers of a row. */
+MLRT_INLINE f4 load_numbers(struct row row)
+{
+    const float *at = (const float *)(const void *)row.at;
+    return row.step == sizeof *at ? f4_load_any(at) : f4_gather(at, row.step / sizeof *at);
 }
 
 MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
@@ -292,20 +318,27 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
         fill(standard, numbers);
         return;
     }
-    fetch_lanes(array, block, group, 1, (void *const[]){numbers});
+    if (!has_rows(block, group)) {
+        fetch_lanes(array, block, group, 1, (void *const[]){numbers});
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        put_rows(load_numbers(row_of_block(array, block, group, row)),
+                 load_numbers(row_of_block(array, block, group, row + 1)), numbers + 4 * row);
+    }
 }
 
-MLRT_INLINE void load_pairs(const mlrt_const_array *array, uint32_t first, f4 *meshes, f4 *triangles)
+/* Pairs of words of a row, firsts and seconds. */
+MLRT_INLINE void load_pairs(struct row row, f4 *firsts, f4 *seconds)
 {
-    const unsigned char *at = (const unsigned char *)float_at(array, first);
     uint32_t pairs[8];
-    if (MLRT_UNLIKELY(array->stride != sizeof *pairs * 2)) {
-        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, at + i * array->stride, 8);
-        at = (const unsigned char *)pairs;
+    if (MLRT_UNLIKELY(row.step != sizeof *pairs * 2)) {
+        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, row.at + i * row.step, 8);
+        row.at = (const unsigned char *)pairs;
     }
-    const f4 low = f4_load_any(at), high = f4_load_any(at + 16);
-    *meshes = f4_evens(low, high);
-    *triangles = f4_odds(low, high);
+    const f4 low = f4_load_any(row.at), high = f4_load_any(row.at + 16);
+    *firsts = f4_evens(low, high);
+    *seconds = f4_odds(low, high);
 }
 
 void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
@@ -315,14 +348,14 @@ void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, 
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_skip = array->data != NULL;
     if (!array->data) return;
-    if (MLRT_UNLIKELY(!is_whole(&block) || source->rays_per_origin > 1)) {
+    if (!has_rows(&block, source->rays_per_origin)) {
         fetch_lanes(array, &block, source->rays_per_origin, 2, (void *const[]){packet->skip_mesh, packet->skip});
         return;
     }
     for (uint32_t row = 0; row < 4; row += 2) {
         f4 even[2], odd[2];
-        load_pairs(array, block.first + row * block.row_length, &even[0], &even[1]);
-        load_pairs(array, block.first + (row + 1) * block.row_length, &odd[0], &odd[1]);
+        load_pairs(row_of_block(array, &block, source->rays_per_origin, row), &even[0], &even[1]);
+        load_pairs(row_of_block(array, &block, source->rays_per_origin, row + 1), &odd[0], &odd[1]);
         put_rows(even[0], odd[0], packet->skip_mesh + 4 * row);
         put_rows(even[1], odd[1], packet->skip + 4 * row);
     }
@@ -468,6 +501,8 @@ void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y
     if (height > source->height - y) height = source->height - y;
     const size_t first = (size_t)y * source->width + x;
     prefetch_elements(&source->directions, first, source->width, width, height, 16 * 12);
+    const uintptr_t apart = (uintptr_t)source->directions.data - (uintptr_t)source->points.data;
+    if (apart + 63 <= 126) return; /* a struct for each ray */
     if (source->rays_per_origin > 1) return; /* a few points, which lie side by side: the processor sees them coming */
     prefetch_elements(&source->points, first, source->width, width, height, 16 * 12);
     prefetch_elements(&source->skip, first, source->width, width, height, 16 * 8);

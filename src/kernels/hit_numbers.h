@@ -11,7 +11,8 @@
  * A component of a cross product has 4 factors, one of each difference, a product and a difference, and the dot product
  * adds a product and at most two sums, for N the factor of p as well. So there are 7 factors, for N 8, as there; its
  * bounds hold, and so do those of the quotients, which are formed in the same way. A quotient whose enclosure has ends
- * that round to different floats, or whose denominator is uncertain, is left to mlrt_report_hit.
+ * that round to different floats, or whose denominator is uncertain, is left to mlrt_report_hit. Where a processor
+ * multiplies and adds at once there are fewer factors.
  *
  * The cross products are the same for all rays from one origin that hit one triangle: hit_terms.h keeps them. Packets
  * that hit few triangles take them from there, and others work them out for each lane.
@@ -56,26 +57,58 @@ static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packe
     }
 }
 
-/* The terms of a triangle (hit_terms.h) that DW lanes from `lane` on hit. */
-static MLRT_NOINLINE void set_up_hit_terms(const vd corner[9], const struct mlrt_packet *packet, uint32_t lane,
-                                           uint32_t outputs, vd term[MLRT_HIT_TERM_COUNT])
+MLRT_INLINE void fused_cross_product(const vd a[3], const vd b[3], vd cross[3])
 {
-    vd ab[3], ac[3], p[3];
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        ab[k] = d_sub(corner[3 + k], corner[k]);
-        ac[k] = d_sub(corner[6 + k], corner[k]);
-        p[k] = d_sub(corner[k], packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane));
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = d_mul_sub(a[i], b[j], d_mul(a[j], b[i]));
     }
-    const vd ab_size = size_of_doubles(ab), ac_size = size_of_doubles(ac), p_size = size_of_doubles(p);
-    cross_product_of_doubles(ab, ac, term + MLRT_HIT_NORMAL);
-    term[MLRT_HIT_NORMAL_SIZE] = d_mul(ab_size, ac_size);
-    term[MLRT_HIT_N] = dot_product_of_doubles(p, term + MLRT_HIT_NORMAL);
+}
+
+MLRT_INLINE vd fused_dot_product(const vd a[3], const vd b[3])
+{
+    return d_mul_add(a[2], b[2], d_mul_add(a[1], b[1], d_mul(a[0], b[0])));
+}
+
+/* What does not depend on rays: the sides of a triangle and its normal. */
+struct plane_terms {
+    vd corner[3];
+    vd ab[3];
+    vd ac[3];
+    vd ab_size;
+    vd ac_size;
+};
+
+MLRT_INLINE void set_plane_terms(const vd corner[9], struct plane_terms *plane, vd term[MLRT_HIT_TERM_COUNT])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        plane->corner[k] = corner[k];
+        plane->ab[k] = d_sub(corner[3 + k], corner[k]);
+        plane->ac[k] = d_sub(corner[6 + k], corner[k]);
+    }
+    plane->ab_size = size_of_doubles(plane->ab);
+    plane->ac_size = size_of_doubles(plane->ac);
+    fused_cross_product(plane->ab, plane->ac, term + MLRT_HIT_NORMAL);
+    term[MLRT_HIT_NORMAL_SIZE] = d_mul(plane->ab_size, plane->ac_size);
+}
+
+/* The other terms (hit_terms.h), for rays from `origin`. */
+MLRT_INLINE void set_origin_terms(const struct plane_terms *plane, const vd origin[3], uint32_t outputs,
+                                  vd term[MLRT_HIT_TERM_COUNT])
+{
+    vd p[3];
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) p[k] = d_sub(plane->corner[k], origin[k]);
+    const vd p_size = size_of_doubles(p);
+    term[MLRT_HIT_N] = fused_dot_product(p, term + MLRT_HIT_NORMAL);
     term[MLRT_HIT_N_SIZE] = d_mul(p_size, term[MLRT_HIT_NORMAL_SIZE]);
     if (!(outputs & MLRT_OUTPUT_UV)) return;
-    cross_product_of_doubles(ac, p, term + MLRT_HIT_EDGE);
-    cross_product_of_doubles(p, ab, term + MLRT_HIT_EDGE + 3);
-    term[MLRT_HIT_EDGE_SIZE] = d_mul(ac_size, p_size);
-    term[MLRT_HIT_EDGE_SIZE + 1] = d_mul(p_size, ab_size);
+    fused_cross_product(plane->ac, p, term + MLRT_HIT_EDGE);
+    fused_cross_product(p, plane->ab, term + MLRT_HIT_EDGE + 3);
+    term[MLRT_HIT_EDGE_SIZE] = d_mul(plane->ac_size, p_size);
+    term[MLRT_HIT_EDGE_SIZE + 1] = d_mul(p_size, plane->ab_size);
 }
 
 /* All of them, as frame and callback may want different outputs. */
@@ -83,9 +116,11 @@ static MLRT_SMALL void keep_hit_terms(const struct mlrt_tree *tree, const struct
                                       struct mlrt_hit_terms *kept)
 {
     vd corner[9], term[MLRT_HIT_TERM_COUNT];
-    MLRT_KEEP_LOOP
+    const vd apex[3] = {d_set1(packet->apex[0]), d_set1(packet->apex[1]), d_set1(packet->apex[2])};
+    struct plane_terms plane;
     for (int k = 0; k < 9; ++k) corner[k] = d_set1(tree->triangles[number].v[k / 3][k % 3]);
-    set_up_hit_terms(corner, packet, 0, MLRT_OUTPUT_UV, term);
+    set_plane_terms(corner, &plane, term);
+    set_origin_terms(&plane, apex, MLRT_OUTPUT_UV, term);
     MLRT_KEEP_LOOP
     for (int k = 0; k < MLRT_HIT_TERM_COUNT; ++k) kept->term[k] = d_first(term[k]);
     kept->number = number;
@@ -129,7 +164,7 @@ MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const str
     const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
                              d_load(packet->direction[2] + lane)};
     const vd direction_size = size_of_doubles(direction);
-    const vd d = dot_product_of_doubles(direction, term + MLRT_HIT_NORMAL),
+    const vd d = fused_dot_product(direction, term + MLRT_HIT_NORMAL),
              d_size = d_mul(direction_size, term[MLRT_HIT_NORMAL_SIZE]);
     uint32_t certain = d_gt(d_abs(d), d_mul(d_set1(MLRT_LEAST_DENOMINATOR), d_size));
     *positive = d_gt(d, d_set1(0));
@@ -144,7 +179,7 @@ MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const str
     MLRT_KEEP_LOOP
     for (int i = 0; i < place_count; ++i) {
         certain &=
-            round_quotients(dot_product_of_doubles(direction, term + MLRT_HIT_EDGE + 3 * i),
+            round_quotients(fused_dot_product(direction, term + MLRT_HIT_EDGE + 3 * i),
                             d_mul(direction_size, term[MLRT_HIT_EDGE_SIZE + i]), &denominator, numbers->uv[i] + lane);
     }
     return certain;
@@ -210,14 +245,27 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
     } else if (!is_one) {
         gather_corners(tree, packet, hit, corners);
     }
+    struct plane_terms plane;
+    if (is_one && !are_shared) {
+        vd corner[9];
+        const float *first = tree->triangles[number].v[0];
+        for (int k = 0; k < 9; ++k) corner[k] = d_set1(first[k]);
+        set_plane_terms(corner, &plane, term);
+    }
     uint32_t certain = 0, all_positive = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t positive;
-        if (!are_shared) {
+        if (!is_one) {
             vd corner[9];
-            const float *first = tree->triangles[number].v[0];
-            for (int k = 0; k < 9; ++k) corner[k] = is_one ? d_set1(first[k]) : d_load(corners[k] + lane);
-            set_up_hit_terms(corner, packet, lane, outputs, term);
+            for (int k = 0; k < 9; ++k) corner[k] = d_load(corners[k] + lane);
+            set_plane_terms(corner, &plane, term);
+        }
+        if (!are_shared) {
+            vd origin[3];
+            for (int k = 0; k < 3; ++k) {
+                origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+            }
+            set_origin_terms(&plane, origin, outputs, term);
         }
         certain |= report_vector(term, packet, lane, outputs, &positive, numbers) << lane;
         all_positive |= positive << lane;

@@ -142,6 +142,10 @@ MLRT_INLINE f4 f4_odds(f4 a, f4 b)
     return (f4){{a.x[1], a.x[3], b.x[1], b.x[3]}};
 }
 /* Four vectors of three coordinates, whose starts are `step` floats apart: by_axis[k] has those along axis k. */
+MLRT_INLINE f4 f4_gather(const float *p, size_t step)
+{
+    return (f4){{p[0], p[step], p[2 * step], p[3 * step]}};
+}
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {
     for (int k = 0; k < 3; ++k, ++p) by_axis[k] = (f4){{p[0], p[step], p[2 * step], p[3 * step]}};

@@ -115,6 +115,10 @@ MLRT_INLINE f4 f4_odds(f4 a, f4 b)
 {
     return _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1));
 }
+MLRT_INLINE f4 f4_gather(const float *p, size_t step)
+{
+    return _mm_setr_ps(p[0], p[step], p[2 * step], p[3 * step]);
+}
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {
     f4 xy[4];

@@ -228,6 +228,14 @@ MLRT_INLINE vd d_mul(vd a, vd b)
 {
     return _mm256_mul_pd(a, b);
 }
+MLRT_INLINE vd d_mul_add(vd a, vd b, vd c)
+{
+    return _mm256_fmadd_pd(a, b, c);
+}
+MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c)
+{
+    return _mm256_fmsub_pd(a, b, c);
+}
 MLRT_INLINE vd d_div(vd a, vd b)
 {
     return _mm256_div_pd(a, b);

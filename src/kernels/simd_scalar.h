@@ -8,7 +8,8 @@
  *   v_mul_add is a b + c and v_mul_sub a b - c, with one rounding or two: only what has bounds for both may use them.
  *   v_hmin is the least lane of a vector, v_hmax the greatest, and v_hmin4 the least of each of four.
  *   KEEP_LANES_LOOP before a loop over the lanes of a packet or a node: not worth its size cut up into vectors.
- *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is.
+ *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is. d_mul_add
+ * and d_mul_sub round once or twice, like v_mul_add.
  *   v_triples, for vectors of eight lanes or more: those of two rows of a block or of all four. They begin at p and are
  * `step` floats apart; by axis, in the order of a packet's lanes (packet.h). Of a row, four triples are read. i_pairs
  * likewise, for pairs of integers.
@@ -223,6 +224,14 @@ MLRT_INLINE vd d_sub(vd a, vd b)
 MLRT_INLINE vd d_mul(vd a, vd b)
 {
     return a * b;
+}
+MLRT_INLINE vd d_mul_add(vd a, vd b, vd c)
+{
+    return d_add(d_mul(a, b), c);
+}
+MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c)
+{
+    return d_sub(d_mul(a, b), c);
 }
 MLRT_INLINE vd d_div(vd a, vd b)
 {

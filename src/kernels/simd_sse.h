@@ -202,6 +202,14 @@ MLRT_INLINE vd d_mul(vd a, vd b)
 {
     return _mm_mul_pd(a, b);
 }
+MLRT_INLINE vd d_mul_add(vd a, vd b, vd c)
+{
+    return d_add(d_mul(a, b), c);
+}
+MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c)
+{
+    return d_sub(d_mul(a, b), c);
+}
 MLRT_INLINE vd d_div(vd a, vd b)
 {
     return _mm_div_pd(a, b);
