@@ -204,7 +204,9 @@ int main(int argc, char **argv)
     const struct option options[] = {
         {OPTION_HEADING, NULL, NULL, NULL, "What:", 0, 0},
         {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...",
-         "scenes (default: room,office,building,scan,sphere)\nalso scan:N and sphere:N, of about N triangles", 0, 0},
+         "scenes (default: room,office,building,scan,sphere)\nalso doubled, and scan:N and sphere:N, of about N "
+         "triangles",
+         0, 0},
         {OPTION_TEXT, "--views", &settings.views, "FILE.json", "views of scenes that are files", 0, 0},
         {OPTION_TEXT, "--view", &settings.view, "FILE.json:SCENE/VIEW", "one view for all scenes", 0, 0},
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
