@@ -138,7 +138,7 @@ static void print_head(const struct arena *arena, uint32_t size)
     printf("\n%s: %zu triangles, %lu x %lu pixels, tree built in %.2f s\n", arena->subject.name,
            arena->subject.scene.triangle_count, (unsigned long)size, (unsigned long)size, arena->build_seconds);
     printf("%-10s %-10s %-7s %3s %8s", "kind", "method", "isa", "thr", "Mray/s");
-    if (have_peer()) {
+    if (arena->robust) {
         printf(" %8s %-3s %8s %-3s %7s %7s %9s %9s", "E. fast", "by", "E.robust", "by", "/ fast", "/robust", "differ",
                "fast diff");
     }
