@@ -271,7 +271,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
          "methods)",
          0, 0},
         {OPTION_LIST, "--scene", &s->scenes, "NAME|FILE,...",
-         "room, office, building, scan, scan:N (about N triangles), sphere (20,480), or\nmesh files (default: "
+         "room, office, building, doubled, scan, scan:N (about N triangles), sphere (20,480), or\nmesh files (default: "
          "room,office,building,scan,sphere)",
          0, 0},
         {OPTION_TEXT, "--views", &s->views, "FILE.json[:SCENE/VIEW]",

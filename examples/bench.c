@@ -5,6 +5,7 @@
  *     bench                                          procedural scenes, all kinds of rays
  *     bench --scene FILE,... --views cameras.json    mesh files from the first views that the file has for them
  *     bench --threads 2                              one thread and two, and what a loop of integers gains by two
+ *     bench --against OLD.so --alone                 beside another build of the library
  *     bench --study build                            seconds and bytes per triangle
  *
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
@@ -48,7 +49,7 @@ static void print_csv_lines(const struct contest *contest)
         const struct contender *c = &contest->contenders[i];
         if (c->who != LIBRARY || c->unsupported) continue;
         print_csv_line(contest, c);
-        putchar('\n');
+        end_csv_line(contest, c);
     }
     fflush(stdout);
 }
@@ -76,6 +77,15 @@ static void print_gains(const struct contest *contest, const struct contender *c
     if (spin[0] && spin[1]) printf("%s integers x%.2f)", fast[0] ? "," : " (", ratio_of(spin[1]->mrays, spin[0]));
 }
 
+static void print_old(const struct contest *contest, const struct contender *contender)
+{
+    const struct contender *old = find_old(contest, contender);
+    if (!old || old->unsupported)
+        printf(" %8s %7s %9s", "unsupp.", "", "");
+    else
+        printf(" %8.2f %7.2f %9zu", old->mrays, ratio_of(contender->mrays, old), old->different);
+}
+
 static void print_row(const struct contest *contest, const struct contender *contender)
 {
     const struct contender *fast = find_contender(contest, PEER_FAST, contender->threads);
@@ -93,6 +103,7 @@ static void print_row(const struct contest *contest, const struct contender *con
                peer_variant_name(contest->task->kind, robust->variant), ratio_of(contender->mrays, fast),
                ratio_of(contender->mrays, robust), contender->different, fast->different);
     }
+    if (contest->old) print_old(contest, contender);
     if (contender->threads > 1) print_gains(contest, contender);
     putchar('\n');
     fflush(stdout);
@@ -122,15 +133,16 @@ static void print_difference(const struct contest *lit, const struct contest *fr
     (csv ? print_csv_lines : print_table)(&difference);
 }
 
-static void print_head(const struct subject *subject, uint32_t size, double build_seconds)
+static void print_head(const struct arena *arena, uint32_t size)
 {
-    printf("\n%s: %zu triangles, %lu x %lu pixels, tree built in %.2f s\n", subject->name,
-           subject->scene.triangle_count, (unsigned long)size, (unsigned long)size, build_seconds);
+    printf("\n%s: %zu triangles, %lu x %lu pixels, tree built in %.2f s\n", arena->subject.name,
+           arena->subject.scene.triangle_count, (unsigned long)size, (unsigned long)size, arena->build_seconds);
     printf("%-10s %-10s %-7s %3s %8s", "kind", "method", "isa", "thr", "Mray/s");
-    if (have_peer()) {
+    if (arena->robust) {
         printf(" %8s %-3s %8s %-3s %7s %7s %9s %9s", "E. fast", "by", "E.robust", "by", "/ fast", "/robust", "differ",
                "fast diff");
     }
+    if (arena->old) printf(" %8s %7s %9s", "old", "/ old", "old diff");
     putchar('\n');
 }
 
@@ -142,7 +154,7 @@ static int bench_scene(const struct bench_settings *settings, const char *word)
     struct arena arena;
     struct contest contest, frame = {.count = 0};
     int failed = open_arena(settings, word, &arena) || set_size(&arena.subject, settings->size);
-    if (!failed && arena.tree && !settings->csv) print_head(&arena.subject, settings->size, arena.build_seconds);
+    if (!failed && arena.tree && !settings->csv) print_head(&arena, settings->size);
     for (int kind = 0; kind < KIND_COUNT && arena.tree && !failed; kind++) {
         if (!(settings->kinds & 1u << kind)) continue;
         struct task task;
@@ -158,7 +170,10 @@ static int bench_scene(const struct bench_settings *settings, const char *word)
 
 static int bench_scenes(const struct bench_settings *settings)
 {
-    if (settings->csv) puts("scene,kind,method,isa,threads,mrays,embree_fast_mrays,embree_robust_mrays");
+    if (settings->csv) {
+        fputs("scene,kind,method,isa,threads,mrays,embree_fast_mrays,embree_robust_mrays", stdout);
+        end_csv_head(settings);
+    }
     if (!settings->csv && !have_peer()) puts("Embree 3 is not installed (make deps-study): the library alone");
     int failed = 0;
     for (size_t i = 0; i < settings->scenes.count; i++) failed |= bench_scene(settings, settings->scenes.words[i]);
@@ -204,7 +219,9 @@ int main(int argc, char **argv)
     const struct option options[] = {
         {OPTION_HEADING, NULL, NULL, NULL, "What:", 0, 0},
         {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...",
-         "scenes (default: room,office,building,scan,sphere)\nalso scan:N and sphere:N, of about N triangles", 0, 0},
+         "scenes (default: room,office,building,scan,sphere)\nalso doubled, and scan:N and sphere:N, of about N "
+         "triangles",
+         0, 0},
         {OPTION_TEXT, "--views", &settings.views, "FILE.json", "views of scenes that are files", 0, 0},
         {OPTION_TEXT, "--view", &settings.view, "FILE.json:SCENE/VIEW", "one view for all scenes", 0, 0},
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
@@ -227,6 +244,8 @@ int main(int argc, char **argv)
         {OPTION_COUNT, "--threads", &settings.threads, "N", "threads; more than 1: one as well (default: 1)", 1, 256},
         {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11; of building 3)", 1, MAXIMUM_RUNS},
         {OPTION_FLAG, "--alone", &settings.alone, NULL, "without Embree", 0, 0},
+        {OPTION_TEXT, "--against", &settings.against, "FILE.so",
+         "another build of the library, older, say: it takes part as well", 0, 0},
         {OPTION_FLAG, "--paced", &settings.paced, NULL,
          "for programs: each run says \"turn KIND\", waits for a line on\nstandard input, and says how many seconds it "
          "took",
@@ -238,5 +257,10 @@ int main(int argc, char **argv)
                        &exit_code))
         return exit_code;
     if (complete_settings(&settings, kind_words)) return 2;
-    return settings.study == STUDY_NONE ? bench_scenes(&settings) : run_study(&settings);
+    struct library old;
+    if (settings.against && load_library(settings.against, &old)) return 1;
+    settings.old = settings.against ? &old : NULL;
+    const int failed = settings.study == STUDY_NONE ? bench_scenes(&settings) : run_study(&settings);
+    if (settings.old) close_library(&old);
+    return failed;
 }

@@ -81,7 +81,7 @@ int main(int argc, char **argv)
     uint32_t threads = 1, cancel_count = 0;
     const struct option options[] = {
         {OPTION_TEXT, "--scene", &scene, "NAME|FILE",
-         "room, office, building, scan, scan:N (about N triangles), or a mesh file:\nPLY, OBJ, STL, glTF, ... "
+         "room, office, building, doubled, scan, scan:N (about N triangles), or a mesh file:\nPLY, OBJ, STL, glTF, ... "
          "(default: office)",
          0, 0},
         TREE_OPTIONS(build),

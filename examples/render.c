@@ -42,7 +42,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
     const struct option options[] = {
         {OPTION_HEADING, 0, 0, 0, "What to see:", 0, 0},
         {OPTION_TEXT, "--scene", &s->scene, "NAME|FILE",
-         "room, office, building, scan, scan:N (about N triangles), or a mesh file:\nPLY, OBJ, STL, glTF, ... "
+         "room, office, building, doubled, scan, scan:N (about N triangles), or a mesh file:\nPLY, OBJ, STL, glTF, ... "
          "(default: office)",
          0, 0},
         {OPTION_TEXT, "--view", &s->view, "FILE.json:SCENE/VIEW", "a view from a file, instead of the scene's own", 0,

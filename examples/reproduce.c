@@ -1122,7 +1122,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
     static const struct word_list procedural = {4, {"room", "office", "building", "scan"}};
     const struct option options[] = {
         {OPTION_LIST, "--scene", &s->scenes, "NAME|FILE,...",
-         "room, office, building, scan, scan:N (about N triangles), or mesh files\n(default: "
+         "room, office, building, doubled, scan, scan:N (about N triangles), or mesh files\n(default: "
          "room,office,building,scan)",
          0, 0},
         {OPTION_TEXT, "--views", &s->views, "FILE.json", "views of mesh files: view1 of the scene named like the file",

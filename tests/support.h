@@ -74,7 +74,7 @@ struct fixture make_fixture_with(const char *name, uint64_t seed, const mlrt_mes
                                  const mlrt_build_options *options);
 /* Of one soup, which it frees. */
 struct fixture fixture_of_soup(const char *name, uint64_t seed, struct soup *soup);
-/* Of a procedural scene of the examples: room, office, building, scan:N. */
+/* Of a procedural scene of the examples: room, office, building, doubled, scan:N. */
 struct fixture fixture_of_example(const char *scene_name);
 void free_fixture(struct fixture *fixture);
 

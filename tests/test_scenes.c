@@ -219,6 +219,56 @@ static void room(void **state)
     check_scene("room", 2000, scaled(3000));
 }
 
+static void doubled(void **state)
+{
+    (void)state;
+    check_scene("doubled", 1000, scaled(1000));
+}
+
+/* What a ray hits, and what it hits if it passes that. */
+static void hit_twice(const mlrt_tree *tree, const mlrt_camera *camera, uint32_t pixel, mlrt_hit hits[2])
+{
+    mlrt_ray ray = {.struct_size = sizeof ray};
+    memcpy(ray.origin, camera->eye, sizeof ray.origin);
+    reference_pixel_vector(camera->d00, camera->dx, camera->dy, pixel % SIDE, pixel / SIDE, camera->sample_x,
+                           camera->sample_y, ray.direction);
+    for (int i = 0; i < 2; i++) {
+        hits[i] = (mlrt_hit){.struct_size = sizeof hits[i]};
+        assert_int_equal(mlrt_trace_ray(tree, &ray, NULL, &hits[i]), MLRT_OK);
+        ray.flags = MLRT_RAY_SKIP;
+        ray.skip_mesh = hits[0].mesh, ray.skip_triangle = hits[0].triangle;
+    }
+}
+
+/* Of most that a view sees there are two copies; some lie in the very same plane, others not. */
+static void doubled_surfaces_are_there_twice(void **state)
+{
+    (void)state;
+    enum { STEP = 677, COUNT = SIDE * SIDE / STEP };
+    const float close = 1e-5f; /* of the distance: a few floats of the coordinates, seen at a slant */
+    int same = 0, near = 0;
+    struct scene scene;
+    mlrt_camera camera;
+    mlrt_tree *tree;
+    assert_int_equal(load_scene("doubled", &scene) || camera_of_view(&scene.view, SIDE, SIDE, &camera), 0);
+    const mlrt_mesh mesh = {.struct_size = sizeof mesh,
+                            .vertices = scene.vertices,
+                            .vertex_count = scene.vertex_count,
+                            .indices = scene.indices,
+                            .triangle_count = scene.triangle_count};
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        mlrt_hit hits[2];
+        hit_twice(tree, &camera, i * STEP, hits);
+        same += hits[0].t == hits[1].t;
+        near += hits[0].t != hits[1].t && hits[1].t - hits[0].t <= close * hits[0].t;
+    }
+    mlrt_destroy_tree(tree);
+    free_scene(&scene);
+    assert_true(same + near > COUNT * 3 / 4);
+    assert_true(same > COUNT / 20 && near > COUNT / 4);
+}
+
 static void scan(void **state)
 {
     (void)state;
@@ -242,6 +292,7 @@ static int run_on_file(const char *ray_text, const char *name, const char *view)
 int main(int argc, char **argv)
 {
     if (argc >= 3) return run_on_file(argv[1], argv[2], argc > 3 ? argv[3] : NULL);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(room), cmocka_unit_test(scan)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(room), cmocka_unit_test(doubled),
+                                       cmocka_unit_test(doubled_surfaces_are_there_twice), cmocka_unit_test(scan)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,17 +11,18 @@ const char *const method_names[6] = {"default", "ray", "packet2", "packet4", "mu
 const char *const isa_names[5] = {"auto", "scalar", "sse", "avx2", "avx512"};
 
 // Whether a tree has what was asked for shows in which methods it can do.
-static int has_structure(const mlrt_tree *tree, uint32_t structures)
+static int has_structure(const struct library *library, const mlrt_tree *tree, uint32_t structures)
 {
     const mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
     mlrt_hit hit = {.struct_size = sizeof hit};
     mlrt_trace_options tile = {.struct_size = sizeof tile, .method = MLRT_METHOD_TILE};
     mlrt_trace_options packet = {.struct_size = sizeof packet, .method = MLRT_METHOD_PACKET4};
-    if (structures & MLRT_STRUCTURE_BVH && mlrt_trace_ray(tree, &ray, &tile, &hit) != MLRT_OK) return 0;
-    return !(structures & MLRT_STRUCTURE_KDTREE) || mlrt_trace_ray(tree, &ray, &packet, &hit) == MLRT_OK;
+    if (structures & MLRT_STRUCTURE_BVH && library->trace_ray(tree, &ray, &tile, &hit) != MLRT_OK) return 0;
+    return !(structures & MLRT_STRUCTURE_KDTREE) || library->trace_ray(tree, &ray, &packet, &hit) == MLRT_OK;
 }
 
-int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options, mlrt_tree **tree, double *seconds)
+int32_t build_mlrt(const struct library *library, const struct scene *scene, const mlrt_build_options *options,
+                   mlrt_tree **tree, double *seconds)
 {
     const mlrt_mesh mesh = {.struct_size = sizeof mesh,
                             .vertices = scene->vertices,
@@ -29,10 +30,10 @@ int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options,
                             .indices = scene->indices,
                             .triangle_count = scene->triangle_count};
     const double start = seconds_now();
-    const int32_t status = mlrt_build_kdtree(&mesh, 1, options, tree);
+    const int32_t status = library->build_kdtree(&mesh, 1, options, tree);
     *seconds = seconds_now() - start;
-    if (status != MLRT_OK || has_structure(*tree, options->structures)) return status;
-    mlrt_destroy_tree(*tree);
+    if (status != MLRT_OK || has_structure(library, *tree, options->structures)) return status;
+    library->destroy_tree(*tree);
     *tree = NULL;
     return MLRT_ERROR_UNSUPPORTED;
 }
@@ -43,11 +44,27 @@ static int build_own_tree(const struct bench_settings *settings, struct arena *a
                                         .preset = settings->preset,
                                         .pool = arena->pool,
                                         .structures = (uint32_t)settings->structure};
-    const int32_t status = build_mlrt(&arena->subject.scene, &options, &arena->tree, &arena->build_seconds);
+    const int32_t status =
+        build_mlrt(&this_library, &arena->subject.scene, &options, &arena->tree, &arena->build_seconds);
     if (status == MLRT_OK) return 0;
     fprintf(stderr, "%s: the tree: %s\n", arena->subject.name,
             status == MLRT_ERROR_UNSUPPORTED ? "unsupported by this library" : mlrt_status_string(status));
     return status != MLRT_ERROR_UNSUPPORTED;
+}
+
+// The old library's tree, unless it cannot build what was asked for.
+static int build_old_tree(const struct bench_settings *settings, struct arena *arena)
+{
+    const mlrt_build_options options = {.struct_size = sizeof options,
+                                        .preset = settings->preset,
+                                        .pool = arena->old_pool,
+                                        .structures = (uint32_t)settings->structure};
+    double seconds;
+    if (!arena->old || !arena->tree) return 0;
+    const int32_t status = build_mlrt(arena->old, &arena->subject.scene, &options, &arena->old_tree, &seconds);
+    if (status == MLRT_OK) return 0;
+    fprintf(stderr, "%s: the old library's tree: %s\n", arena->subject.name, mlrt_status_string(status));
+    return status == MLRT_ERROR_OUT_OF_MEMORY;
 }
 
 static int build_peers(const struct bench_settings *settings, struct arena *arena)
@@ -62,13 +79,15 @@ static int build_peers(const struct bench_settings *settings, struct arena *aren
 int open_arena(const struct bench_settings *settings, const char *word, struct arena *arena)
 {
     memset(arena, 0, sizeof *arena);
+    arena->old = settings->old;
     if (settings->threads > 1) {
         if (mlrt_create_pool(settings->threads, &arena->pool) != MLRT_OK) return 1;
+        if (arena->old && arena->old->create_pool(settings->threads, &arena->old_pool) != MLRT_OK) return 1;
         arena->crew = create_crew(settings->threads);
         if (!arena->crew) return 1;
     }
     return load_subject(word, settings->views, settings->view, &arena->subject) || build_own_tree(settings, arena) ||
-           build_peers(settings, arena);
+           build_old_tree(settings, arena) || build_peers(settings, arena);
 }
 
 void close_arena(struct arena *arena)
@@ -77,6 +96,7 @@ void close_arena(struct arena *arena)
     destroy_peer(arena->fast);
     destroy_peer(arena->robust);
     mlrt_destroy_pool(arena->pool);
+    if (arena->old) arena->old->destroy_tree(arena->old_tree), arena->old->destroy_pool(arena->old_pool);
     destroy_crew(arena->crew);
     free_subject(&arena->subject);
 }
@@ -87,7 +107,11 @@ static void add_contender(const struct bench_settings *settings, enum who who, i
 {
     for (int all = 0; all <= (settings->threads > 1) && contest->count < MAXIMUM_CONTENDERS; all++) {
         contest->contenders[contest->count++] =
-            (struct contender){.who = who, .method = method, .isa = isa, .threads = all ? settings->threads : 1};
+            (struct contender){.who = who,
+                               .method = method,
+                               .isa = isa,
+                               .threads = all ? settings->threads : 1,
+                               .unsupported = who == OLD_LIBRARY && !contest->old_tree};
     }
 }
 
@@ -96,6 +120,9 @@ int start_contest(const struct bench_settings *settings, const struct arena *are
 {
     *contest = (struct contest){.task = task,
                                 .tree = arena->tree,
+                                .old = arena->old,
+                                .old_tree = arena->old_tree,
+                                .old_pool = arena->old_pool,
                                 .fast = arena->fast,
                                 .robust = arena->robust,
                                 .pool = arena->pool,
@@ -106,6 +133,7 @@ int start_contest(const struct bench_settings *settings, const struct arena *are
         const int32_t method = i / 5, isa = i % 5;
         if (!(settings->methods & 1u << method) || !(settings->isas & 1u << isa)) continue;
         add_contender(settings, LIBRARY, method, isa, contest);
+        if (contest->old) add_contender(settings, OLD_LIBRARY, method, isa, contest);
     }
     if (arena->robust) {
         add_contender(settings, PEER_FAST, 0, 0, contest);
@@ -126,4 +154,15 @@ void print_csv_line(const struct contest *contest, const struct contender *conte
            method_names[contender->method], isa_names[contender->isa], (unsigned)contender->threads, contender->mrays,
            mrays_of(find_contender(contest, PEER_FAST, contender->threads)),
            mrays_of(find_contender(contest, PEER_ROBUST, contender->threads)));
+}
+
+void end_csv_line(const struct contest *contest, const struct contender *contender)
+{
+    if (contest->old) printf(",%.3f", mrays_of(find_old(contest, contender)));
+    putchar('\n');
+}
+
+void end_csv_head(const struct bench_settings *settings)
+{
+    puts(settings->old ? ",old_mrays" : "");
 }

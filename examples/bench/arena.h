@@ -10,13 +10,14 @@ enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD };
 
 struct bench_settings {
     struct word_list scenes, default_scenes;
-    const char *views, *view;
+    const char *views, *view, *against;
     uint32_t size, threads, runs;
     uint32_t kinds, methods, isas; /* a bit for each */
     int32_t structure, preset, study;
     int csv;
-    int alone; /* without Embree */
-    int paced; /* contest.h */
+    int alone;                 /* without Embree */
+    int paced;                 /* contest.h */
+    const struct library *old; /* what `against` names, or NULL */
 };
 
 extern const char *const method_names[6], *const isa_names[5];
@@ -27,6 +28,9 @@ struct arena {
     double build_seconds;
     mlrt_pool *pool;
     struct crew *crew;
+    const struct library *old; /* NULL = there is none */
+    mlrt_tree *old_tree;       /* NULL = it cannot build what was asked for */
+    mlrt_pool *old_pool;
     struct peer *fast, *robust;
 };
 
@@ -35,7 +39,8 @@ int open_arena(const struct bench_settings *settings, const char *word, struct a
 void close_arena(struct arena *arena);
 
 /* Builds a tree, or returns MLRT_ERROR_UNSUPPORTED where it lacks a structure that was asked for. */
-int32_t build_mlrt(const struct scene *scene, const mlrt_build_options *options, mlrt_tree **tree, double *seconds);
+int32_t build_mlrt(const struct library *library, const struct scene *scene, const mlrt_build_options *options,
+                   mlrt_tree **tree, double *seconds);
 
 /* Prepares a task of the arena's scene and everybody who takes part. Returns 0 or 1; free the task either way. */
 int start_contest(const struct bench_settings *settings, const struct arena *arena, enum kind kind, struct task *task,
@@ -43,5 +48,9 @@ int start_contest(const struct bench_settings *settings, const struct arena *are
 
 /* scene,kind,method,isa,threads,mrays,embree_fast_mrays,embree_robust_mrays, without an end of line */
 void print_csv_line(const struct contest *contest, const struct contender *contender);
+
+/* Ends a line: with the old library ,old_mrays goes before (0 = it cannot do this). Likewise the head of the table. */
+void end_csv_line(const struct contest *contest, const struct contender *contender);
+void end_csv_head(const struct bench_settings *settings);
 
 #endif

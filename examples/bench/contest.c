@@ -36,7 +36,9 @@ static mlrt_trace_options options_of(const struct contest *contest, const struct
     return (mlrt_trace_options){.struct_size = sizeof(mlrt_trace_options),
                                 .method = contender->method,
                                 .isa = contender->isa,
-                                .pool = contender->threads > 1 ? contest->pool : NULL};
+                                .pool = contender->threads == 1         ? NULL
+                                        : contender->who == OLD_LIBRARY ? contest->old_pool
+                                                                        : contest->pool};
 }
 
 static int32_t run_once(const struct contest *contest, const struct contender *contender, const struct task *task,
@@ -44,7 +46,8 @@ static int32_t run_once(const struct contest *contest, const struct contender *c
 {
     struct crew *crew = contender->threads > 1 ? contest->crew : NULL;
     const mlrt_trace_options options = options_of(contest, contender);
-    if (contender->who == LIBRARY) return run_library(contest->tree, &options, task, answers);
+    if (contender->who == LIBRARY) return run_library(&this_library, contest->tree, &options, task, answers);
+    if (contender->who == OLD_LIBRARY) return run_library(contest->old, contest->old_tree, &options, task, answers);
     if (contender->who == SPIN_LOOP)
         run_crew(crew, SPIN_ITEMS, spin, NULL);
     else
@@ -223,7 +226,7 @@ static int32_t ask_other_method(const struct contest *contest, int32_t method, s
                                         .method = method == MLRT_METHOD_RAY ? MLRT_METHOD_DEFAULT : MLRT_METHOD_RAY};
     if (kind == LIT) return ask_pixels(contest, &options, sample);
     if (is_yes_or_no(kind)) answers = (struct answers){.occluded = sample->occluded};
-    return run_library(contest->tree, &options, &task, &answers);
+    return run_library(&this_library, contest->tree, &options, &task, &answers);
 }
 
 static int sample_differs(const struct sample *sample, const struct answers *answers, size_t i)
@@ -268,6 +271,53 @@ static int check_library(const struct contest *contest, struct contender *conten
     return 1;
 }
 
+static size_t count_other_bits(const struct task *task, const struct answers *a, const struct answers *b)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < task->element_count; i++) {
+        count += (a->occluded && a->occluded[i] != b->occluded[i]) ||
+                 (a->triangles && a->triangles[i] != b->triangles[i]) || (a->mesh && a->mesh[i] != b->mesh[i]) ||
+                 (a->rgba && a->rgba[i] != b->rgba[i]) || (a->t && memcmp(&a->t[i], &b->t[i], sizeof *a->t) != 0) ||
+                 (a->u && memcmp(&a->u[i], &b->u[i], sizeof *a->u) != 0) ||
+                 (a->v && memcmp(&a->v[i], &b->v[i], sizeof *a->v) != 0);
+    }
+    return count;
+}
+
+// No answer that there can be, so that what is not written shows.
+static void spoil_answers(const struct task *task, const struct answers *answers)
+{
+    const size_t n = task->element_count;
+    if (answers->occluded) memset(answers->occluded, 0xA5, n);
+    if (answers->triangles) memset(answers->triangles, 0xA5, n * sizeof *answers->triangles);
+    if (answers->mesh) memset(answers->mesh, 0xA5, n * sizeof *answers->mesh);
+    if (answers->t) memset(answers->t, 0xA5, n * sizeof *answers->t);
+    if (answers->u) memset(answers->u, 0xA5, n * sizeof *answers->u);
+    if (answers->v) memset(answers->v, 0xA5, n * sizeof *answers->v);
+    if (answers->rgba) memset(answers->rgba, 0xA5, n * sizeof *answers->rgba);
+}
+
+// Whatever status but MLRT_OK the old library has for it: it cannot do this.
+static int check_old(const struct contest *contest, struct contender *contender, const struct answers *answers)
+{
+    struct answers ours;
+    struct contender library = *contender;
+    library.who = LIBRARY;
+    spoil_answers(contest->task, answers);
+    contender->unsupported = contender->unsupported || answer(contest, contender, answers) != MLRT_OK;
+    if (contender->unsupported) return 0;
+    int failed = make_answers(contest->task, &ours);
+    if (!failed && answer(contest, &library, &ours) == MLRT_OK) {
+        contender->different = count_other_bits(contest->task, answers, &ours);
+        if (contender->different) {
+            fprintf(stderr, "%s, %s: %zu answers of the old library are not those of this one\n",
+                    contest->task->subject->name, kind_names[contest->task->kind], contender->different);
+        }
+    }
+    free_answers(&ours);
+    return failed;
+}
+
 static int answer_of(struct contest *contest, enum who who, struct answers *answers)
 {
     const struct contender *contender = find_contender(contest, who, 1);
@@ -280,6 +330,7 @@ static int check_contender(struct contest *contest, struct contender *contender,
                            struct answers *answers)
 {
     if (contender->who == PEER_FAST) contender->different = count_differences(contest->task, &peers[0], &peers[1]);
+    if (contender->who == OLD_LIBRARY) return check_old(contest, contender, answers);
     if (contender->who != LIBRARY) return 0;
     if (check_library(contest, contender, answers)) return 1;
     if (!contest->robust || contender->unsupported) return 0;
@@ -313,6 +364,17 @@ const struct contender *find_contender(const struct contest *contest, enum who w
     return NULL;
 }
 
+const struct contender *find_old(const struct contest *contest, const struct contender *contender)
+{
+    for (size_t i = 0; i < contest->count; i++) {
+        const struct contender *c = &contest->contenders[i];
+        if (c->who == OLD_LIBRARY && c->method == contender->method && c->isa == contender->isa &&
+            c->threads == contender->threads)
+            return c;
+    }
+    return NULL;
+}
+
 static void choose_variants(struct contest *contest, const struct answers *answers)
 {
     for (size_t i = 0; i < contest->count; i++) {
@@ -341,10 +403,20 @@ static double time_paced(const struct contest *contest, const struct contender *
     return seconds;
 }
 
+// Whose turn it is. In every second run the library and the old one change places: what ran before shows in the caches.
+static size_t turn_of(const struct contest *contest, uint32_t run, size_t place)
+{
+    const struct contender *contender = &contest->contenders[place];
+    const size_t distance = contest->crew ? 2 : 1; // with more threads there are two contenders of each
+    if (!contest->old || run % 2 == 0) return place;
+    return contender->who == LIBRARY ? place + distance : contender->who == OLD_LIBRARY ? place - distance : place;
+}
+
 static void take_turns(struct contest *contest, const struct answers *answers, double *seconds)
 {
     for (uint32_t run = 0; run < contest->runs; run++) {
-        for (size_t i = 0; i < contest->count; i++) {
+        for (size_t place = 0; place < contest->count; place++) {
+            const size_t i = turn_of(contest, run, place);
             if (contest->contenders[i].unsupported) continue;
             seconds[i * contest->runs + run] =
                 (contest->paced ? time_paced : time_once)(contest, &contest->contenders[i], answers);

@@ -5,30 +5,36 @@
  * A contender's speed is that of its median run; a run of each follows a run of every other, so that a machine that
  * slows down does so for all. Where all take one thread, its processor time counts, otherwise the time that passes.
  * Before the turns everyone answers once: the library's answers must be, for a sample of the rays, those of another of
- * its methods, and pictures must look alike.
+ * its methods, and pictures must look alike. Another build of the library, older, say, traces a tree of its own; it and
+ * the library go first by turns. Answers that are not the library's are counted, and reported.
  */
 #ifndef CONTEST_H
 #define CONTEST_H
 
+#include "library.h"
 #include "peer.h"
 
-enum { MAXIMUM_CONTENDERS = 64, MAXIMUM_RUNS = 101 };
+enum { MAXIMUM_CONTENDERS = 128, MAXIMUM_RUNS = 101 };
 
-enum who { LIBRARY, PEER_FAST, PEER_ROBUST, SPIN_LOOP, WHO_COUNT };
+enum who { LIBRARY, OLD_LIBRARY, PEER_FAST, PEER_ROBUST, SPIN_LOOP, WHO_COUNT };
 
 struct contender {
     enum who who;
-    int32_t method, isa; /* of the library */
+    int32_t method, isa; /* of the library, or the old one */
     uint32_t threads;    /* 1, or those of pool and crew */
     int unsupported;     /* 1 = this library cannot do this: not measured */
     int variant;         /* of the peer, the fastest */
     double mrays;        /* millions of rays per second; of the spin loop, of steps */
-    size_t different;    /* answers that are not those of the robust peer: the library's, or the fast peer's */
+    size_t different;    /* answers that are not those of the robust peer: the library's, or the fast peer's. Of the old
+                            library: that are not the library's, by the same method and instruction set */
 };
 
 struct contest {
     const struct task *task;
     const mlrt_tree *tree;
+    const struct library *old; /* another build of the library; NULL = it does not take part */
+    const mlrt_tree *old_tree;
+    mlrt_pool *old_pool;
     const struct peer *fast, *robust; /* NULL = they do not take part */
     mlrt_pool *pool;
     struct crew *crew; /* of as many threads as the pool */
@@ -42,11 +48,10 @@ struct contest {
 /* Returns 0, or 1 after saying on stderr what is wrong: an answer, say. */
 int hold_contest(struct contest *contest);
 
+/* The old library's contender for one of the library's, or NULL. */
+const struct contender *find_old(const struct contest *contest, const struct contender *contender);
+
 /* The first contender of this kind and number of threads, or NULL. */
 const struct contender *find_contender(const struct contest *contest, enum who who, uint32_t threads);
-
-/* By the library: its status. */
-int32_t run_library(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
-                    const struct answers *answers);
 
 #endif

@@ -1,16 +1,65 @@
 /* SPDX-License-Identifier: MIT */
-/* library.c - tasks done by the library: see contest.h */
-#include "contest.h"
+/* library.c - tasks done by a build of the library: see library.h */
+#include "library.h"
 
+#include <dlfcn.h>
+#include <stdio.h>
 #include <string.h>
+
+/* ---- builds -------------------------------------------------------------------------------------------------------
+ */
+
+const struct library this_library = {
+    NULL,           mlrt_create_pool,  mlrt_destroy_pool, mlrt_build_kdtree,   mlrt_destroy_tree,
+    mlrt_trace_ray, mlrt_trace_packet, mlrt_render_tiles, mlrt_occluded_points};
+
+// A cast from void * to a function pointer is POSIX's, not C's: copying the bits says the same.
+static int find_function(void *handle, const char *name, void *function)
+{
+    void *symbol = dlsym(handle, name);
+    if (!symbol) fprintf(stderr, "%s\n", dlerror());
+    memcpy(function, &symbol, sizeof symbol);
+    return !symbol;
+}
+
+int load_library(const char *path, struct library *library)
+{
+    char in_folder[4096]; // a name without a folder would be looked for where the system has its libraries
+    snprintf(in_folder, sizeof in_folder, "%s%s", strchr(path, '/') ? "" : "./", path);
+    memset(library, 0, sizeof *library);
+    library->handle = dlopen(in_folder, RTLD_NOW | RTLD_LOCAL);
+    if (!library->handle) {
+        fprintf(stderr, "%s\n", dlerror());
+        return 1;
+    }
+    int failed = find_function(library->handle, "mlrt_create_pool", &library->create_pool);
+    failed |= find_function(library->handle, "mlrt_destroy_pool", &library->destroy_pool);
+    failed |= find_function(library->handle, "mlrt_build_kdtree", &library->build_kdtree);
+    failed |= find_function(library->handle, "mlrt_destroy_tree", &library->destroy_tree);
+    failed |= find_function(library->handle, "mlrt_trace_ray", &library->trace_ray);
+    failed |= find_function(library->handle, "mlrt_trace_packet", &library->trace_packet);
+    failed |= find_function(library->handle, "mlrt_render_tiles", &library->render_tiles);
+    failed |= find_function(library->handle, "mlrt_occluded_points", &library->occluded_points);
+    if (failed) close_library(library);
+    return failed;
+}
+
+void close_library(struct library *library)
+{
+    if (library->handle) dlclose(library->handle);
+    memset(library, 0, sizeof *library);
+}
+
+/* ---- tasks --------------------------------------------------------------------------------------------------------
+ */
 
 struct copy_job {
     const struct answers *answers;
     uint32_t pitch;
 };
 
-static int32_t render_frame(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
-                            const struct answers *answers)
+static int32_t render_frame(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
+                            const struct task *task, const struct answers *answers)
 {
     struct shade_job job = {.camera = &task->subject->camera,
                             .normals = task->subject->normals,
@@ -18,7 +67,7 @@ static int32_t render_frame(const mlrt_tree *tree, const mlrt_trace_options *opt
                             .rgba = answers->rgba};
     mlrt_trace_options with_outputs = *options;
     with_outputs.outputs = MLRT_OUTPUT_TRIANGLE;
-    return mlrt_render_tiles(tree, job.camera, &with_outputs, NULL, shade_tile_of_ids, &job);
+    return library->render_tiles(tree, job.camera, &with_outputs, NULL, shade_tile_of_ids, &job);
 }
 
 // For MLRT_OUTPUT_TRIANGLE and MLRT_OUTPUT_OCCLUDED: what a lit tile would be shaded by.
@@ -34,8 +83,8 @@ static int32_t copy_tile(void *user, const mlrt_tile *tile)
 }
 
 // The shaded picture, or without one what it would be shaded by: asked for in the same way.
-static int32_t render_lit_frame(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
-                                const struct answers *answers)
+static int32_t render_lit_frame(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
+                                const struct task *task, const struct answers *answers)
 {
     const mlrt_light light = light_of(task->subject);
     struct shade_job job = {.camera = &task->subject->camera,
@@ -47,19 +96,19 @@ static int32_t render_lit_frame(const mlrt_tree *tree, const mlrt_trace_options 
     with_light.lights = &light;
     with_light.light_count = 1;
     with_light.outputs = MLRT_OUTPUT_TRIANGLE | MLRT_OUTPUT_OCCLUDED;
-    if (!job.rgba) return mlrt_render_tiles(tree, job.camera, &with_light, NULL, copy_tile, &copy);
-    return mlrt_render_tiles(tree, job.camera, &with_light, NULL, shade_lit_tile, &job);
+    if (!job.rgba) return library->render_tiles(tree, job.camera, &with_light, NULL, copy_tile, &copy);
+    return library->render_tiles(tree, job.camera, &with_light, NULL, shade_lit_tile, &job);
 }
 
-static int32_t trace_primary(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
-                             const struct answers *answers)
+static int32_t trace_primary(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
+                             const struct task *task, const struct answers *answers)
 {
     const mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {answers->triangles, 0, 0}};
-    return mlrt_render_tiles(tree, &task->subject->camera, options, &frame, NULL, NULL);
+    return library->render_tiles(tree, &task->subject->camera, options, &frame, NULL, NULL);
 }
 
-static int32_t trace_shadows(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
-                             const struct answers *answers)
+static int32_t trace_shadows(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
+                             const struct task *task, const struct answers *answers)
 {
     const float *p = task->kind == SUN ? task->sun : task->subject->light;
     const mlrt_points points = {.struct_size = sizeof points,
@@ -71,7 +120,7 @@ static int32_t trace_shadows(const mlrt_tree *tree, const mlrt_trace_options *op
                               .kind = task->kind == SUN ? MLRT_LIGHT_DIRECTIONAL : MLRT_LIGHT_POINT,
                               .position = {p[0], p[1], p[2]}};
     const mlrt_array occluded = {answers->occluded, 0, 0};
-    return mlrt_occluded_points(tree, &points, &light, options, &occluded);
+    return library->occluded_points(tree, &points, &light, options, &occluded);
 }
 
 // Of hemispheres every origin stands there HEMISPHERE_RAYS times; task->shared_origins has each of them once.
@@ -92,8 +141,8 @@ static mlrt_rays rays_of(const struct task *task)
     return rays;
 }
 
-static int32_t trace_arrays(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
-                            const struct answers *answers)
+static int32_t trace_arrays(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
+                            const struct task *task, const struct answers *answers)
 {
     const mlrt_rays rays = rays_of(task);
     const mlrt_hits hits = {.struct_size = sizeof hits,
@@ -105,23 +154,23 @@ static int32_t trace_arrays(const mlrt_tree *tree, const mlrt_trace_options *opt
                             .occluded = {answers->occluded, 0, 0}};
     mlrt_trace_options with_query = *options;
     if (is_any(task->kind)) with_query.query = MLRT_QUERY_ANY;
-    return mlrt_trace_packet(tree, &rays, &with_query, &hits);
+    return library->trace_packet(tree, &rays, &with_query, &hits);
 }
 
-int32_t run_library(const mlrt_tree *tree, const mlrt_trace_options *options, const struct task *task,
-                    const struct answers *answers)
+int32_t run_library(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
+                    const struct task *task, const struct answers *answers)
 {
     switch (task->kind) {
     case FRAME:
-        return render_frame(tree, options, task, answers);
+        return render_frame(library, tree, options, task, answers);
     case LIT:
-        return render_lit_frame(tree, options, task, answers);
+        return render_lit_frame(library, tree, options, task, answers);
     case PRIMARY:
-        return trace_primary(tree, options, task, answers);
+        return trace_primary(library, tree, options, task, answers);
     case SHADOW:
     case SUN:
-        return trace_shadows(tree, options, task, answers);
+        return trace_shadows(library, tree, options, task, answers);
     default:
-        return trace_arrays(tree, options, task, answers);
+        return trace_arrays(library, tree, options, task, answers);
     }
 }

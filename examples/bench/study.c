@@ -28,7 +28,8 @@ static int measure_point(const struct bench_settings *settings, const struct are
         const struct contender *c = &contest.contenders[i];
         if (c->who != LIBRARY || c->unsupported) continue;
         print_csv_line(&contest, c);
-        printf(",%zu,%lu\n", arena->subject.scene.triangle_count, (unsigned long)size);
+        printf(",%zu,%lu", arena->subject.scene.triangle_count, (unsigned long)size);
+        end_csv_line(&contest, c);
     }
     fflush(stdout);
     free_task(&task);
@@ -53,7 +54,8 @@ static int sweep_sizes(const struct bench_settings *settings, const char *word, 
 static int study_sweep(const struct bench_settings *settings, const struct word_list *scenes, uint32_t smallest)
 {
     int failed = 0;
-    puts("scene,kind,method,isa,threads,mrays,embree_fast_mrays,embree_robust_mrays,triangles,size");
+    fputs("scene,kind,method,isa,threads,mrays,embree_fast_mrays,embree_robust_mrays,triangles,size", stdout);
+    end_csv_head(settings);
     for (size_t i = 0; i < scenes->count; i++) {
         failed |= sweep_sizes(settings, scenes->words[i], smallest, settings->size);
     }
@@ -105,7 +107,7 @@ static int build_with_mlrt(const struct builder *builder, const struct scene *sc
         .struct_size = sizeof options, .preset = builder->preset, .pool = pool, .structures = builder->structure};
     mlrt_tree_info info = {.struct_size = sizeof info};
     mlrt_tree *tree;
-    const int32_t status = build_mlrt(scene, &options, &tree, seconds);
+    const int32_t status = build_mlrt(&this_library, scene, &options, &tree, seconds);
     built->unsupported = status == MLRT_ERROR_UNSUPPORTED;
     if (status == MLRT_OK && mlrt_get_tree_info(tree, &info) == MLRT_OK) built->memory_size = (double)info.memory_size;
     mlrt_destroy_tree(tree);

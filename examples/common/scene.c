@@ -62,7 +62,7 @@ static int make_scene(const char *name, struct shapes *shapes)
     static const struct {
         const char *name;
         void (*make)(struct shapes *shapes);
-    } scenes[] = {{"room", make_room}, {"office", make_office}, {"building", make_building}};
+    } scenes[] = {{"room", make_room}, {"office", make_office}, {"building", make_building}, {"doubled", make_doubled}};
     long size = scan_size(name);
     if (size < 0) return -1;
     if (size > 0) {
@@ -101,9 +101,10 @@ int load_scene(const char *name_or_path, struct scene *scene)
     }
     if (made) return 0;
     if (!exists(name_or_path)) {
-        fprintf(stderr,
-                "%s: neither a file that can be read nor one of the scenes room, office, building, scan, scan:N\n",
-                name_or_path);
+        fprintf(
+            stderr,
+            "%s: neither a file that can be read nor one of the scenes room, office, building, doubled, scan, scan:N\n",
+            name_or_path);
         return 1;
     }
     if (import_mesh(name_or_path, scene)) {
