@@ -734,12 +734,12 @@ static void check_any(const struct bundle *bundle, const mlrt_rays *rays, const 
     answer_count += count;
 }
 
-/* The first of the sets is none: method ray. */
+/* Closest and any hit, each with arrays of one layout and results of another. */
 static void check_way(const struct bundle *bundle, struct random *random, struct bundle_shape shape, int32_t method,
                       int32_t isa)
 {
     static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512"};
-    const size_t layout = draw_below(random, LAYOUT_COUNT);
+    const size_t layout = draw_below(random, 4) ? draw_below(random, LAYOUT_COUNT) : 0;
     const uint32_t fields = bundle->fields | (draw_below(random, 3) ? 0 : 1u << (T_MIN + draw_below(random, 3)));
     const uint32_t threads = draw_below(random, 16) ? 0 : 2;
     struct arrays arrays = make_arrays(&bundle->list, bundle->masks, fields, &layouts[layout]);
