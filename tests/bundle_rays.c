@@ -631,15 +631,20 @@ static void draw_point_in_plane(struct random *random, const struct reference_tr
         point[k] = round_finite((double)a[k] + u * ((double)b[k] - (double)a[k]) + v * ((double)c[k] - (double)a[k]));
 }
 
-/* Along the plane of one triangle, whatever its tilt: from one point of it, to one, or neither. */
+/*
+ * Along the plane of one triangle, whatever its tilt: from one point of it, to one, or neither. Origins lie in the
+ * plane, or up to 2^20 floats aside, where the direction is surely not in it, and t is still badly conditioned.
+ */
 static void add_grazing(struct ray_list *list, struct random *random, const struct fixture *fixture,
                         struct bundle_shape shape)
 {
     const struct reference_triangle *triangle = draw_triangle(random, fixture);
     const struct frame frame = draw_frame(random, fixture);
-    const uint32_t common = draw_below(random, 3), skew = draw_below(random, 3);
+    const uint32_t common = draw_below(random, 3), axis = draw_below(random, 3);
+    const int steps = draw_below(random, 4) ? 1 << draw_below(random, 21) : 0;
     float origin[3], target[3], fixed[3];
     if (triangle) draw_point_in_plane(random, triangle, fixed);
+    if (triangle) fixed[axis] = round_finite((double)next_float(fixed[axis], steps));
     for (size_t i = 0; i < shape.count; i++) {
         if (!triangle) {
             frame_direction(&frame, shape, i, target);
@@ -650,8 +655,7 @@ static void add_grazing(struct ray_list *list, struct random *random, const stru
         draw_point_of_triangle(random, triangle, target);
         if (common == 0) memcpy(origin, fixed, sizeof origin);
         if (common == 1) memcpy(target, fixed, sizeof target);
-        const uint32_t k = draw_below(random, 3);
-        if (skew) origin[k] = round_finite((double)next_float(origin[k], (int)draw_below(random, 9) - 4));
+        if (common) origin[axis] = round_finite((double)next_float(origin[axis], steps));
         add_ray_towards(list, origin, target);
     }
 }

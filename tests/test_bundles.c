@@ -406,6 +406,7 @@ static void set_ranges(struct ray_list *list, struct random *random, const struc
             ray->t_min = least;
             break;
         case 2:
+        case 7:
             limit_near_hit(ray, random, hits[i].t);
             break;
         case 3:
