@@ -147,8 +147,9 @@ static struct shared_targets draw_shared_targets(struct random *random)
 }
 
 /* 0 if there is no target. */
-static int draw_shared_target(struct random *random, const struct fixture *fixture, const struct shared_targets *targets,
-                              struct bundle_shape shape, size_t i, float target[3])
+static int draw_shared_target(struct random *random, const struct fixture *fixture,
+                              const struct shared_targets *targets, struct bundle_shape shape, size_t i,
+                              float target[3])
 {
     if (!targets->size) return 0;
     struct random own = {targets->seed + 1000 * (i / shape.width / targets->size) + i % shape.width / targets->size};
@@ -357,7 +358,8 @@ static void add_waist(struct ray_list *list, struct random *random, const struct
         for (int k = 0; k < 3; k++) origin[k] = round_finite((double)frame.eye[k] - s * (double)direction[k]);
         if (ulps) {
             const uint32_t k = draw_below(random, 3);
-            origin[k] = round_finite((double)next_float(origin[k], (int)draw_below(random, 2u * (uint32_t)ulps + 1) - ulps));
+            const int step = (int)draw_below(random, 2 * (uint32_t)ulps + 1) - ulps;
+            origin[k] = round_finite((double)next_float(origin[k], step));
         }
         add_ray(list, origin, direction);
     }
@@ -413,7 +415,8 @@ static void draw_common_direction(struct random *random, const struct fixture *f
     const uint32_t kind = draw_below(random, 4), axis = draw_below(random, 3);
     draw_direction(random, direction);
     if (kind == 0) {
-        for (uint32_t k = 0; k < 3; k++) direction[k] = k == axis ? (direction[k] < 0 ? -1.0f : 1.0f) : signed_zero(random);
+        const float one = direction[axis] < 0 ? -1.0f : 1.0f;
+        for (uint32_t k = 0; k < 3; k++) direction[k] = k == axis ? one : signed_zero(random);
     } else if (kind == 1) {
         direction[axis] = signed_zero(random);
     } else if (kind == 2) {
