@@ -129,6 +129,35 @@ static void frame_direction(const struct frame *frame, struct bundle_shape shape
         direction[k] = round_finite(frame->middle[k] + x * frame->across[k] + y * frame->down[k]);
 }
 
+/* ---- triangles that blocks share --------------------------------------------------------------------------------- */
+
+/*
+ * Targets that rays of a block have in common: vertices, points on edges and inner points of one triangle for all rays,
+ * or of one for each block of 4x4. So packets stay narrow and pass edges and vertices exactly, or as nearly as can be.
+ */
+struct shared_targets {
+    uint64_t seed;
+    uint32_t size; /* of a block; 0 = what rays are aimed at has nothing to do with triangles */
+};
+
+static struct shared_targets draw_shared_targets(struct random *random)
+{
+    static const uint32_t sizes[] = {0, 0, 4, 4, 16, UINT32_MAX};
+    return (struct shared_targets){draw_bits(random), sizes[draw_below(random, 6)]};
+}
+
+/* 0 if there is no target. */
+static int draw_shared_target(struct random *random, const struct fixture *fixture,
+                              const struct shared_targets *targets, struct bundle_shape shape, size_t i,
+                              float target[3])
+{
+    if (!targets->size) return 0;
+    struct random own = {targets->seed + 1000 * (i / shape.width / targets->size) + i % shape.width / targets->size};
+    const struct reference_triangle *triangle = draw_triangle(&own, fixture);
+    if (triangle) draw_point_of_triangle(random, triangle, target);
+    return triangle != NULL;
+}
+
 /* ---- what a frame sees ------------------------------------------------------------------------------------------- */
 
 void trace_rays_singly(const mlrt_tree *tree, const struct ray_list *list, const uint32_t *masks, uint32_t common_mask,
@@ -236,7 +265,11 @@ static void add_from_light(struct ray_list *list, struct random *random, const s
     struct sight sight = look(fixture, &frame, shape);
     float light[3], end = draw_end(random);
     draw_place(random, fixture, light);
-    for (size_t i = 0; i < shape.count; i++) add_ray_towards(list, light, sight.points[i])->t_max = end;
+    const struct shared_targets targets = draw_shared_targets(random);
+    for (size_t i = 0; i < shape.count; i++) {
+        draw_shared_target(random, fixture, &targets, shape, i, sight.points[i]);
+        add_ray_towards(list, light, sight.points[i])->t_max = end;
+    }
     free_sight(&sight);
 }
 
@@ -313,15 +346,20 @@ static void add_waist(struct ray_list *list, struct random *random, const struct
     const int is_short = draw_below(random, 2) != 0, is_uneven = draw_below(random, 4) == 0;
     const int ulps = draw_below(random, 3) ? 0 : (int)draw_below(random, 3);
     const double before = ldexp(1, (int)draw_below(random, 4) - 2);
+    const struct shared_targets targets = draw_shared_targets(random);
     for (size_t i = 0; i < shape.count; i++) {
         float direction[3], origin[3];
-        frame_direction(&frame, shape, i, direction);
+        if (draw_shared_target(random, fixture, &targets, shape, i, origin))
+            reference_difference(origin, frame.eye, direction);
+        else
+            frame_direction(&frame, shape, i, direction);
         if (is_short) shorten(direction, 8);
         const double s = is_uneven ? before * (1 + draw_unit(random)) : before;
         for (int k = 0; k < 3; k++) origin[k] = round_finite((double)frame.eye[k] - s * (double)direction[k]);
         if (ulps) {
             const uint32_t k = draw_below(random, 3);
-            origin[k] = round_finite((double)next_float(origin[k], (int)draw_below(random, 2u * (uint32_t)ulps + 1) - ulps));
+            const int step = (int)draw_below(random, 2 * (uint32_t)ulps + 1) - ulps;
+            origin[k] = round_finite((double)next_float(origin[k], step));
         }
         add_ray(list, origin, direction);
     }
@@ -377,7 +415,8 @@ static void draw_common_direction(struct random *random, const struct fixture *f
     const uint32_t kind = draw_below(random, 4), axis = draw_below(random, 3);
     draw_direction(random, direction);
     if (kind == 0) {
-        for (uint32_t k = 0; k < 3; k++) direction[k] = k == axis ? (direction[k] < 0 ? -1.0f : 1.0f) : signed_zero(random);
+        const float one = direction[axis] < 0 ? -1.0f : 1.0f;
+        for (uint32_t k = 0; k < 3; k++) direction[k] = k == axis ? one : signed_zero(random);
     } else if (kind == 1) {
         direction[axis] = signed_zero(random);
     } else if (kind == 2) {
@@ -406,6 +445,7 @@ static void add_grid(struct ray_list *list, struct random *random, const struct 
     set_length(down, extent);
     set_length(middle, back);
     const uint32_t snapped = draw_below(random, 8);
+    const struct shared_targets targets = draw_shared_targets(random);
     for (size_t i = 0; i < shape.count; i++) {
         float origin[3], own[3];
         for (int k = 0; k < 3; k++) {
@@ -413,7 +453,11 @@ static void add_grid(struct ray_list *list, struct random *random, const struct 
                                      middle[k]);
             own[k] = direction[k];
         }
-        if (snapped < 3) origin[snapped] = snap[snapped];
+        if (draw_shared_target(random, fixture, &targets, shape, i, origin)) {
+            for (int k = 0; k < 3; k++) origin[k] = round_finite((double)origin[k] - middle[k]);
+        } else if (snapped < 3) {
+            origin[snapped] = snap[snapped];
+        }
         if (one_in && draw_below(random, one_in) == 0) {
             const uint32_t k = draw_below(random, 3);
             own[k] = next_float(own[k], draw_below(random, 2) ? 1 : -1);
@@ -456,9 +500,12 @@ static void add_one_origin(struct ray_list *list, struct random *random, const s
                            struct bundle_shape shape)
 {
     const struct frame frame = draw_frame(random, fixture);
+    const struct shared_targets targets = draw_shared_targets(random);
     for (size_t i = 0; i < shape.count; i++) {
-        float direction[3];
+        float direction[3], target[3];
         frame_direction(&frame, shape, i, direction);
+        if (draw_shared_target(random, fixture, &targets, shape, i, target))
+            reference_difference(target, frame.eye, direction);
         add_ray(list, frame.eye, direction);
     }
 }
@@ -578,6 +625,44 @@ static void add_in_plane(struct ray_list *list, struct random *random, const str
     }
 }
 
+/* A point of the plane of a triangle, as far as floats go: around it, or on one of its edges' lines. */
+static void draw_point_in_plane(struct random *random, const struct reference_triangle *triangle, float point[3])
+{
+    const float *a = triangle->corner[0], *b = triangle->corner[1], *c = triangle->corner[2];
+    const double u = 6 * draw_unit(random) - 3, v = draw_below(random, 3) ? 6 * draw_unit(random) - 3 : 0;
+    for (int k = 0; k < 3; k++)
+        point[k] = round_finite((double)a[k] + u * ((double)b[k] - (double)a[k]) + v * ((double)c[k] - (double)a[k]));
+}
+
+/*
+ * Along the plane of one triangle, whatever its tilt: from one point of it, to one, or neither. Origins lie in the
+ * plane, or up to 2^20 floats aside, where the direction is surely not in it, and t is still badly conditioned.
+ */
+static void add_grazing(struct ray_list *list, struct random *random, const struct fixture *fixture,
+                        struct bundle_shape shape)
+{
+    const struct reference_triangle *triangle = draw_triangle(random, fixture);
+    const struct frame frame = draw_frame(random, fixture);
+    const uint32_t common = draw_below(random, 3), axis = draw_below(random, 3);
+    const int steps = draw_below(random, 4) ? 1 << draw_below(random, 21) : 0;
+    float origin[3], target[3], fixed[3];
+    if (triangle) draw_point_in_plane(random, triangle, fixed);
+    if (triangle) fixed[axis] = round_finite((double)next_float(fixed[axis], steps));
+    for (size_t i = 0; i < shape.count; i++) {
+        if (!triangle) {
+            frame_direction(&frame, shape, i, target);
+            add_ray(list, frame.eye, target);
+            continue;
+        }
+        draw_point_in_plane(random, triangle, origin);
+        draw_point_of_triangle(random, triangle, target);
+        if (common == 0) memcpy(origin, fixed, sizeof origin);
+        if (common == 1) memcpy(target, fixed, sizeof target);
+        if (common) origin[axis] = round_finite((double)next_float(origin[axis], steps));
+        add_ray_towards(list, origin, target);
+    }
+}
+
 static void add_copies(struct ray_list *list, struct random *random, const struct fixture *fixture,
                        struct bundle_shape shape)
 {
@@ -635,6 +720,7 @@ static const struct {
     {"are_reflected", add_reflections},
     {"leave_origins_by_sixteen", add_hemispheres},
     {"lie_in_planes", add_in_plane},
+    {"graze_triangles", add_grazing},
     {"are_all_the_same", add_copies},
     {"are_aimed_from_anywhere", add_aimed},
     {"are_wholly_random", add_random},

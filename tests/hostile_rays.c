@@ -58,18 +58,22 @@ static double triangle_size(const struct reference_triangle *triangle)
     return size;
 }
 
-void draw_target(struct random *random, const struct fixture *fixture, float target[3])
+void draw_point_of_triangle(struct random *random, const struct reference_triangle *triangle, float point[3])
 {
-    const struct reference_triangle *triangle = draw_triangle(random, fixture);
-    memset(target, 0, 3 * sizeof(float));
-    if (!triangle) return;
     uint32_t kind = draw_below(random, 3), first = draw_below(random, 3);
     double u = kind >= 1 ? draw_unit(random) : 0, v = kind >= 2 ? draw_unit(random) * (1 - u) : 0;
     if (kind == 1 && draw_below(random, 4) == 0) u = 0.5;
     const float *a = triangle->corner[first], *b = triangle->corner[(first + 1) % 3];
     const float *c = triangle->corner[(first + 2) % 3];
     for (int k = 0; k < 3; k++)
-        target[k] = kind == 0 ? a[k] : round_finite((double)a[k] * (1 - u - v) + (double)b[k] * u + (double)c[k] * v);
+        point[k] = kind == 0 ? a[k] : round_finite((double)a[k] * (1 - u - v) + (double)b[k] * u + (double)c[k] * v);
+}
+
+void draw_target(struct random *random, const struct fixture *fixture, float target[3])
+{
+    const struct reference_triangle *triangle = draw_triangle(random, fixture);
+    memset(target, 0, 3 * sizeof(float));
+    if (triangle) draw_point_of_triangle(random, triangle, target);
 }
 
 void draw_origin(struct random *random, const struct fixture *fixture, float origin[3])

@@ -23,6 +23,7 @@ const struct reference_triangle *draw_triangle(struct random *random, const stru
 void draw_vertex(struct random *random, const struct fixture *fixture, float vertex[3]);
 
 /* A vertex, a point on an edge as far as floats go, or an inner point. */
+void draw_point_of_triangle(struct random *random, const struct reference_triangle *triangle, float point[3]);
 void draw_target(struct random *random, const struct fixture *fixture, float target[3]);
 
 /* Half of them in the scene's box and around it, half at distances from a vertex like some triangle's size, or more. */

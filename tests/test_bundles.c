@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Arrays of rays that are alike, in every form that mlrt_rays allows, against method ray bit for bit, and a part of them
- * against the reference. Of every instruction set method tile answers the closest hit and any hit.
+ * Arrays of rays that are alike, in every form that mlrt_rays allows: method tile with each instruction set, closest
+ * and any hit, against method ray bit for bit, and a part of the rays against the reference.
  *
- * A case is a number: it says which kind of bundle (bundle_rays.h) in which world, and everything else is drawn from it:
- * how many rays, in rows or as a list, ranges, skips, masks, strides. A failure prints the number.
+ * A case is a number. It says which kind of bundle (bundle_rays.h) goes into which scene, and the seed from which all
+ * else is drawn: how many rays, in rows or as a list, their ranges, skips, masks, strides. A failure prints the number.
  *
  *     test_bundles COUNT [FIRST]
  *
@@ -374,12 +374,13 @@ static struct reference_scene *visible_part(struct world *world, uint32_t mask)
 
 static float draw_odd_limit(struct random *random, float t)
 {
-    const float odd[] = {0.0f,      -0.0f,    -1.0f,     1.0f, 0x1p-140f, -0x1p-140f, 0x1p-149f,
-                         INFINITY,  -INFINITY, NAN,      FLT_MAX, -FLT_MAX, t,        isfinite(t) ? next_float(t, -1) : t};
+    const float below = isfinite(t) ? next_float(t, -1) : t;
+    const float odd[] = {0.0f,     -0.0f,     -1.0f, 1.0f,    0x1p-140f, -0x1p-140f, 0x1p-149f,
+                         INFINITY, -INFINITY, NAN,   FLT_MAX, -FLT_MAX,  t,          below};
     return odd[draw_below(random, sizeof odd / sizeof odd[0])];
 }
 
-/* The half-open range around a hit, up to a float aside. */
+/* Ends or begins the range at a hit, or a float aside. */
 static void limit_near_hit(struct reference_ray *ray, struct random *random, float t)
 {
     if (!isfinite(t)) return;
@@ -406,6 +407,7 @@ static void set_ranges(struct ray_list *list, struct random *random, const struc
             ray->t_min = least;
             break;
         case 2:
+        case 7:
             limit_near_hit(ray, random, hits[i].t);
             break;
         case 3:
@@ -510,7 +512,7 @@ static const void *field_of(const struct ray_list *list, const uint32_t *masks, 
     return fields[field];
 }
 
-/* Which arrays must be there: those of which an element is not what is meant without them. */
+/* The arrays that must be there: those with an element that differs from what their absence means. */
 static uint32_t needed_fields(const struct ray_list *list, int has_masks)
 {
     uint32_t needed = 1u << ORIGIN | 1u << DIRECTION | (uint32_t)has_masks << MASK;
@@ -734,12 +736,12 @@ static void check_any(const struct bundle *bundle, const mlrt_rays *rays, const 
     answer_count += count;
 }
 
-/* The first of the sets is none: method ray. */
+/* Closest and any hit, each with arrays of one layout and results of another. */
 static void check_way(const struct bundle *bundle, struct random *random, struct bundle_shape shape, int32_t method,
                       int32_t isa)
 {
     static const char *const isas[] = {"auto", "scalar", "sse", "avx2", "avx512"};
-    const size_t layout = draw_below(random, LAYOUT_COUNT);
+    const size_t layout = draw_below(random, 4) ? draw_below(random, LAYOUT_COUNT) : 0;
     const uint32_t fields = bundle->fields | (draw_below(random, 3) ? 0 : 1u << (T_MIN + draw_below(random, 3)));
     const uint32_t threads = draw_below(random, 16) ? 0 : 2;
     struct arrays arrays = make_arrays(&bundle->list, bundle->masks, fields, &layouts[layout]);
