@@ -53,7 +53,7 @@ int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *sou
     return MLRT_OK;
 }
 
-MLRT_SMALL int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
+int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
@@ -67,7 +67,7 @@ MLRT_SMALL int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt
     return set_extent(source, rays->count, rays->row_length);
 }
 
-MLRT_SMALL int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
+int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
 {
     if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
     source->kind = light->kind == MLRT_LIGHT_POINT ? MLRT_SOURCE_POINT_LIGHT : MLRT_SOURCE_DIRECTIONAL_LIGHT;
@@ -78,8 +78,8 @@ MLRT_SMALL int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *s
     return MLRT_OK;
 }
 
-MLRT_SMALL int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points,
-                                          const mlrt_light *light, struct mlrt_source *source)
+int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                               struct mlrt_source *source)
 {
     const int32_t status = mlrt_set_light(light, source);
     if (status != MLRT_OK) return status;
@@ -177,8 +177,7 @@ static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct ml
     return mlrt_make_segment(source->light, direction, 0, 1, ray);
 }
 
-MLRT_SMALL int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
-                            uint32_t *skip)
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
     if (skip) *skip = MLRT_NONE;
     if (source->kind == MLRT_SOURCE_CAMERA) {
@@ -241,8 +240,7 @@ MLRT_INLINE void load_vectors(const mlrt_const_array *array, uint32_t first, f4 
 }
 
 /* Words of elements, lane by lane: word k of lane l goes to words[k][l]. */
-static MLRT_SMALL void fetch_lanes(const mlrt_const_array *array, const struct block *block, int word_count,
-                                   void *const *words)
+static void fetch_lanes(const mlrt_const_array *array, const struct block *block, int word_count, void *const *words)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const float *element = float_at(array, element_of_lane(block, lane));
@@ -315,8 +313,7 @@ void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, 
     }
 }
 
-static MLRT_SMALL void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y,
-                                         struct mlrt_packet *packet)
+static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         float p[3];
@@ -348,8 +345,7 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
 }
 
 /* Those of lanes that do not exist are anything. */
-static MLRT_SMALL void fetch_masks(const struct mlrt_source *source, const struct block *block,
-                                   struct mlrt_packet *packet)
+static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     mlrt_set_common_mask(source, packet);
     for (uint32_t lane = 0; source->mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
@@ -404,7 +400,6 @@ int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first)
     const uint32_t *pairs = (const uint32_t *)source->skip.data + 2 * first;
     const uint32_t repeated[4] = {pairs[0], pairs[1], pairs[0], pairs[1]};
     const f4 quad = f4_load_any(repeated);
-    MLRT_KEEP_LOOP
     for (int row = 0; row < 16; ++row, pairs += 2 * (size_t)source->width) {
         f4 same = f4_set1(-1);
         MLRT_UNROLL
@@ -414,7 +409,7 @@ int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first)
     return 1;
 }
 
-MLRT_SMALL uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
+uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint64_t row = y + (uint32_t)mlrt_lane_y[lane];
