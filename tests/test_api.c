@@ -1508,6 +1508,212 @@ static void progress_and_options_under_traps(void **state)
 #endif
 }
 
+/*
+ * A signalling NaN raises an exception wherever it is looked at. So no float of the caller's may be looked at before
+ * the library's environment is there. What each call answers is compared at once: no test goes on with traps.
+ */
+#ifdef __GLIBC__
+static const uint32_t signalling = 0x7FA00000;
+
+static void set_bad(void *place)
+{
+    memcpy(place, &signalling, sizeof signalling);
+}
+
+/* Returns 0 on a processor without traps. */
+static int begin_traps(fexcept_t *flags)
+{
+    fegetexceptflag(flags, FE_ALL_EXCEPT);
+    feclearexcept(FE_ALL_EXCEPT);
+    return feenableexcept(FE_INVALID) != -1;
+}
+
+static void end_traps(const fexcept_t *flags)
+{
+    const int traps = fegetexcept(), raised = fetestexcept(FE_INVALID);
+    fedisableexcept(FE_ALL_EXCEPT);
+    fesetexceptflag(flags, FE_ALL_EXCEPT);
+    assert_int_equal(traps, FE_INVALID);
+    assert_int_equal(raised, 0);
+}
+
+static void assert_answer(int32_t status, int32_t expected)
+{
+    if (status == expected) return;
+    fedisableexcept(FE_ALL_EXCEPT);
+    fail_msg("%s, not %s", mlrt_status_string(status), mlrt_status_string(expected));
+}
+#endif
+
+static void a_point_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    mlrt_tree *tree = some_tree();
+    float bad, point[3];
+    fexcept_t flags;
+    set_bad(&bad);
+    if (!begin_traps(&flags)) skip();
+    assert_answer(mlrt_offset_point(tree, 0, 0, bad, 0.25f, 1, point), MLRT_ERROR_ARGUMENT);
+    assert_answer(mlrt_offset_point(tree, 0, 0, 0.25f, bad, -1, point), MLRT_ERROR_ARGUMENT);
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void cameras_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    static const size_t places[] = {
+        offsetof(mlrt_camera, eye),      offsetof(mlrt_camera, direction), offsetof(mlrt_camera, d00),
+        offsetof(mlrt_camera, dx),       offsetof(mlrt_camera, dy),        offsetof(mlrt_camera, sample_x),
+        offsetof(mlrt_camera, sample_y), offsetof(mlrt_camera, t_min),     offsetof(mlrt_camera, t_max)};
+    mlrt_tree *tree = some_tree();
+    float vectors[16][3];
+    uint32_t ids[16];
+    const mlrt_array out = {vectors, 0, 0};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {ids, 0, 0}};
+    fexcept_t flags;
+    if (!begin_traps(&flags)) skip();
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        for (int32_t projection = MLRT_PROJECTION_PINHOLE; projection <= MLRT_PROJECTION_PARALLEL; projection++) {
+            const size_t unused = projection == MLRT_PROJECTION_PARALLEL ? 0 : 1; // of eye and direction one counts
+            const int32_t expected = i == unused ? MLRT_OK : MLRT_ERROR_CAMERA;
+            mlrt_camera camera = good_camera();
+            camera.projection = projection;
+            camera.direction[2] = 1;
+            set_bad((unsigned char *)&camera + places[i]);
+            assert_answer(mlrt_camera_rays(&camera, &out, &out), expected);
+            assert_answer(mlrt_render_tiles(tree, &camera, NULL, &hits, NULL, NULL), expected);
+        }
+    }
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void lights_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    mlrt_tree *tree = some_tree();
+    const mlrt_camera camera = good_camera();
+    const mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
+    const mlrt_hit hit = {.struct_size = sizeof hit};
+    const float positions[16][3] = {{0}};
+    const mlrt_points points = {.struct_size = sizeof points, .count = 16, .positions = {positions, 0}};
+    mlrt_ray shadow = {.struct_size = sizeof shadow};
+    uint8_t occluded[16];
+    int32_t faces;
+    const mlrt_array out = {occluded, 0, 0};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = out};
+    fexcept_t flags;
+    if (!begin_traps(&flags)) skip();
+    for (int32_t kind = MLRT_LIGHT_POINT; kind <= MLRT_LIGHT_DIRECTIONAL; kind++) {
+        mlrt_light light = {.struct_size = sizeof light, .kind = kind};
+        const mlrt_trace_options options = {.struct_size = sizeof options, .lights = &light, .light_count = 1};
+        set_bad(&light.position[1]);
+        assert_answer(mlrt_occluded_points(tree, &points, &light, NULL, &out), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_render_tiles(tree, &camera, &options, &hits, NULL, NULL), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_shadow_ray(tree, &ray, &hit, &light, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    }
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void rays_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    static const int32_t methods[] = {MLRT_METHOD_DEFAULT, MLRT_METHOD_RAY, MLRT_METHOD_TILE};
+    mlrt_tree *tree = some_tree();
+    float good[16][3] = {{0}};
+    const mlrt_light sun = {.struct_size = sizeof sun, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {0, 0, 1}};
+    const mlrt_hit seen = {.struct_size = sizeof seen};
+    float bad[16][3];
+    uint32_t ids[16];
+    uint8_t occluded[16];
+    int32_t faces;
+    const mlrt_array out = {occluded, 0, 0};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {ids, 0, 0}};
+    const mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = 1, .triangle = {ids, 0, 0}};
+    const mlrt_points points = {.struct_size = sizeof points, .count = 16, .positions = {bad, 0}};
+    fexcept_t flags;
+    for (int i = 0; i < 48; i++) set_bad(&bad[i / 3][i % 3]);
+    if (!begin_traps(&flags)) skip();
+    for (int i = 0; i < 4; i++) {
+        mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
+        mlrt_ray shadow = {.struct_size = sizeof shadow};
+        void *const places[] = {&ray.origin[1], &ray.direction[2], &ray.t_min, &ray.t_max};
+        const mlrt_rays rays = {.struct_size = sizeof rays,
+                                .count = 16,
+                                .origins = {i == 0 ? bad : good, 0},
+                                .directions = {i == 1 ? bad : good, 0},
+                                .t_min = {i == 2 ? bad : NULL, 0},
+                                .t_max = {i == 3 ? bad : NULL, 0}};
+        set_bad(places[i]);
+        for (size_t m = 0; m < sizeof methods / sizeof methods[0]; m++) {
+            const mlrt_trace_options options = {.struct_size = sizeof options, .method = methods[m]};
+            mlrt_hit hit = {.struct_size = sizeof hit};
+            assert_answer(mlrt_trace_ray(tree, &ray, &options, &hit), MLRT_OK);
+            assert_answer(hit.triangle == MLRT_NONE, 1);
+            assert_answer(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+        }
+        assert_answer(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_OK);
+        assert_answer(mlrt_shadow_ray(tree, &ray, &seen, &sun, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    }
+    assert_answer(mlrt_occluded_points(tree, &points, &sun, NULL, &out), MLRT_OK);
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void meshes_and_costs_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    mlrt_tree *tree = NULL, *loaded = NULL;
+    mlrt_build_options build = {.struct_size = sizeof build};
+    mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+    mlrt_mesh mesh = two_triangles();
+    float bad[18];
+    size_t size = 0;
+    uint64_t hash;
+    unsigned char *file = allocate_or_fail(1, 100000);
+    fexcept_t flags;
+    memcpy(bad, corners, sizeof bad);
+    set_bad(&bad[4]);
+    mesh.vertices = bad;
+    if (!begin_traps(&flags)) skip();
+    assert_answer(mlrt_hash_geometry(&mesh, 1, &hash), MLRT_OK);
+    assert_answer(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_answer(mlrt_save_tree(tree, file, 100000, &size), MLRT_OK);
+    assert_answer(mlrt_load_tree(file, size, NULL, &loaded), MLRT_OK);
+    mlrt_destroy_tree(tree);
+    mlrt_destroy_tree(loaded);
+    for (int i = 0; i < 2; i++) {
+        build.traversal_cost = build.intersection_cost = 0;
+        set_bad(i == 0 ? &build.traversal_cost : &build.intersection_cost);
+        assert_answer(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_estimate_memory(&mesh, 1, &build, &estimate), MLRT_ERROR_ARGUMENT);
+    }
+    end_traps(&flags);
+    free(file);
+#else
+    skip();
+#endif
+}
+
 /* A t_max of 0 is none, a denormal one is one, to callers too for whom it is 0. */
 static void a_denormal_limit_is_a_limit(void **state)
 {
@@ -1646,6 +1852,11 @@ int main(void)
         cmocka_unit_test(callers_that_round_by_fenv),
         cmocka_unit_test(callers_that_trap_by_fenv),
         cmocka_unit_test(progress_and_options_under_traps),
+        cmocka_unit_test(a_point_of_signalling_nans),
+        cmocka_unit_test(cameras_of_signalling_nans),
+        cmocka_unit_test(lights_of_signalling_nans),
+        cmocka_unit_test(rays_of_signalling_nans),
+        cmocka_unit_test(meshes_and_costs_of_signalling_nans),
         cmocka_unit_test(a_denormal_limit_is_a_limit),
         cmocka_unit_test(callbacks_run_in_the_callers_environment),
     };
