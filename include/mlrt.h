@@ -54,8 +54,8 @@
  * have no struct_size and never grow. That of mlrt_tile is set by the library.
  *
  * Arrays are a pointer and a byte stride; stride 0 means packed. Addresses and strides must be multiples of 4 (of 2
- * for 2-byte indices, of 1 for uint8_t), or the answer is MLRT_ERROR_ARGUMENT. No byte outside the elements is read or
- * written.
+ * for 2-byte indices, of 1 for uint8_t), and strides, of rows too, at most 2^31, or the answer is MLRT_ERROR_ARGUMENT.
+ * No byte outside the elements is read or written.
  *
  * Ownership. Arguments are borrowed for the length of the call; a tree or pool keeps the allocator of the host it was
  * made with, a pool also its hooks, and a tree loaded with MLRT_LOAD_IN_PLACE its data. Only mlrt_create_*,

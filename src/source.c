@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "hit.h"
+#include "structs.h"
 #include "kernels/quad.h"
 
 /* ---- checking ---- */
@@ -22,7 +23,7 @@ static int resolve_array(const mlrt_const_array *array, size_t element_size, int
     *resolved = *array;
     if (!array->data) return !required;
     if (resolved->stride == 0) resolved->stride = element_size;
-    return resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
+    return resolved->stride <= MLRT_STRIDE_LIMIT && resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
 }
 
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)

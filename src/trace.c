@@ -403,7 +403,8 @@ static int can_write_floats(const mlrt_array *array)
 {
     return !array || !array->data ||
            ((uintptr_t)array->data % 4 == 0 && array->stride % 4 == 0 && array->row_stride % 4 == 0 &&
-            (array->stride == 0 || array->stride >= 12));
+            (array->stride == 0 || array->stride >= 12) && array->stride <= MLRT_STRIDE_LIMIT &&
+            array->row_stride <= MLRT_STRIDE_LIMIT);
 }
 
 static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)

@@ -179,6 +179,38 @@ static void strides_that_are_not_multiples(void **state)
     assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
 }
 
+/* 2^31 is the most, in bytes; a negative number as size_t is more. Of one element no other is read or written. */
+#define GREATEST_STRIDE ((size_t)1 << 31)
+static const size_t too_large[] = {GREATEST_STRIDE + 4, (size_t)0 - 12, (size_t)0 - 4};
+
+static void strides_of_meshes_that_are_too_large(void **state)
+{
+    (void)state;
+    static const uint32_t indices[6] = {0, 1, 2};
+    mlrt_mesh good = two_triangles();
+    good.indices = indices;
+    good.triangle_count = 1;
+    mlrt_mesh mesh = good;
+    mesh.triangle_stride = GREATEST_STRIDE;
+    assert_mesh(&mesh, MLRT_OK);
+    for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+        uint64_t hash = 0;
+        mesh = good;
+        mesh.triangle_stride = too_large[i];
+        assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_hash_geometry(&mesh, 1, &hash), MLRT_ERROR_ARGUMENT);
+        mesh = good;
+        mesh.vertex_stride = too_large[i];
+        assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_hash_geometry(&mesh, 1, &hash), MLRT_ERROR_ARGUMENT);
+    }
+    const uint32_t first_thrice[3] = {0, 0, 0};
+    mesh = good;
+    mesh.indices = first_thrice;
+    mesh.vertex_stride = GREATEST_STRIDE;
+    assert_mesh(&mesh, MLRT_OK);
+}
+
 static void triangles_without_enough_vertices(void **state)
 {
     (void)state;
@@ -825,6 +857,116 @@ static void rendering_without_arguments(void **state)
 }
 
 /* ---- light ------------------------------------------------------------------------------------------------------- */
+
+static void strides_of_rays_and_hits_that_are_too_large(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    const float origin[3] = {0.25f, 0.25f, 0}, direction[3] = {0, 0, 1}, t_min = 0, t_max = 9;
+    const uint32_t skip[2] = {MLRT_NONE, MLRT_NONE}, mask = 1;
+    for (int a = 0; a < 6; a++) { // of rays
+        uint32_t id = 7;
+        const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {&id, 0, 0}};
+        const mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = 1, .triangle = {&id, 0, 0}};
+        mlrt_rays rays = {.struct_size = sizeof rays,
+                          .count = 1,
+                          .origins = {origin, 0},
+                          .directions = {direction, 0},
+                          .t_min = {&t_min, 0},
+                          .t_max = {&t_max, 0},
+                          .skip = {skip, 0},
+                          .mask = {&mask, 0}};
+        mlrt_const_array *const arrays[] = {&rays.origins, &rays.directions, &rays.t_min,
+                                            &rays.t_max,   &rays.skip,       &rays.mask};
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            arrays[a]->stride = too_large[i];
+            assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &hits), MLRT_ERROR_ARGUMENT);
+            assert_int_equal(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+        }
+        assert_int_equal(id, 7);
+        arrays[a]->stride = GREATEST_STRIDE;
+        assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &hits), MLRT_OK);
+        assert_int_equal(id, 0);
+    }
+    const mlrt_rays rays = {
+        .struct_size = sizeof rays, .count = 1, .origins = {origin, 0}, .directions = {direction, 0}};
+    for (int a = 0; a < 7; a++) { // of hits, and of lists of them
+        uint32_t words[9];
+        memset(words, 0x5A, sizeof words);
+        mlrt_hits hits = {.struct_size = sizeof hits};
+        mlrt_array *const arrays[] = {&hits.t,        &hits.u,      &hits.v,       &hits.mesh,
+                                      &hits.triangle, &hits.facing, &hits.occluded};
+        const mlrt_trace_options options = {.struct_size = sizeof options,
+                                            .query = a == 6 ? MLRT_QUERY_ANY : MLRT_QUERY_CLOSEST};
+        arrays[a]->data = words;
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            arrays[a]->stride = too_large[i];
+            assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_ERROR_ARGUMENT);
+        }
+        assert_int_equal(words[0], 0x5A5A5A5A);
+        arrays[a]->stride = GREATEST_STRIDE;
+        assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+    }
+    for (int a = 0; a < 9; a++) {
+        uint32_t word = 7;
+        mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = a < 7 ? 1 : 0};
+        mlrt_array *const arrays[] = {&lists.t,        &lists.u,        &lists.v,
+                                      &lists.mesh,     &lists.triangle, &lists.facing,
+                                      &lists.crossing, &lists.total,    &lists.crossing_total};
+        arrays[a]->data = &word;
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            arrays[a]->stride = too_large[i];
+            assert_int_equal(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+        }
+        assert_int_equal(word, 7);
+        arrays[a]->stride = GREATEST_STRIDE;
+        assert_int_equal(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_OK);
+    }
+    mlrt_destroy_tree(tree);
+}
+
+static void strides_of_pictures_and_points_that_are_too_large(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    mlrt_camera camera = good_camera();
+    float vectors[3] = {7, 7, 7};
+    uint32_t id = 7;
+    uint8_t occluded = 7;
+    camera.crop_width = camera.crop_height = 1;
+    for (int has_rows = 0; has_rows < 2; has_rows++) {
+        mlrt_array out = {vectors, 0, 0};
+        mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {&id, 0, 0}};
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            *(has_rows ? &out.row_stride : &out.stride) = too_large[i];
+            *(has_rows ? &hits.triangle.row_stride : &hits.triangle.stride) = too_large[i];
+            assert_int_equal(mlrt_camera_rays(&camera, &out, NULL), MLRT_ERROR_ARGUMENT);
+            assert_int_equal(mlrt_camera_rays(&camera, NULL, &out), MLRT_ERROR_ARGUMENT);
+            assert_int_equal(mlrt_render_tiles(tree, &camera, NULL, &hits, NULL, NULL), MLRT_ERROR_ARGUMENT);
+        }
+        *(has_rows ? &out.row_stride : &out.stride) = GREATEST_STRIDE;
+        *(has_rows ? &hits.triangle.row_stride : &hits.triangle.stride) = GREATEST_STRIDE;
+        assert_true(has_rows || (vectors[0] == 7 && id == 7));
+        assert_int_equal(mlrt_camera_rays(&camera, &out, NULL), MLRT_OK);
+        assert_int_equal(mlrt_render_tiles(tree, &camera, NULL, &hits, NULL, NULL), MLRT_OK);
+    }
+    const float position[3] = {0, 0, 0};
+    const uint32_t skip[2] = {MLRT_NONE, MLRT_NONE};
+    const mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {0, 0, 1}};
+    for (int a = 0; a < 3; a++) {
+        mlrt_points points = {.struct_size = sizeof points, .count = 1, .positions = {position, 0}, .skip = {skip, 0}};
+        mlrt_array out = {&occluded, 0, 0};
+        size_t *const strides[] = {&points.positions.stride, &points.skip.stride, &out.stride};
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            *strides[a] = too_large[i];
+            assert_int_equal(mlrt_occluded_points(tree, &points, &light, NULL, &out), MLRT_ERROR_ARGUMENT);
+        }
+        assert_true(a > 0 || occluded == 7);
+        *strides[a] = GREATEST_STRIDE;
+        assert_int_equal(mlrt_occluded_points(tree, &points, &light, NULL, &out), MLRT_OK);
+    }
+    mlrt_destroy_tree(tree);
+}
 
 static void occlusion_errors(void **state)
 {
@@ -1790,6 +1932,7 @@ int main(void)
         cmocka_unit_test(mesh_without_vertices),
         cmocka_unit_test(index_sizes),
         cmocka_unit_test(strides_that_are_not_multiples),
+        cmocka_unit_test(strides_of_meshes_that_are_too_large),
         cmocka_unit_test(triangles_without_enough_vertices),
         cmocka_unit_test(indices_out_of_range),
         cmocka_unit_test(a_message_names_mesh_triangle_and_index),
@@ -1829,6 +1972,8 @@ int main(void)
         cmocka_unit_test(crops_beyond_the_picture),
         cmocka_unit_test(pictures_that_are_too_large),
         cmocka_unit_test(rendering_without_arguments),
+        cmocka_unit_test(strides_of_rays_and_hits_that_are_too_large),
+        cmocka_unit_test(strides_of_pictures_and_points_that_are_too_large),
         cmocka_unit_test(occlusion_errors),
         cmocka_unit_test(lights_of_a_picture),
         cmocka_unit_test(pictures_without_lights_have_no_shadows),
