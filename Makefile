@@ -112,7 +112,7 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
-# Every object has the same OPTIMIZE; docs/design.md, "Kernels", has what -O2 and -O3 cost.
+# Every object has the same OPTIMIZE; docs/design.md, "Instruction sets", has what -O2 and -O3 cost.
 #
 # What only tests call stays out of the shared library. So do assertions, which would end the program they are in; they
 # are for the tests with SAN.

@@ -39,7 +39,8 @@
  *   - Any-hit says yes exactly if there is a closest hit.
  *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), correctly rounded, and
  *     facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0, mesh =
- *     triangle = MLRT_NONE, facing = 0.
+ *     triangle = MLRT_NONE, facing = 0. The t of a hit can round to inf too, if N / D is beyond the range of float and
+ *     t_max = inf, and to t_min, so to 0. Mesh, triangle and facing tell hits from misses.
  *
  * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
  * Denormals count as what they are. The floating-point environment (rounding, flush-to-zero, exception masks) may be
@@ -54,9 +55,9 @@
  * have no struct_size and never grow. That of mlrt_tile is set by the library.
  *
  * Arrays are a pointer and a byte stride; stride 0 means packed, and MLRT_STRIDE_ALL that one element serves all rays
- * (input arrays of rays and points only). Addresses and strides must be multiples of 4 (of 2
- * for 2-byte indices, of 1 for uint8_t), or the answer is MLRT_ERROR_ARGUMENT. No byte outside the elements is read or
- * written.
+ * (input arrays of rays and points only). Addresses and strides must be multiples of 4 (of 2 for 2-byte indices, of 1
+ * for uint8_t), and strides, of rows too, at most 2^31, or the answer is MLRT_ERROR_ARGUMENT. No byte outside the
+ * elements is read or written.
  *
  * Ownership. Arguments are borrowed for the length of the call; a tree or pool keeps the allocator of the host it was
  * made with, a pool also its hooks, and a tree loaded with MLRT_LOAD_IN_PLACE its data. Only mlrt_create_*,
@@ -671,18 +672,24 @@ typedef struct mlrt_array {
 /*
  * Where results go. MLRT_QUERY_CLOSEST writes the first six, and with lights the last; MLRT_QUERY_ANY only the last. An
  * array that the query does not write must be NULL.
+ *
+ * `mesh`, `triangle` and `facing` tell hits from misses. `t` does not always: a hit farther away than the greatest
+ * float rounds to inf, as a miss has it, and one very close to 0, though 0 < t.
+ *
+ * With lights, bit k of `occluded` is 1 if light k of the options does not reach the hit: something is in between, or
+ * the light is on the other side of the surface, or so far away that no ray of floats leads to it ("Shadows of a
+ * picture" below).
  */
 typedef struct mlrt_hits {
     uint32_t struct_size; /* sizeof(mlrt_hits) */
     uint32_t reserved;    /* must be 0 */
-    mlrt_array t;         /* float: the distance in units of |d|; inf = miss */
+    mlrt_array t;         /* float: the distance in units of |d|, rounded; a miss has inf, and so can a hit (above) */
     mlrt_array u;         /* float: the weight of the triangle's second vertex */
     mlrt_array v;         /* float: the weight of its third */
     mlrt_array mesh;      /* uint32_t: the id of the mesh; MLRT_NONE = miss */
     mlrt_array triangle;  /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
     mlrt_array facing;    /* int32_t: sign of d . n; 0 = miss */
-    mlrt_array occluded; /* uint8_t: 1 = something is hit, 0 = nothing. With lights: bit k = light k of the options does
-                            not reach the hit; of a miss 0 */
+    mlrt_array occluded;  /* uint8_t: 1 = something is hit, 0 = nothing. With lights (above): a bit each; of a miss 0 */
 } mlrt_hits;
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -760,7 +767,7 @@ typedef struct mlrt_ray {
 /* What mlrt_trace_ray found. */
 typedef struct mlrt_hit {
     uint32_t struct_size; /* sizeof(mlrt_hit) */
-    float t;              /* the distance in units of |d|; inf = miss */
+    float t;              /* the distance in units of |d|, rounded; a miss has inf, and so can a hit (mlrt_hits) */
     float u;              /* the weight of the triangle's second vertex */
     float v;              /* the weight of its third */
     uint32_t mesh;        /* the id of the mesh; MLRT_NONE = miss */
@@ -791,7 +798,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
 typedef struct mlrt_hit_lists {
     uint32_t struct_size; /* sizeof(mlrt_hit_lists) */
     uint32_t capacity;    /* hits written per ray at most; 0 = only the totals, and no arrays of hits */
-    mlrt_array t;         /* float */
+    mlrt_array t;         /* float; as in mlrt_hits, as are the next five */
     mlrt_array u;         /* float */
     mlrt_array v;         /* float */
     mlrt_array mesh;      /* uint32_t */
@@ -967,7 +974,9 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  * hits a triangle abc, bit k of `occluded` says that light k does not reach it:
  *
  *   - A light that is not strictly on that side of abc's plane which the ray came from (for a directional light:
- *     whose direction does not strictly point to that side) does not reach it.
+ *     whose direction does not strictly point to that side) does not reach it. Nor does a light for which no float
+ *     holds the ray below: if d' for a point light, or o' for a directional one, would have a component beyond the
+ *     greatest float. It counts as one on the other side.
  *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
  * from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, and surely on
  * that side: it is moved off by about 2^-22 of the greatest coordinate relative to the eye and to the light, for
@@ -981,8 +990,8 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
  *   hit     what it hit: mesh and triangle.
  *   light   the light.
  *   shadow  receives the ray that decides, with the triangle to skip (struct_size must be set).
- *   faces   receives 1; or 0 if the light is on the other side: no ray is needed then, and *shadow has a direction of
- * 0.
+ *   faces   receives 1; or 0 if the light is on the other side, or counts as such because the ray would leave the range
+ *           of float. No ray is needed then, and *shadow has a direction of 0.
  *
  * MLRT_ERROR_ARGUMENT if there is no such triangle, or the ray does not hit it.
  */

@@ -11,6 +11,7 @@
 #include "output.h"
 #include "progress.h"
 #include "scheduler.h"
+#include "structs.h"
 #include "trace_ray.h"
 
 #define ITEM_RAYS 256
@@ -46,7 +47,8 @@ static int32_t resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
         if (!array->data) continue;
         if (array->stride == MLRT_STRIDE_ALL) return MLRT_ERROR_ARGUMENT;
         if (array->stride == 0) array->stride = size;
-        if (array->stride % size != 0 || (uintptr_t)array->data % size != 0) return MLRT_ERROR_ARGUMENT;
+        if (array->stride > MLRT_STRIDE_LIMIT || array->stride % size != 0 || (uintptr_t)array->data % size != 0)
+            return MLRT_ERROR_ARGUMENT;
         if (c >= TOTAL) continue;
         if (lists->capacity == 0) return MLRT_ERROR_ARGUMENT;
         run->capacity = lists->capacity; // without arrays of hits nothing has to be put in order

@@ -280,9 +280,9 @@ static int cut_reference(const struct mlrt_triangle *triangles, const struct mlr
  * First, lower ones change places with upper ones, so that those on both sides lie between them. Then these are dealt
  * out in turn: lower parts right behind the lower ones, upper parts behind everything.
  */
-MLRT_SMALL void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt_quad_box *references,
-                                         const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
-                                         struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
+void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt_quad_box *references,
+                              const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
+                              struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
     struct slabs slabs = cut_slabs(&set->box);
     struct dealing dealing = {

@@ -52,8 +52,8 @@ static uint32_t rays_met(struct mlrt_ray_tile *tile, uint32_t place, const struc
 }
 
 /* Traces rays of one direction as what they are, and takes over what they hit nearer than before. */
-static MLRT_SMALL void trace_sheared(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet,
-                                     uint32_t lanes, uint32_t child)
+static void trace_sheared(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet,
+                          uint32_t lanes, uint32_t child)
 {
     struct mlrt_packet rays = *packet;
     mlrt_unshear_packet(&rays);

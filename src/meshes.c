@@ -43,6 +43,7 @@ static int32_t check_mesh(const mlrt_mesh *meshes, size_t i)
     if (mesh.triangle_count == 0) return MLRT_OK;
     if (mesh.triangle_count > MLRT_TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
     if (!mesh.vertices && mesh.vertex_count) return MLRT_ERROR_ARGUMENT;
+    if (mesh.vertex_stride > MLRT_STRIDE_LIMIT || mesh.triangle_stride > MLRT_STRIDE_LIMIT) return MLRT_ERROR_ARGUMENT;
     if (mesh.vertex_stride % 4 || mesh.vertex_stride < 12) return MLRT_ERROR_ARGUMENT;
     if ((uintptr_t)mesh.vertices % 4 || (uintptr_t)mesh.indices % mesh.index_size) return MLRT_ERROR_ARGUMENT;
     if (mesh.triangle_stride % mesh.index_size || mesh.triangle_stride < 3 * (size_t)mesh.index_size) {

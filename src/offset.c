@@ -67,6 +67,7 @@ static int find_normal(const struct mlrt_triangle *triangle, int side, double di
 static MLRT_NOINLINE int find_point(const struct mlrt_triangle *triangle, float u, float v, int side, const float *from,
                                     float point[3])
 {
+    if (!isfinite(u) || !isfinite(v)) return 0;
     if (!mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle)) return 0;
     double base[3], direction[3];
     for (int k = 0; k < 3; ++k) {

@@ -9,7 +9,7 @@
 
 /*
  * A point near (1 - u - v) a + u b + v c, strictly on the side of the normal (side = +1) or the other (-1). 0 if there
- * is none in the range of float, or if the triangle has no plane.
+ * is none in the range of float, if u or v is not finite, or if the triangle has no plane.
  */
 int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3]);
 

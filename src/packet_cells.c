@@ -53,7 +53,7 @@ static int is_seen_so(const struct mlrt_packet *packet, const struct mlrt_cells 
 
 /* Of packets of these widths, those wider than MLRT_WIDE_FACTOR times most: than a quarter of them, as edges may be
  * many. */
-static MLRT_SMALL uint32_t find_widest(const float widths[MLRT_CELL_COUNT], uint32_t gathered, float *limit)
+static uint32_t find_widest(const float widths[MLRT_CELL_COUNT], uint32_t gathered, float *limit)
 {
     float sorted[MLRT_CELL_COUNT] = {0};
     uint32_t count = 0, wide = 0;

@@ -29,32 +29,23 @@
 #endif
 
 #if defined(__GNUC__)
-#if defined(MLRT_INLINE_LESS) /* where size counts, the compiler decides what is worth a copy */
-#define MLRT_INLINE static inline __attribute__((unused))
-#else
-#define MLRT_INLINE static inline __attribute__((always_inline, unused))
-#endif
+#define MLRT_INLINE              static inline __attribute__((always_inline, unused))
 #define MLRT_NOINLINE            __attribute__((noinline))
-#define MLRT_SMALL               __attribute__((noinline, cold)) /* seldom runs: size counts */
 #define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
 #define MLRT_LIKELY(condition)   __builtin_expect(!!(condition), 1)
 #define MLRT_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
 #else
 #define MLRT_INLINE static inline
 #define MLRT_NOINLINE
-#define MLRT_SMALL
 #define MLRT_ALIGNED(bytes)
 #define MLRT_LIKELY(condition)   (condition)
 #define MLRT_UNLIKELY(condition) (condition)
 #endif
 
-/* Before a loop that should stay one: it is long, or seldom runs. And before a short one that must not, whatever the
- * compiler is told. */
+/* Before a short loop that must be gone, whatever the compiler is told. */
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
-#define MLRT_KEEP_LOOP _Pragma("GCC unroll 1")
-#define MLRT_UNROLL    _Pragma("GCC unroll 9")
+#define MLRT_UNROLL _Pragma("GCC unroll 9")
 #else
-#define MLRT_KEEP_LOOP
 #define MLRT_UNROLL
 #endif
 

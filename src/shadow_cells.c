@@ -162,7 +162,6 @@ static int set_lit_cell(const struct quad_extremes *of, float reach, float away,
     const float depth = lane_of(&of->least_depth, place);
     const float error = PLACE_ERROR * (away + 2 * z + reach) + ALONG_ERROR * z / steepness + SLOPE_FLOOR;
     if (!(steepness > LEAST_STEEPNESS && depth > 4 * error)) return 0;
-    MLRT_KEEP_LOOP
     for (int side = 0; side < 2; ++side) {
         const float lo = lane_of(&of->lo[side], place), hi = lane_of(&of->hi[side], place);
         const float steepest = fmaxf(fabsf(lo), fabsf(hi));
@@ -199,7 +198,6 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
         for (uint32_t corner = facing >> first & 15 ? 0 : 4; corner < 4; ++corner) {
             add_corner(seen, &planes, from, first, corner, lit, &of);
         }
-        MLRT_KEEP_LOOP
         for (uint32_t place = first; place < first + 4; ++place) {
             const int is_known = facing >> place & 1 && set_lit_cell(&of, planes.reach[place], away, place, lit);
             if (!is_known) leave_out(place, lit);

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "hit.h"
+#include "structs.h"
 #include "kernels/quad.h"
 
 /* ---- checking ---- */
@@ -23,7 +24,7 @@ static int resolve_array(const mlrt_const_array *array, size_t element_size, int
     if (!array->data) return !required;
     if (array->stride == 0) resolved->stride = element_size;
     if (array->stride == MLRT_STRIDE_ALL) resolved->stride = 0;
-    return resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
+    return resolved->stride <= MLRT_STRIDE_LIMIT && resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
 }
 
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
@@ -55,7 +56,7 @@ int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *sou
     return MLRT_OK;
 }
 
-MLRT_SMALL int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
+int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
@@ -70,7 +71,7 @@ MLRT_SMALL int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt
     return set_extent(source, rays->count, rays->row_length);
 }
 
-MLRT_SMALL int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
+int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
 {
     if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
     source->kind = light->kind == MLRT_LIGHT_POINT ? MLRT_SOURCE_POINT_LIGHT : MLRT_SOURCE_DIRECTIONAL_LIGHT;
@@ -81,8 +82,8 @@ MLRT_SMALL int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *s
     return MLRT_OK;
 }
 
-MLRT_SMALL int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points,
-                                          const mlrt_light *light, struct mlrt_source *source)
+int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                               struct mlrt_source *source)
 {
     const int32_t status = mlrt_set_light(light, source);
     if (status != MLRT_OK) return status;
@@ -189,8 +190,7 @@ static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct ml
     return mlrt_make_segment(source->light, direction, 0, 1, ray);
 }
 
-MLRT_SMALL int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
-                            uint32_t *skip)
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
     if (skip) *skip = MLRT_NONE;
     if (source->kind == MLRT_SOURCE_CAMERA) {
@@ -272,7 +272,7 @@ MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
 }
 
 /* Words of elements, lane by lane: word k of lane l goes to words[k][l]. The array has one for each `group` rays. */
-static MLRT_SMALL void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group,
+static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group,
                                    int word_count, void *const *words)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
@@ -361,8 +361,7 @@ void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, 
     }
 }
 
-static MLRT_SMALL void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y,
-                                         struct mlrt_packet *packet)
+static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         float p[3];
@@ -394,8 +393,7 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
 }
 
 /* Those of lanes that do not exist are anything. */
-static MLRT_SMALL void fetch_masks(const struct mlrt_source *source, const struct block *block,
-                                   struct mlrt_packet *packet)
+static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     mlrt_set_common_mask(source, packet);
     for (uint32_t lane = 0; source->mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
@@ -450,7 +448,6 @@ int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first)
     const uint32_t *pairs = (const uint32_t *)source->skip.data + 2 * first;
     const uint32_t repeated[4] = {pairs[0], pairs[1], pairs[0], pairs[1]};
     const f4 quad = f4_load_any(repeated);
-    MLRT_KEEP_LOOP
     for (int row = 0; row < 16; ++row, pairs += 2 * (size_t)source->width) {
         f4 same = f4_set1(-1);
         MLRT_UNROLL
@@ -460,7 +457,7 @@ int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first)
     return 1;
 }
 
-MLRT_SMALL uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
+uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint64_t row = y + (uint32_t)mlrt_lane_y[lane];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Structs that grow: what the caller has is as long as its struct_size says, which may be less or more than what this
- * version knows (mlrt.h, rules of the whole interface).
+ * version knows (mlrt.h, rules of the whole interface). And the greatest stride that arrays in them may have.
  */
 #ifndef MLRT_STRUCTS_H
 #define MLRT_STRUCTS_H
@@ -9,6 +9,9 @@
 #include <stddef.h>
 
 #include "mlrt.h"
+
+/* The greatest stride that a caller may give, in bytes: more is a mistake, such as a negative number. */
+#define MLRT_STRIDE_LIMIT ((size_t)1 << 31)
 
 /* Bytes up to the end of a field: what the size of a struct was when that field was the last. */
 #define MLRT_SIZE_UP_TO(type, field) (offsetof(type, field) + sizeof(((type *)0)->field))

@@ -416,7 +416,8 @@ static int can_write_floats(const mlrt_array *array)
 {
     return !array || !array->data ||
            ((uintptr_t)array->data % 4 == 0 && array->stride % 4 == 0 && array->row_stride % 4 == 0 &&
-            (array->stride == 0 || array->stride >= 12));
+            (array->stride == 0 || array->stride >= 12) && array->stride <= MLRT_STRIDE_LIMIT &&
+            array->row_stride <= MLRT_STRIDE_LIMIT);
 }
 
 static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)
@@ -491,24 +492,27 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
 }
 
-/* Tells the ray of a light from the hit of another ray. 0 if that does not hit the triangle. */
-static MLRT_NOINLINE int tell_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number,
-                                         const struct mlrt_source *light, mlrt_ray *shadow, int32_t *faces)
+/* Tells the ray of a light from the hit of another ray. */
+static MLRT_NOINLINE int32_t tell_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number,
+                                             const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
 {
+    struct mlrt_source source;
     struct mlrt_ray_segment segment, answer;
     int is_on_side = 0;
+    const int32_t status = mlrt_set_light(light, &source);
+    if (status != MLRT_OK) return status;
     const struct mlrt_triangle *triangle = &tree->triangles[number];
     if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment) ||
         !mlrt_triangle_is_finite(triangle) || !mlrt_hits_triangle(&segment, triangle, NULL)) {
-        return 0;
+        return MLRT_ERROR_ARGUMENT;
     }
-    if (mlrt_make_shadow_ray(light, triangle, &segment, &is_on_side, &answer)) {
+    if (mlrt_make_shadow_ray(&source, triangle, &segment, &is_on_side, &answer)) {
         memcpy(shadow->origin, answer.origin, sizeof shadow->origin);
         memcpy(shadow->direction, answer.direction, sizeof shadow->direction);
         shadow->t_max = isinf(answer.t_max) ? 0 : answer.t_max;
     }
     *faces = is_on_side;
-    return 1;
+    return MLRT_OK;
 }
 
 MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
@@ -518,7 +522,6 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
     mlrt_ray own_ray;
     mlrt_hit own_hit;
     mlrt_light own_light;
-    struct mlrt_source source;
     int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
     if (status == MLRT_OK) status = mlrt_take_struct(hit, FIRST_HIT_SIZE, &own_hit, sizeof own_hit);
     if (status == MLRT_OK) {
@@ -533,10 +536,7 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
                        .skip_mesh = own_hit.mesh,
                        .skip_triangle = own_hit.triangle};
     const uint64_t environment = mlrt_enter_fp_environment();
-    status = mlrt_set_light(&own_light, &source);
-    if (status == MLRT_OK && !tell_shadow_ray(tree, &own_ray, number, &source, &answer, faces)) {
-        status = MLRT_ERROR_ARGUMENT;
-    }
+    status = tell_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
     mlrt_leave_fp_environment(environment);
     if (status != MLRT_OK) return status;
     mlrt_give_struct(&answer, sizeof answer, shadow);
@@ -546,7 +546,7 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
 MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
                                    int32_t side, float point[3])
 {
-    if (!tree || !point || (side != 1 && side != -1) || !isfinite(u) || !isfinite(v)) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !point || (side != 1 && side != -1)) return MLRT_ERROR_ARGUMENT;
     const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);
     if (number == MLRT_NONE) return MLRT_ERROR_ARGUMENT;
     const uint64_t environment = mlrt_enter_fp_environment();

@@ -60,8 +60,8 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
     return hit;
 }
 
-MLRT_SMALL uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
-                                      struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters)
+uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                           struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters)
 {
     const uint32_t tied = settle_ties(tree, number, lanes, inside, packet, worker), undecided = lanes & ~tied;
     if (counters) {

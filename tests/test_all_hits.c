@@ -3,6 +3,7 @@
  * All hits of a ray: lists against the reference, bit for bit, at every capacity; and the parity of crossings, which
  * must say exactly which points are inside a closed mesh, also along rays through its vertices, edges and faces.
  */
+#define _POSIX_C_SOURCE 200809L /* posix_memalign */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -188,6 +189,80 @@ static void arrays_that_are_not_wanted(void **state)
         assert_int_equal(mlrt_trace_all_hits(fixture.tree, &rays, NULL, &all), MLRT_OK);
         assert_memory_equal(elements, expected, sizeof elements);
         assert_memory_equal(totals, expected_totals, sizeof totals);
+    }
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
+/* A host whose memory fails once, at the allocation `fail_at` (counted from 1), or from there on. */
+struct failing_memory {
+    uint32_t allocation_count;
+    uint32_t fail_at;
+    int goes_on_failing;
+    uint32_t block_count;
+};
+
+static void *take_block(void *user, size_t size, size_t alignment)
+{
+    struct failing_memory *memory = user;
+    const uint32_t number = ++memory->allocation_count;
+    void *block = NULL;
+    if (number == memory->fail_at || (number > memory->fail_at && memory->goes_on_failing)) return NULL;
+    if (posix_memalign(&block, alignment, size) != 0) return NULL;
+    ++memory->block_count;
+    return block;
+}
+
+static void give_block(void *user, void *block, size_t size, size_t alignment)
+{
+    struct failing_memory *memory = user;
+    (void)size;
+    (void)alignment;
+    --memory->block_count;
+    free(block);
+}
+
+/*
+ * The list of a ray through 300 sheets grows three times after it began: whichever of its allocations fails, and also
+ * if the next one does not, the call says so, and a ray with hits missing is not written.
+ */
+static void memory_that_fails_is_never_a_list_without_hits(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    struct ray_list list = {0};
+    const float origin[3] = {0.25f, 0.25f, -1}, direction[3] = {0, 0, 1};
+    for (int i = 0; i < 300; i++) {
+        const float z = (float)i, a[3] = {0, 0, z}, b[3] = {1, 0, z}, c[3] = {0, 1, z};
+        soup_add_triangle(&soup, a, b, c);
+    }
+    struct fixture fixture = fixture_of_soup("sheets", 13, &soup);
+    add_ray(&list, origin, direction);
+    const mlrt_rays rays = public_rays(&list);
+    const mlrt_tree *const trees[] = {fixture.tree, fixture.boxes};
+    for (int way = 0; way < 4; way++) {
+        struct failing_memory memory = {.goes_on_failing = way & 1};
+        const mlrt_host host = {
+            .struct_size = sizeof host, .user = &memory, .allocate = take_block, .free = give_block};
+        const mlrt_trace_options options = {.struct_size = sizeof options, .host = &host};
+        int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
+        while (status != MLRT_OK) {
+            struct totals totals = {7, 7};
+            const mlrt_hit_lists lists = lists_of(NULL, &totals, 0);
+            memory.allocation_count = 0;
+            ++memory.fail_at;
+            status = mlrt_trace_all_hits(trees[way / 2], &rays, &options, &lists);
+            assert_int_equal(memory.block_count, 0);
+            if (memory.allocation_count < memory.fail_at) { // nothing failed
+                assert_int_equal(status, MLRT_OK);
+                assert_int_equal(totals.total, 300);
+                continue;
+            }
+            assert_int_equal(status, MLRT_ERROR_OUT_OF_MEMORY);
+            assert_int_equal(totals.total, 7);
+            assert_int_equal(totals.crossing_total, 7);
+        }
+        assert_true(memory.fail_at > 5); // the worker, 64 hits, 128, 256, 512; and then none
     }
     free_rays(&list);
     free_fixture(&fixture);
@@ -531,6 +606,7 @@ int main(void)
         cmocka_unit_test(every_kind_of_ray),
         cmocka_unit_test(the_first_of_all_is_the_closest),
         cmocka_unit_test(arrays_that_are_not_wanted),
+        cmocka_unit_test(memory_that_fails_is_never_a_list_without_hits),
         cmocka_unit_test(wrong_arguments),
         cmocka_unit_test(arrays_that_cannot_be),
         cmocka_unit_test(rays_and_options_that_cannot_be),

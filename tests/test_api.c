@@ -179,6 +179,38 @@ static void strides_that_are_not_multiples(void **state)
     assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
 }
 
+/* 2^31 is the most, in bytes; a negative number as size_t is more. Of one element no other is read or written. */
+#define GREATEST_STRIDE ((size_t)1 << 31)
+static const size_t too_large[] = {GREATEST_STRIDE + 4, (size_t)0 - 12, (size_t)0 - 4};
+
+static void strides_of_meshes_that_are_too_large(void **state)
+{
+    (void)state;
+    static const uint32_t indices[6] = {0, 1, 2};
+    mlrt_mesh good = two_triangles();
+    good.indices = indices;
+    good.triangle_count = 1;
+    mlrt_mesh mesh = good;
+    mesh.triangle_stride = GREATEST_STRIDE;
+    assert_mesh(&mesh, MLRT_OK);
+    for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+        uint64_t hash = 0;
+        mesh = good;
+        mesh.triangle_stride = too_large[i];
+        assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_hash_geometry(&mesh, 1, &hash), MLRT_ERROR_ARGUMENT);
+        mesh = good;
+        mesh.vertex_stride = too_large[i];
+        assert_mesh(&mesh, MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_hash_geometry(&mesh, 1, &hash), MLRT_ERROR_ARGUMENT);
+    }
+    const uint32_t first_thrice[3] = {0, 0, 0};
+    mesh = good;
+    mesh.indices = first_thrice;
+    mesh.vertex_stride = GREATEST_STRIDE;
+    assert_mesh(&mesh, MLRT_OK);
+}
+
 static void triangles_without_enough_vertices(void **state)
 {
     (void)state;
@@ -825,6 +857,116 @@ static void rendering_without_arguments(void **state)
 }
 
 /* ---- light ------------------------------------------------------------------------------------------------------- */
+
+static void strides_of_rays_and_hits_that_are_too_large(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    const float origin[3] = {0.25f, 0.25f, 0}, direction[3] = {0, 0, 1}, t_min = 0, t_max = 9;
+    const uint32_t skip[2] = {MLRT_NONE, MLRT_NONE}, mask = 1;
+    for (int a = 0; a < 6; a++) { // of rays
+        uint32_t id = 7;
+        const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {&id, 0, 0}};
+        const mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = 1, .triangle = {&id, 0, 0}};
+        mlrt_rays rays = {.struct_size = sizeof rays,
+                          .count = 1,
+                          .origins = {origin, 0},
+                          .directions = {direction, 0},
+                          .t_min = {&t_min, 0},
+                          .t_max = {&t_max, 0},
+                          .skip = {skip, 0},
+                          .mask = {&mask, 0}};
+        mlrt_const_array *const arrays[] = {&rays.origins, &rays.directions, &rays.t_min,
+                                            &rays.t_max,   &rays.skip,       &rays.mask};
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            arrays[a]->stride = too_large[i];
+            assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &hits), MLRT_ERROR_ARGUMENT);
+            assert_int_equal(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+        }
+        assert_int_equal(id, 7);
+        arrays[a]->stride = GREATEST_STRIDE;
+        assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &hits), MLRT_OK);
+        assert_int_equal(id, 0);
+    }
+    const mlrt_rays rays = {
+        .struct_size = sizeof rays, .count = 1, .origins = {origin, 0}, .directions = {direction, 0}};
+    for (int a = 0; a < 7; a++) { // of hits, and of lists of them
+        uint32_t words[9];
+        memset(words, 0x5A, sizeof words);
+        mlrt_hits hits = {.struct_size = sizeof hits};
+        mlrt_array *const arrays[] = {&hits.t,        &hits.u,      &hits.v,       &hits.mesh,
+                                      &hits.triangle, &hits.facing, &hits.occluded};
+        const mlrt_trace_options options = {.struct_size = sizeof options,
+                                            .query = a == 6 ? MLRT_QUERY_ANY : MLRT_QUERY_CLOSEST};
+        arrays[a]->data = words;
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            arrays[a]->stride = too_large[i];
+            assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_ERROR_ARGUMENT);
+        }
+        assert_int_equal(words[0], 0x5A5A5A5A);
+        arrays[a]->stride = GREATEST_STRIDE;
+        assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+    }
+    for (int a = 0; a < 9; a++) {
+        uint32_t word = 7;
+        mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = a < 7 ? 1 : 0};
+        mlrt_array *const arrays[] = {&lists.t,        &lists.u,        &lists.v,
+                                      &lists.mesh,     &lists.triangle, &lists.facing,
+                                      &lists.crossing, &lists.total,    &lists.crossing_total};
+        arrays[a]->data = &word;
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            arrays[a]->stride = too_large[i];
+            assert_int_equal(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_ERROR_ARGUMENT);
+        }
+        assert_int_equal(word, 7);
+        arrays[a]->stride = GREATEST_STRIDE;
+        assert_int_equal(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_OK);
+    }
+    mlrt_destroy_tree(tree);
+}
+
+static void strides_of_pictures_and_points_that_are_too_large(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = some_tree();
+    mlrt_camera camera = good_camera();
+    float vectors[3] = {7, 7, 7};
+    uint32_t id = 7;
+    uint8_t occluded = 7;
+    camera.crop_width = camera.crop_height = 1;
+    for (int has_rows = 0; has_rows < 2; has_rows++) {
+        mlrt_array out = {vectors, 0, 0};
+        mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {&id, 0, 0}};
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            *(has_rows ? &out.row_stride : &out.stride) = too_large[i];
+            *(has_rows ? &hits.triangle.row_stride : &hits.triangle.stride) = too_large[i];
+            assert_int_equal(mlrt_camera_rays(&camera, &out, NULL), MLRT_ERROR_ARGUMENT);
+            assert_int_equal(mlrt_camera_rays(&camera, NULL, &out), MLRT_ERROR_ARGUMENT);
+            assert_int_equal(mlrt_render_tiles(tree, &camera, NULL, &hits, NULL, NULL), MLRT_ERROR_ARGUMENT);
+        }
+        *(has_rows ? &out.row_stride : &out.stride) = GREATEST_STRIDE;
+        *(has_rows ? &hits.triangle.row_stride : &hits.triangle.stride) = GREATEST_STRIDE;
+        assert_true(has_rows || (vectors[0] == 7 && id == 7));
+        assert_int_equal(mlrt_camera_rays(&camera, &out, NULL), MLRT_OK);
+        assert_int_equal(mlrt_render_tiles(tree, &camera, NULL, &hits, NULL, NULL), MLRT_OK);
+    }
+    const float position[3] = {0, 0, 0};
+    const uint32_t skip[2] = {MLRT_NONE, MLRT_NONE};
+    const mlrt_light light = {.struct_size = sizeof light, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {0, 0, 1}};
+    for (int a = 0; a < 3; a++) {
+        mlrt_points points = {.struct_size = sizeof points, .count = 1, .positions = {position, 0}, .skip = {skip, 0}};
+        mlrt_array out = {&occluded, 0, 0};
+        size_t *const strides[] = {&points.positions.stride, &points.skip.stride, &out.stride};
+        for (size_t i = 0; i < sizeof too_large / sizeof too_large[0]; i++) {
+            *strides[a] = too_large[i];
+            assert_int_equal(mlrt_occluded_points(tree, &points, &light, NULL, &out), MLRT_ERROR_ARGUMENT);
+        }
+        assert_true(a > 0 || occluded == 7);
+        *strides[a] = GREATEST_STRIDE;
+        assert_int_equal(mlrt_occluded_points(tree, &points, &light, NULL, &out), MLRT_OK);
+    }
+    mlrt_destroy_tree(tree);
+}
 
 static void occlusion_errors(void **state)
 {
@@ -1508,6 +1650,212 @@ static void progress_and_options_under_traps(void **state)
 #endif
 }
 
+/*
+ * A signalling NaN raises an exception wherever it is looked at. So no float of the caller's may be looked at before
+ * the library's environment is there. What each call answers is compared at once: no test goes on with traps.
+ */
+#ifdef __GLIBC__
+static const uint32_t signalling = 0x7FA00000;
+
+static void set_bad(void *place)
+{
+    memcpy(place, &signalling, sizeof signalling);
+}
+
+/* Returns 0 on a processor without traps. */
+static int begin_traps(fexcept_t *flags)
+{
+    fegetexceptflag(flags, FE_ALL_EXCEPT);
+    feclearexcept(FE_ALL_EXCEPT);
+    return feenableexcept(FE_INVALID) != -1;
+}
+
+static void end_traps(const fexcept_t *flags)
+{
+    const int traps = fegetexcept(), raised = fetestexcept(FE_INVALID);
+    fedisableexcept(FE_ALL_EXCEPT);
+    fesetexceptflag(flags, FE_ALL_EXCEPT);
+    assert_int_equal(traps, FE_INVALID);
+    assert_int_equal(raised, 0);
+}
+
+static void assert_answer(int32_t status, int32_t expected)
+{
+    if (status == expected) return;
+    fedisableexcept(FE_ALL_EXCEPT);
+    fail_msg("%s, not %s", mlrt_status_string(status), mlrt_status_string(expected));
+}
+#endif
+
+static void a_point_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    mlrt_tree *tree = some_tree();
+    float bad, point[3];
+    fexcept_t flags;
+    set_bad(&bad);
+    if (!begin_traps(&flags)) skip();
+    assert_answer(mlrt_offset_point(tree, 0, 0, bad, 0.25f, 1, point), MLRT_ERROR_ARGUMENT);
+    assert_answer(mlrt_offset_point(tree, 0, 0, 0.25f, bad, -1, point), MLRT_ERROR_ARGUMENT);
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void cameras_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    static const size_t places[] = {
+        offsetof(mlrt_camera, eye),      offsetof(mlrt_camera, direction), offsetof(mlrt_camera, d00),
+        offsetof(mlrt_camera, dx),       offsetof(mlrt_camera, dy),        offsetof(mlrt_camera, sample_x),
+        offsetof(mlrt_camera, sample_y), offsetof(mlrt_camera, t_min),     offsetof(mlrt_camera, t_max)};
+    mlrt_tree *tree = some_tree();
+    float vectors[16][3];
+    uint32_t ids[16];
+    const mlrt_array out = {vectors, 0, 0};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {ids, 0, 0}};
+    fexcept_t flags;
+    if (!begin_traps(&flags)) skip();
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        for (int32_t projection = MLRT_PROJECTION_PINHOLE; projection <= MLRT_PROJECTION_PARALLEL; projection++) {
+            const size_t unused = projection == MLRT_PROJECTION_PARALLEL ? 0 : 1; // of eye and direction one counts
+            const int32_t expected = i == unused ? MLRT_OK : MLRT_ERROR_CAMERA;
+            mlrt_camera camera = good_camera();
+            camera.projection = projection;
+            camera.direction[2] = 1;
+            set_bad((unsigned char *)&camera + places[i]);
+            assert_answer(mlrt_camera_rays(&camera, &out, &out), expected);
+            assert_answer(mlrt_render_tiles(tree, &camera, NULL, &hits, NULL, NULL), expected);
+        }
+    }
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void lights_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    mlrt_tree *tree = some_tree();
+    const mlrt_camera camera = good_camera();
+    const mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
+    const mlrt_hit hit = {.struct_size = sizeof hit};
+    const float positions[16][3] = {{0}};
+    const mlrt_points points = {.struct_size = sizeof points, .count = 16, .positions = {positions, 0}};
+    mlrt_ray shadow = {.struct_size = sizeof shadow};
+    uint8_t occluded[16];
+    int32_t faces;
+    const mlrt_array out = {occluded, 0, 0};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = out};
+    fexcept_t flags;
+    if (!begin_traps(&flags)) skip();
+    for (int32_t kind = MLRT_LIGHT_POINT; kind <= MLRT_LIGHT_DIRECTIONAL; kind++) {
+        mlrt_light light = {.struct_size = sizeof light, .kind = kind};
+        const mlrt_trace_options options = {.struct_size = sizeof options, .lights = &light, .light_count = 1};
+        set_bad(&light.position[1]);
+        assert_answer(mlrt_occluded_points(tree, &points, &light, NULL, &out), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_render_tiles(tree, &camera, &options, &hits, NULL, NULL), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_shadow_ray(tree, &ray, &hit, &light, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    }
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void rays_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    static const int32_t methods[] = {MLRT_METHOD_DEFAULT, MLRT_METHOD_RAY, MLRT_METHOD_TILE};
+    mlrt_tree *tree = some_tree();
+    float good[16][3] = {{0}};
+    const mlrt_light sun = {.struct_size = sizeof sun, .kind = MLRT_LIGHT_DIRECTIONAL, .position = {0, 0, 1}};
+    const mlrt_hit seen = {.struct_size = sizeof seen};
+    float bad[16][3];
+    uint32_t ids[16];
+    uint8_t occluded[16];
+    int32_t faces;
+    const mlrt_array out = {occluded, 0, 0};
+    const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {ids, 0, 0}};
+    const mlrt_hit_lists lists = {.struct_size = sizeof lists, .capacity = 1, .triangle = {ids, 0, 0}};
+    const mlrt_points points = {.struct_size = sizeof points, .count = 16, .positions = {bad, 0}};
+    fexcept_t flags;
+    for (int i = 0; i < 48; i++) set_bad(&bad[i / 3][i % 3]);
+    if (!begin_traps(&flags)) skip();
+    for (int i = 0; i < 4; i++) {
+        mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
+        mlrt_ray shadow = {.struct_size = sizeof shadow};
+        void *const places[] = {&ray.origin[1], &ray.direction[2], &ray.t_min, &ray.t_max};
+        const mlrt_rays rays = {.struct_size = sizeof rays,
+                                .count = 16,
+                                .origins = {i == 0 ? bad : good, 0},
+                                .directions = {i == 1 ? bad : good, 0},
+                                .t_min = {i == 2 ? bad : NULL, 0},
+                                .t_max = {i == 3 ? bad : NULL, 0}};
+        set_bad(places[i]);
+        for (size_t m = 0; m < sizeof methods / sizeof methods[0]; m++) {
+            const mlrt_trace_options options = {.struct_size = sizeof options, .method = methods[m]};
+            mlrt_hit hit = {.struct_size = sizeof hit};
+            assert_answer(mlrt_trace_ray(tree, &ray, &options, &hit), MLRT_OK);
+            assert_answer(hit.triangle == MLRT_NONE, 1);
+            assert_answer(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
+        }
+        assert_answer(mlrt_trace_all_hits(tree, &rays, NULL, &lists), MLRT_OK);
+        assert_answer(mlrt_shadow_ray(tree, &ray, &seen, &sun, &shadow, &faces), MLRT_ERROR_ARGUMENT);
+    }
+    assert_answer(mlrt_occluded_points(tree, &points, &sun, NULL, &out), MLRT_OK);
+    end_traps(&flags);
+    mlrt_destroy_tree(tree);
+#else
+    skip();
+#endif
+}
+
+static void meshes_and_costs_of_signalling_nans(void **state)
+{
+    (void)state;
+#ifdef __GLIBC__
+    mlrt_tree *tree = NULL, *loaded = NULL;
+    mlrt_build_options build = {.struct_size = sizeof build};
+    mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+    mlrt_mesh mesh = two_triangles();
+    float bad[18];
+    size_t size = 0;
+    uint64_t hash;
+    unsigned char *file = allocate_or_fail(1, 100000);
+    fexcept_t flags;
+    memcpy(bad, corners, sizeof bad);
+    set_bad(&bad[4]);
+    mesh.vertices = bad;
+    if (!begin_traps(&flags)) skip();
+    assert_answer(mlrt_hash_geometry(&mesh, 1, &hash), MLRT_OK);
+    assert_answer(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_answer(mlrt_save_tree(tree, file, 100000, &size), MLRT_OK);
+    assert_answer(mlrt_load_tree(file, size, NULL, &loaded), MLRT_OK);
+    mlrt_destroy_tree(tree);
+    mlrt_destroy_tree(loaded);
+    for (int i = 0; i < 2; i++) {
+        build.traversal_cost = build.intersection_cost = 0;
+        set_bad(i == 0 ? &build.traversal_cost : &build.intersection_cost);
+        assert_answer(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_estimate_memory(&mesh, 1, &build, &estimate), MLRT_ERROR_ARGUMENT);
+    }
+    end_traps(&flags);
+    free(file);
+#else
+    skip();
+#endif
+}
+
 /* A t_max of 0 is none, a denormal one is one, to callers too for whom it is 0. */
 static void a_denormal_limit_is_a_limit(void **state)
 {
@@ -1584,6 +1932,7 @@ int main(void)
         cmocka_unit_test(mesh_without_vertices),
         cmocka_unit_test(index_sizes),
         cmocka_unit_test(strides_that_are_not_multiples),
+        cmocka_unit_test(strides_of_meshes_that_are_too_large),
         cmocka_unit_test(triangles_without_enough_vertices),
         cmocka_unit_test(indices_out_of_range),
         cmocka_unit_test(a_message_names_mesh_triangle_and_index),
@@ -1623,6 +1972,8 @@ int main(void)
         cmocka_unit_test(crops_beyond_the_picture),
         cmocka_unit_test(pictures_that_are_too_large),
         cmocka_unit_test(rendering_without_arguments),
+        cmocka_unit_test(strides_of_rays_and_hits_that_are_too_large),
+        cmocka_unit_test(strides_of_pictures_and_points_that_are_too_large),
         cmocka_unit_test(occlusion_errors),
         cmocka_unit_test(lights_of_a_picture),
         cmocka_unit_test(pictures_without_lights_have_no_shadows),
@@ -1646,6 +1997,11 @@ int main(void)
         cmocka_unit_test(callers_that_round_by_fenv),
         cmocka_unit_test(callers_that_trap_by_fenv),
         cmocka_unit_test(progress_and_options_under_traps),
+        cmocka_unit_test(a_point_of_signalling_nans),
+        cmocka_unit_test(cameras_of_signalling_nans),
+        cmocka_unit_test(lights_of_signalling_nans),
+        cmocka_unit_test(rays_of_signalling_nans),
+        cmocka_unit_test(meshes_and_costs_of_signalling_nans),
         cmocka_unit_test(a_denormal_limit_is_a_limit),
         cmocka_unit_test(callbacks_run_in_the_callers_environment),
     };

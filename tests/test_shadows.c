@@ -1393,6 +1393,48 @@ static void misses_have_no_shadow(void **state)
     }
 }
 
+/* No float leads from the second light to the wall, 6e38 away: it counts as one behind the wall. */
+static void a_light_beyond_the_range_of_float(void **state)
+{
+    (void)state;
+    static const int32_t methods[] = {MLRT_METHOD_DEFAULT, MLRT_METHOD_RAY};
+    const float corner[3] = {-1e38f, -1e38f, -3e38f}, side[3] = {2e38f, 0, 0}, other_side[3] = {0, 2e38f, 0};
+    const mlrt_light lights[2] = {light_at(0, 0, -1e38f), light_at(0, 0, 3e38f)};
+    const mlrt_camera camera = {.struct_size = sizeof camera,
+                                .width = 8,
+                                .height = 8,
+                                .eye = {0, 0, -2e38f},
+                                .d00 = {-0.5f, -0.5f, -1},
+                                .dx = {0.125f, 0, 0},
+                                .dy = {0, 0.125f, 0}};
+    struct soup soup = {0};
+    soup_add_quad(&soup, corner, side, other_side);
+    struct fixture fixture = fixture_of_soup("a far wall", 613, &soup);
+    for (int m = 0; m < 2; m++) {
+        uint32_t triangles[64];
+        uint8_t occluded[64];
+        const mlrt_trace_options options = {
+            .struct_size = sizeof options, .method = methods[m], .lights = lights, .light_count = 2};
+        const mlrt_hits frame = {
+            .struct_size = sizeof frame, .triangle = {triangles, 0, 0}, .occluded = {occluded, 0, 0}};
+        assert_int_equal(mlrt_render_tiles(fixture.boxes, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+        for (int i = 0; i < 64; i++) {
+            assert_int_not_equal(triangles[i], MLRT_NONE);
+            assert_int_equal(occluded[i], 2);
+        }
+        for (int i = 0; i < 2; i++) {
+            const mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0, 0, -2e38f}, .direction = {0, 0, -1}};
+            const mlrt_hit hit = {.struct_size = sizeof hit, .triangle = triangles[36]};
+            mlrt_ray shadow = {.struct_size = sizeof shadow};
+            int32_t faces = 7;
+            assert_int_equal(mlrt_shadow_ray(fixture.boxes, &ray, &hit, &lights[i], &shadow, &faces), MLRT_OK);
+            assert_int_equal(faces, i == 0);
+            assert_int_equal(shadow.direction[2] != 0, i == 0);
+        }
+    }
+    free_fixture(&fixture);
+}
+
 /* Walls are two-sided: lights count where the camera is. */
 static void a_wall_seen_from_behind(void **state)
 {
@@ -1601,6 +1643,7 @@ int main(void)
         cmocka_unit_test(bit_k_is_light_k),
         cmocka_unit_test(the_order_of_lights_is_that_of_bits_only),
         cmocka_unit_test(misses_have_no_shadow),
+        cmocka_unit_test(a_light_beyond_the_range_of_float),
         cmocka_unit_test(a_wall_seen_from_behind),
         cmocka_unit_test(a_light_at_the_end_of_its_ray),
         cmocka_unit_test(shadows_see_what_the_mask_sees),

@@ -28,6 +28,7 @@ struct bundle {
     struct mlrt_waist waist;
     int has_places; /* 0: all rays start at the waist, and all places are 0 */
     int has_begins; /* some t_min is not 0 */
+    int far_first;  /* boxes that the rays come to last are opened first */
     float scene_first, scene_last;
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;

@@ -88,8 +88,8 @@ MLRT_INLINE uint32_t set_leaf_terms(const struct mlrt_cells *cells, const struct
  * Decides the sign of N for a triangle of which float does not know it. Returns 0 if it is 0: no ray from the apex hits
  * the triangle.
  */
-static MLRT_SMALL int settle_sign(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t place,
-                                  struct mlrt_leaf_setup *leaf)
+static int settle_sign(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t place,
+                       struct mlrt_leaf_setup *leaf)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
     const int side = mlrt_are_sheared(cells) ? -mlrt_facing(triangle, cells->shear.along)
@@ -148,7 +148,6 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
 MLRT_INLINE uint32_t seen_by_cells(const struct mlrt_cells *cells, const struct mlrt_leaf_setup *leaf)
 {
     uint32_t seen = 0;
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(leaf->there >> v & ALL_LANES)) continue;
         vm may = v_le(v_load(leaf->least_depth + v), v_set1(cells->whole_farthest));
@@ -192,7 +191,7 @@ MLRT_INLINE int have_other_leaves(const struct mlrt_cells *cells, const struct m
             memcmp(&cells->shear, &cache->shear, sizeof cells->shear) != 0);
 }
 
-static MLRT_SMALL void forget_leaves(const struct mlrt_cells *cells, struct mlrt_leaf_cache *cache)
+static void forget_leaves(const struct mlrt_cells *cells, struct mlrt_leaf_cache *cache)
 {
     memset(cache->children, 0, sizeof cache->children);
     memcpy(cache->apex, cells->apex, sizeof cache->apex);

@@ -76,9 +76,7 @@ struct single_ray {
 
 MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct reciprocals *reciprocals)
 {
-    KEEP_LANES_LOOP
     for (int k = 0; k < 3; ++k) {
-        KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vf r = v_div(v_set1(1), v_load(packet->direction[k] + v));
             v_store(reciprocals->near[k] + v, v_mul(r, v_set1(1 - RECIPROCAL_SLACK)));
@@ -367,7 +365,6 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     struct reciprocals reciprocals;
     struct mlrt_worker worker;
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
-    MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
         const float r = 1 / segment->direction[k];
         packet.origin[k][0] = segment->origin[k];

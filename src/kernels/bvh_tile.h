@@ -28,7 +28,6 @@ MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct m
         return SHEARED.children_met(&cells->shear, cells->slope_lo, cells->slope_hi, cells->begin,
                                     cells->whole_farthest, node, near);
     }
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         const vf below = v_sub(v_load(node->lo[a] + v), apex), above = v_sub(v_load(node->hi[a] + v), apex);
         const vf first = v_max(cells->sign > 0 ? below : v_sub(zero, above), zero);
@@ -55,7 +54,6 @@ MLRT_INLINE uint32_t cells_met(const struct mlrt_cells *cells, const struct mlrt
     mlrt_see_box(cells, node, place, &box);
     const vf first = v_set1(box.first), last = v_set1(box.last);
     uint32_t met = 0;
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         vm may = v_le(v_set1(box.nearest), v_load(cells->farthest + v));
         for (int side = 0; side < 2; ++side) {
@@ -447,7 +445,6 @@ static void trace_gathered(const struct mlrt_job *job, struct mlrt_worker *worke
     for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         struct mlrt_packet *packet = &tile->packets[place];
-        KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vm active = m_from_bits(packet->active >> v);
             i_store(packet->triangle + v,

@@ -42,7 +42,6 @@ static MLRT_NOINLINE void sum_up_cells(struct mlrt_cells *cells)
     vf least[2], negated[2];
     for (int side = 0; side < 2; ++side) {
         least[side] = negated[side] = v_set1(INFINITY);
-        KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
             least[side] = v_min(v_load(cells->slopes[side].lo + v), least[side]);
             negated[side] = v_min(v_flip(v_load(cells->slopes[side].hi + v), v_set1(-1)), negated[side]);
@@ -111,8 +110,8 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
  * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them
  * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
-static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                                          struct mlrt_cells *cells)
+static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                               struct mlrt_cells *cells)
 {
     const struct mlrt_view *view = &job->source.view;
     const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
@@ -124,7 +123,6 @@ static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const stru
         larger_of(fabsf(columns[0][0]), fabsf(mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)));
     const float y_max =
         larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
-    MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
         if (!(whole <= MLRT_SAFE_MAX) || (!view->parallel && !mlrt_is_float_safe(view->eye[k]))) return 0;
@@ -141,7 +139,6 @@ static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const stru
     const int a = cells->main_axis;
     MLRT_ALIGNED(64) float samples[4][MLRT_CELL_COUNT];
     cells->closed = 0;
-    MLRT_KEEP_LOOP
     for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
         const uint32_t column = i % 4, row = i / 4;
         cells->closed |= (uint32_t)(column * side < width && row * side < height) << i;
@@ -150,7 +147,6 @@ static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const stru
             samples[2 + end][i] = rows[end][row];
         }
     }
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         v_store(cells->farthest + v, v_select(m_from_bits(cells->closed >> v), v_set1(INFINITY), v_set1(-INFINITY)));
         v_store(cells->shortest + v, v_set1(INFINITY));
@@ -161,11 +157,9 @@ static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const stru
         sum_up_cells(cells);
         return 1;
     }
-    MLRT_KEEP_LOOP
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         struct corner_slopes of = {
             v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)}, {v_set1(-INFINITY), v_set1(-INFINITY)}};
-        MLRT_KEEP_LOOP
         for (int corner = 0; corner < 4; ++corner) {
             add_corner(view, cells, samples[corner & 1] + v, samples[2 + (corner >> 1)] + v, &of);
         }
@@ -173,7 +167,6 @@ static MLRT_SMALL int gather_camera_cells(const struct mlrt_job *job, const stru
         const vm there = m_from_bits(cells->closed >> v);
         if (m_bits(m_andnot(there, forward))) return 0;
         const vf inverse = v_div(v_set1(2), of.least_depth);
-        MLRT_KEEP_LOOP
         for (int j = 0; j < 2; ++j) {
             const vf steepest = v_max(v_abs(of.lo[j]), v_abs(of.hi[j]));
             if (m_bits(m_andnot(there, v_le(steepest, v_set1(STEEPEST_SLOPE))))) return 0;

@@ -112,8 +112,8 @@ MLRT_INLINE void set_origin_terms(const struct plane_terms *plane, const vd orig
 }
 
 /* All of them, as frame and callback may want different outputs. */
-static MLRT_SMALL void keep_hit_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
-                                      struct mlrt_hit_terms *kept)
+static void keep_hit_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
+                           struct mlrt_hit_terms *kept)
 {
     vd corner[9], term[MLRT_HIT_TERM_COUNT];
     const vd apex[3] = {d_set1(packet->apex[0]), d_set1(packet->apex[1]), d_set1(packet->apex[2])};
@@ -121,7 +121,6 @@ static MLRT_SMALL void keep_hit_terms(const struct mlrt_tree *tree, const struct
     for (int k = 0; k < 9; ++k) corner[k] = d_set1(tree->triangles[number].v[k / 3][k % 3]);
     set_plane_terms(corner, &plane, term);
     set_origin_terms(&plane, apex, MLRT_OUTPUT_UV, term);
-    MLRT_KEEP_LOOP
     for (int k = 0; k < MLRT_HIT_TERM_COUNT; ++k) kept->term[k] = d_first(term[k]);
     kept->number = number;
 }
@@ -176,7 +175,6 @@ MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const str
         certain &= round_quotients(term[MLRT_HIT_N], term[MLRT_HIT_N_SIZE], &denominator, numbers->t + lane);
     }
     const int place_count = outputs & MLRT_OUTPUT_UV ? 2 : 0;
-    MLRT_KEEP_LOOP
     for (int i = 0; i < place_count; ++i) {
         certain &=
             round_quotients(fused_dot_product(direction, term + MLRT_HIT_EDGE + 3 * i),
@@ -213,7 +211,6 @@ MLRT_INLINE void report_misses(struct packet_numbers *numbers)
 /* Puts what a miss has where there is no hit, which is rare beside hits; and facing, from where D > 0. */
 MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_numbers *numbers)
 {
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi facing = i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu));
         i_store(numbers->facing + v, i_select(m_from_bits(hit >> v), facing, i_set1(0)));

@@ -26,13 +26,11 @@ static MLRT_NOINLINE int add_packed_blocks(const struct mlrt_cells *cells, const
     const vf sign = v_set1(cells->sign);
     struct direction_extremes of = *directions;
     struct usual_vectors all = *vectors;
-    MLRT_KEEP_LOOP
     for (size_t first = 3 * element; first < 3 * element + 48; first += 12) {
         if (source->kind == MLRT_SOURCE_RAYS &&
             !are_same_vectors((const float *)source->points.data + first, step, cells->apex)) {
             return 0;
         }
-        KEEP_LANES_LOOP
         for (size_t v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             vf d[3];
             v_triples(tile->ends + first + v / 4 * step, step, d);
@@ -72,7 +70,7 @@ static MLRT_NOINLINE int add_packed_tile(const struct mlrt_rectangle *area, stru
 }
 
 /* Has cells see things as the first ray of a tile does; 0 if float cannot. */
-static MLRT_SMALL int look_as_packed_tile(struct packed_tile *tile, struct mlrt_cells *cells)
+static int look_as_packed_tile(struct packed_tile *tile, struct mlrt_cells *cells)
 {
     const struct mlrt_source *source = tile->source;
     const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;

@@ -78,7 +78,6 @@ MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packe
 static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
 {
     struct usual_vectors all = NO_VECTORS;
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
         add_usual_vectors(a, &all);
@@ -86,7 +85,6 @@ static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct ch
     *lanes = (struct checked_lanes){0xFFFF, 0xFFFF, 0xFFFF};
     if (are_usual(&all)) return;
     *lanes = (struct checked_lanes){0, 0, 0};
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
         const struct checked_vectors checked = check_vectors(a);
@@ -115,9 +113,7 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
         origins.safe = 0;
     }
     check_lanes(packet->direction, &directions);
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        MLRT_KEEP_LOOP
         for (int k = 0; k < 3; ++k) { /* -0 becomes 0 */
             v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
         }
@@ -139,7 +135,6 @@ MLRT_INLINE void find_apex(struct mlrt_packet *packet)
     while (first < MLRT_PACKET_RAYS - 1 && !(valid >> first & 1)) ++first;
     for (int k = 0; k < 3; ++k) {
         packet->apex[k] = packet->origin[k][first];
-        KEEP_LANES_LOOP
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const unsigned same = m_bits(v_eq(v_load(packet->origin[k] + v), v_set1(packet->apex[k])));
             elsewhere |= (~same & ALL_LANES) << v;

@@ -91,40 +91,40 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
                              v_load(packet->hi + v));
 }
 
-/* The float part of test_triangle. `setup` is NULL, or not, at compile time. */
+/* The float part of test_triangle. `apex_terms` is NULL, or not, at compile time. */
 MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t number,
-                                        const struct mlrt_triangle_setup *setup, const struct ray_group *group,
+                                        const struct triangle_terms *apex_terms, const struct ray_group *group,
                                         uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    struct triangle_terms terms;
     struct outcome outcome = {0, 0, 0};
     if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
-    if (setup) set_apex_terms(setup, &terms);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
         const vm active = concerned_rays(packet, lanes, number, v);
         if (!m_bits(active)) continue;
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
-        if (!setup) {
+        struct triangle_terms terms;
+        if (!apex_terms) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
                                   v_load(packet->origin[2] + v)};
             set_terms(&tree->triangles[number], origin, group->axis_code & 3, &terms);
         }
-        const struct verdict verdict = filter_vector(&terms, group->reach, packet, v, active);
+        const struct verdict verdict = filter_vector(apex_terms ? apex_terms : &terms, group->reach, packet, v, active);
         keep_verdict(&verdict, number, v, packet, &outcome);
     }
     return outcome;
 }
 
 /*
- * Tests the rays of `group` in the lanes `lanes` against triangle `number` and updates their nearest hits. `setup` is
- * that of the triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
+ * Tests the rays of `group` in the lanes `lanes` against triangle `number` and updates their nearest hits.
+ * `apex_terms` are those of the triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest
+ * hit changed.
  */
 MLRT_INLINE uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number,
-                                   const struct mlrt_triangle_setup *setup, const struct ray_group *group,
+                                   const struct triangle_terms *apex_terms, const struct ray_group *group,
                                    uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    const struct outcome outcome = filter_lanes(tree, number, setup, group, lanes, packet, worker);
+    const struct outcome outcome = filter_lanes(tree, number, apex_terms, group, lanes, packet, worker);
     if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
     return outcome.nearer |
            mlrt_decide_lanes(tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
@@ -135,7 +135,9 @@ static uint32_t test_triangle_from_apex(const struct mlrt_tree *tree, uint32_t n
                                         const struct mlrt_triangle_setup *setup, const struct ray_group *group,
                                         uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    return test_triangle(tree, number, setup, group, lanes, packet, worker);
+    struct triangle_terms terms;
+    set_apex_terms(setup, &terms);
+    return test_triangle(tree, number, &terms, group, lanes, packet, worker);
 }
 
 static uint32_t test_triangle_from_anywhere(const struct mlrt_tree *tree, uint32_t number,

@@ -7,7 +7,6 @@
 static MLRT_NOINLINE float farthest_depth(const struct mlrt_packet *packet, int main_axis)
 {
     vf farthest = v_set1(-INFINITY);
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf depth = v_mul(v_load(packet->hi + v), v_abs(v_load(packet->direction[main_axis] + v)));
         farthest = v_max(v_select(m_from_bits(packet->active >> v), depth, v_set1(-INFINITY)), farthest);
@@ -19,7 +18,6 @@ static MLRT_NOINLINE float farthest_depth(const struct mlrt_packet *packet, int 
 MLRT_INLINE float shortest_depth(const struct mlrt_packet *packet, int main_axis)
 {
     vf shortest = v_set1(INFINITY);
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf depth = v_mul(v_load(packet->lo + v), v_abs(v_load(packet->direction[main_axis] + v)));
         shortest = v_min(v_select(m_from_bits(packet->active >> v), depth, v_set1(INFINITY)), shortest);
@@ -32,7 +30,6 @@ MLRT_INLINE int can_be_closed(const struct mlrt_packet *packet, uint32_t *skip)
 {
     *skip = packet->has_skip ? packet->skip[mlrt_lowest_bit(packet->active)] : MLRT_NONE;
     uint32_t others = 0;
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vm same = m_from_bits(ALL_LANES);
         if (packet->has_limits) same = v_eq(v_load(packet->t_min + v), v_set1(0));
@@ -46,7 +43,6 @@ MLRT_INLINE int can_be_closed(const struct mlrt_packet *packet, uint32_t *skip)
 MLRT_INLINE float greatest_direction(const struct mlrt_packet *packet, int main_axis)
 {
     vf greatest = v_set1(0);
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf depth = v_abs(v_load(packet->direction[main_axis] + v));
         greatest = v_max(v_select(m_from_bits(packet->active >> v), depth, v_set1(0)), greatest);
@@ -114,7 +110,6 @@ static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
     const float *rows[3] = {packet->direction[a], packet->direction[mlrt_slope_axis(a, 0)],
                             packet->direction[mlrt_slope_axis(a, 1)]};
     struct direction_extremes of = NO_DIRECTIONS;
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
         const vf d[3] = {v_select(active, v_load(rows[0] + v), v_set1(NAN)), v_load(rows[1] + v), v_load(rows[2] + v)};

@@ -79,11 +79,8 @@ static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packe
     const float *first = tree->triangles[number].v[0];
     const int is_one = !(hit & ~lanes_of_triangle(seen, number));
     if (!is_one) gather_corners(tree, seen, hit, points->corners);
-    MLRT_KEEP_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        MLRT_KEEP_LOOP
         for (int k = 0; is_one && k < 9; ++k) v_store(points->corners[k] + v, v_set1(first[k]));
-        MLRT_KEEP_LOOP
         for (int k = 0; k < 3; ++k) {
             v_store(points->origin[k] + v, seen->has_apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
         }
@@ -106,7 +103,6 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     struct shadow_terms terms;
     const int shared = get_seen_points(job->tree, seen, hit, &points);
     uint32_t certain = 0, facing = 0;
-    MLRT_KEEP_LOOP
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         uint32_t vector_facing;
         if (lane == 0 || !shared) set_up_shadow_terms(&points, lane, light, &terms);
@@ -117,9 +113,7 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     for (uint32_t left = hit & ~certain; left; left &= left - 1) {
         facing |= mlrt_make_shadow_lane(job, seen, mlrt_lowest_bit(left), ends);
     }
-    MLRT_KEEP_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        MLRT_KEEP_LOOP
         for (int k = 0; k < 3; ++k) v_store(others[k] + v, v_set1(light->light[k]));
         v_store(packet->t_min + v, v_set1(0));
         v_store(packet->t_max + v, v_set1(is_point ? 1 : INFINITY));

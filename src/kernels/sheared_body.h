@@ -63,7 +63,6 @@ static MLRT_NOINLINE int add_sheared_packet(struct mlrt_ray_tile *tile, uint32_t
     MLRT_ALIGNED(16) float distance[4];
     struct sheared_extremes of = {{NO_EXTREMES, NO_EXTREMES}, v_set1(INFINITY), NO_EXTREMES, 0, 0};
     if (!(fabsf(shear.pace) >= 0x1p-100f)) return 0;
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) shear_vector(&shear, axes, v, packet, &of);
     packet->shear = &cells->shear;
     tile->greatest_depth[place] = 1;
@@ -92,7 +91,6 @@ static uint32_t sheared_children_met(const struct mlrt_shear *shear, const float
     const vf centre = v_set1(shear->centre[a]), sign = v_set1(shear->sign);
     const vf least_depth = v_set1(1 - 1 / begin - 0x1p-18f); /* -inf if that is 0 */
     uint32_t met = 0;
-    MLRT_KEEP_LOOP
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         const vf below = v_flip(v_sub(v_load(node->lo[a] + v), centre), sign);
         const vf above = v_flip(v_sub(v_load(node->hi[a] + v), centre), sign);
@@ -128,7 +126,6 @@ static void load_sheared_corners(const struct mlrt_shear *shear, const struct ml
                                  struct sheared_corners *corners)
 {
     const vf sign = v_set1(shear->sign);
-    MLRT_KEEP_LOOP
     for (uint32_t i = 0; i < 3; ++i) {
         for (uint32_t k = 0; k < 3; ++k) {
             const uint32_t axis = ((uint32_t)shear->main_axis + k) % 3;
@@ -145,7 +142,6 @@ static void load_sheared_corners(const struct mlrt_shear *shear, const struct ml
 static void set_sheared_outlines(const struct mlrt_shear *shear, struct mlrt_leaf_setup *leaf)
 {
     const vf sign = v_set1(shear->sign);
-    MLRT_KEEP_LOOP
     for (uint32_t v = 0; v < leaf->row; v += VW) {
         struct sheared_corners corners;
         load_sheared_corners(shear, leaf, v, &corners);
@@ -204,12 +200,10 @@ static uint32_t set_sheared_vector(const struct mlrt_shear *shear, uint32_t v, s
     struct sheared_corners corners;
     vf cross[4][3];
     load_sheared_corners(shear, leaf, v, &corners);
-    MLRT_KEEP_LOOP
     for (int i = 0; i < 3; ++i) set_sheared_edge(shear, &corners, i, cross[i]);
     const vf distance = set_sheared_normal(shear, &corners, cross[3]), size = v_abs(distance);
     const float unit = MLRT_GUESS ? 0.0f : 0x1p-24f;
     const vf bound = v_add(v_mul(size, v_set1(32 * unit)), v_set1(4 * unit));
-    MLRT_KEEP_LOOP
     for (int i = 0; i < 4; ++i) {
         for (int k = 0; k < 3; ++k) {
             v_store(leaf->cross[i][(shear->main_axis + k) % 3] + v, v_flip(cross[i][k], distance));
@@ -243,9 +237,9 @@ const struct mlrt_sheared_kernels SHEARED = {add_sheared_packet, sheared_childre
  * there, and 7 u for the corners themselves, is added. What is hardly at hand is left out: between the corners,
  * rounding may move a ray a little beyond them.
  */
-MLRT_SMALL int mlrt_set_sheared_slopes(const struct mlrt_shear *shear, const struct mlrt_view *view,
-                                       float samples[4][MLRT_CELL_COUNT], uint32_t there, const float pad[3],
-                                       struct mlrt_slopes slopes[2])
+int mlrt_set_sheared_slopes(const struct mlrt_shear *shear, const struct mlrt_view *view,
+                            float samples[4][MLRT_CELL_COUNT], uint32_t there, const float pad[3],
+                            struct mlrt_slopes slopes[2])
 {
     const int a = shear->main_axis;
     const float error = pad[a] * shear->scale;
@@ -254,15 +248,12 @@ MLRT_SMALL int mlrt_set_sheared_slopes(const struct mlrt_shear *shear, const str
     for (int k = 0; k < 3; ++k) {
         if (!mlrt_is_float_safe(view->direction[k])) return 0;
     }
-    MLRT_KEEP_LOOP
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         vf lo[2] = {v_set1(INFINITY), v_set1(INFINITY)}, hi[2] = {v_set1(-INFINITY), v_set1(-INFINITY)};
         vm near = m_from_bits(ALL_LANES);
-        MLRT_KEEP_LOOP
         for (int corner = 0; corner < 4; ++corner) {
             const vf x = v_load(samples[corner & 1] + v), y = v_load(samples[2 + (corner >> 1)] + v);
             vf at[3];
-            MLRT_KEEP_LOOP
             for (int i = 0; i < 3; ++i) {
                 const int k = (a + i) % 3;
                 const vf step = v_add(v_mul(x, v_set1(view->dx[k])), v_mul(y, v_set1(view->dy[k])));

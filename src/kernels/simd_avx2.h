@@ -9,10 +9,9 @@
 
 #include "quad_sse.h"
 
-#define VW              8
-#define ALL_LANES       255u
-#define DW              4
-#define KEEP_LANES_LOOP MLRT_KEEP_LOOP
+#define VW        8
+#define ALL_LANES 255u
+#define DW        4
 typedef __m256 vf;
 typedef __m256i vi;
 typedef __m256 vm;

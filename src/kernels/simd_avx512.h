@@ -12,7 +12,6 @@
 #define VW        16
 #define ALL_LANES 65535u
 #define DW        8
-#define KEEP_LANES_LOOP
 typedef __m512 vf;
 typedef __m512i vi;
 typedef __mmask16 vm;

@@ -7,7 +7,6 @@
  * comparisons with a NaN are false. A mask lane is all ones or all zeros; m_bits has lane i in bit i.
  *   v_mul_add is a b + c and v_mul_sub a b - c, with one rounding or two: only what has bounds for both may use them.
  *   v_hmin is the least lane of a vector, v_hmax the greatest, and v_hmin4 the least of each of four.
- *   KEEP_LANES_LOOP before a loop over the lanes of a packet or a node: not worth its size cut up into vectors.
  *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is. d_mul_add
  * and d_mul_sub round once or twice, like v_mul_add.
  *   v_triples, for vectors of eight lanes or more: those of two rows of a block or of all four. They begin at p and are
@@ -23,10 +22,9 @@
 #include "platform.h"
 #include "quad_scalar.h"
 
-#define VW              1
-#define ALL_LANES       1u
-#define DW              1
-#define KEEP_LANES_LOOP MLRT_KEEP_LOOP
+#define VW        1
+#define ALL_LANES 1u
+#define DW        1
 typedef float vf;
 typedef uint32_t vi;
 typedef uint32_t vm;

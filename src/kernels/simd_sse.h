@@ -9,10 +9,9 @@
 
 #include "quad_sse.h"
 
-#define VW              4
-#define ALL_LANES       15u
-#define DW              2
-#define KEEP_LANES_LOOP MLRT_KEEP_LOOP
+#define VW        4
+#define ALL_LANES 15u
+#define DW        2
 typedef __m128 vf;
 typedef __m128i vi;
 typedef __m128 vm;

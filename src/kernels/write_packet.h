@@ -23,7 +23,6 @@ MLRT_INLINE int find_packet_ids(const struct mlrt_tree *tree, uint32_t mesh, con
     const vi first = i_set1(tree->mesh_first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->mesh_ids[mesh]);
     const vi count = i_set1(tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]);
     uint32_t found = 0;
-    KEEP_LANES_LOOP
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi number = i_load(packet->triangle + v), place = i_sub(number, first);
         const vm hit = i_lt(place, count);

@@ -15,7 +15,7 @@ _ABSENT: Any = None
 class Hits(NamedTuple):
     """The closest hits of rays. All arrays have the rays' shape; one that was not asked for is None."""
 
-    t: NDArray[np.float32] = _ABSENT  #: distance in units of the direction's length; inf = miss
+    t: NDArray[np.float32] = _ABSENT  #: distance in units of the direction's length, rounded; inf = miss, or beyond the range of float
     u: NDArray[np.float32] = _ABSENT  #: weight of the triangle's second vertex
     v: NDArray[np.float32] = _ABSENT  #: weight of its third
     mesh: NDArray[np.uint32] = _ABSENT  #: id of the mesh; mlrt.NONE = miss
@@ -25,7 +25,7 @@ class Hits(NamedTuple):
 
     @property
     def hit(self) -> NDArray[np.bool_]:
-        """Which rays hit something. Needs any of triangle, mesh, facing, t."""
+        """Which rays hit something. Needs any of triangle, mesh, facing, t; by t alone, a hit whose t rounds to inf is a miss."""
         for array, miss in ((self.triangle, NONE), (self.mesh, NONE), (self.facing, 0), (self.t, np.inf)):
             if array is not None:
                 hit: NDArray[np.bool_] = array != miss
