@@ -30,7 +30,7 @@ int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width,
         sink->channel[c].stride = stride;
         sink->channel[c].row_stride = row;
         if (!array->data) continue;
-        if (!(channels >> c & 1) || stride == MLRT_STRIDE_ALL) return MLRT_ERROR_ARGUMENT;
+        if (!(channels >> c & 1)) return MLRT_ERROR_ARGUMENT;
         if (stride < size || stride % size != 0 || row % size != 0 || (uintptr_t)array->data % size != 0) {
             return MLRT_ERROR_ARGUMENT;
         }
