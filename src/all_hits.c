@@ -45,7 +45,6 @@ static int32_t resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
         mlrt_array *array = &run->arrays[c];
         *array = arrays[c];
         if (!array->data) continue;
-        if (array->stride == MLRT_STRIDE_ALL) return MLRT_ERROR_ARGUMENT;
         if (array->stride == 0) array->stride = size;
         if (array->stride > MLRT_STRIDE_LIMIT || array->stride % size != 0 || (uintptr_t)array->data % size != 0)
             return MLRT_ERROR_ARGUMENT;

@@ -17,7 +17,8 @@
 
 /* ---- checking ---- */
 
-/* Resolves a stride: bytes from one ray's element to the next one's. 0 if the array cannot be read as 4-byte numbers. */
+/* Resolves a stride: bytes from element to element, or 0 if all rays have one. 0: it cannot be read as 4-byte numbers.
+ */
 static int resolve_array(const mlrt_const_array *array, size_t element_size, int required, mlrt_const_array *resolved)
 {
     *resolved = *array;
@@ -311,8 +312,8 @@ MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
 }
 
 /* Numbers out of an array, or `standard` if there is none. */
-MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, uint32_t group,
-                               float standard, float numbers[MLRT_PACKET_RAYS])
+MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, uint32_t group, float standard,
+                               float numbers[MLRT_PACKET_RAYS])
 {
     if (!array->data) {
         fill(standard, numbers);

@@ -143,8 +143,49 @@ static int32_t take_rays(const mlrt_rays *given, mlrt_rays *rays)
     return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_rays, skip), rays, sizeof *rays);
 }
 
-/* Whether rays_per_origin divides count; if it does not, the host's log says so. */
-static int32_t check_rays(const mlrt_rays *rays, const struct call *call)
+static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
+{
+    const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
+    return status == MLRT_OK && hits->reserved != 0 ? MLRT_ERROR_ARGUMENT : status;
+}
+
+/* ---- what cannot be shared; the host's log says so ---- */
+
+/* Results, which have an element each. */
+static int32_t check_results(const mlrt_array *const *arrays, const char *const *names, int count,
+                             const struct call *call)
+{
+    for (int i = 0; i < count; ++i) {
+        if (!arrays[i]->data || arrays[i]->stride != MLRT_STRIDE_ALL) continue;
+        const struct mlrt_voice voice = {.host = call->run.host};
+        mlrt_explain(&voice, "%s: MLRT_STRIDE_ALL in an array with an element for each result", names[i]);
+        return MLRT_ERROR_ARGUMENT;
+    }
+    return MLRT_OK;
+}
+
+static int32_t check_hits(const mlrt_hits *hits, const struct call *call)
+{
+    const mlrt_array *const arrays[] = {&hits->t,        &hits->u,      &hits->v,       &hits->mesh,
+                                        &hits->triangle, &hits->facing, &hits->occluded};
+    static const char *const names[] = {"hits.t",        "hits.u",      "hits.v",       "hits.mesh",
+                                        "hits.triangle", "hits.facing", "hits.occluded"};
+    return check_results(arrays, names, 7, call);
+}
+
+static int32_t check_lists(const mlrt_hit_lists *lists, const struct call *call)
+{
+    const mlrt_array *const arrays[] = {&lists->t,        &lists->u,        &lists->v,
+                                        &lists->mesh,     &lists->triangle, &lists->facing,
+                                        &lists->crossing, &lists->total,    &lists->crossing_total};
+    static const char *const names[] = {"lists.t",        "lists.u",        "lists.v",
+                                        "lists.mesh",     "lists.triangle", "lists.facing",
+                                        "lists.crossing", "lists.total",    "lists.crossing_total"};
+    return check_results(arrays, names, 9, call);
+}
+
+/* Points: of count / rays_per_origin groups of rays. */
+static int32_t check_groups(const mlrt_rays *rays, const struct call *call)
 {
     if (rays->reserved != 0) return MLRT_ERROR_ARGUMENT;
     if (rays->rays_per_origin == 0 || rays->count % rays->rays_per_origin == 0) return MLRT_OK;
@@ -154,11 +195,7 @@ static int32_t check_rays(const mlrt_rays *rays, const struct call *call)
     return MLRT_ERROR_ARGUMENT;
 }
 
-static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
-{
-    const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
-    return status == MLRT_OK && hits->reserved != 0 ? MLRT_ERROR_ARGUMENT : status;
-}
+/* ---- rays ---- */
 
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
@@ -170,7 +207,8 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     int32_t status = take_rays(rays, &own_rays);
     if (status == MLRT_OK) status = take_hits(hits, &own_hits);
     if (status == MLRT_OK) status = take_options(options, &call);
-    if (status == MLRT_OK) status = check_rays(&own_rays, &call);
+    if (status == MLRT_OK) status = check_groups(&own_rays, &call);
+    if (status == MLRT_OK) status = check_hits(&own_hits, &call);
     if (status != MLRT_OK) return status;
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
@@ -323,7 +361,8 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
         status = mlrt_take_struct(lists, MLRT_SIZE_UP_TO(mlrt_hit_lists, crossing_total), &own_lists, sizeof own_lists);
     }
     if (status == MLRT_OK) status = take_options(options, &call);
-    if (status == MLRT_OK) status = check_rays(&own_rays, &call);
+    if (status == MLRT_OK) status = check_groups(&own_rays, &call);
+    if (status == MLRT_OK) status = check_lists(&own_lists, &call);
     if (status != MLRT_OK) return status;
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
@@ -404,6 +443,7 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     int32_t status = take_camera(camera, &own_camera);
     if (status == MLRT_OK && frame) status = take_hits(frame, &own_frame);
     if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK && frame) status = check_hits(&own_frame, &call);
     if (status != MLRT_OK) return status;
     struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
     const uint64_t environment = mlrt_enter_fp_environment();
@@ -483,6 +523,7 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
         status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
     }
     if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK) status = check_results(&occluded, &(const char *){"occluded"}, 1, &call);
     if (status != MLRT_OK) return status;
     call.options.query = MLRT_QUERY_ANY;
     struct mlrt_job job = {.callback = NULL};

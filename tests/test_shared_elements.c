@@ -138,8 +138,8 @@ static struct results make_results(size_t count)
     closest->struct_size = any->struct_size = sizeof *closest;
     all->struct_size = sizeof *all;
     all->capacity = CAPACITY;
-    mlrt_array *const words[] = {&closest->t,    &closest->u, &closest->v,        &closest->mesh, &closest->triangle,
-                                 &closest->facing, &all->total, &all->crossing_total};
+    mlrt_array *const words[] = {&closest->t,        &closest->u,      &closest->v, &closest->mesh,
+                                 &closest->triangle, &closest->facing, &all->total, &all->crossing_total};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++, data += 4 * count) words[i]->data = data;
     all->t.data = data;
     all->triangle.data = data + 4 * count * CAPACITY;
@@ -411,25 +411,44 @@ static void results_need_elements(void **state)
     struct results results = make_results(form.count);
     mlrt_array *const closest[] = {&results.closest.t,    &results.closest.u,        &results.closest.v,
                                    &results.closest.mesh, &results.closest.triangle, &results.closest.facing};
-    mlrt_array *const lists[] = {&results.all.t, &results.all.triangle, &results.all.crossing, &results.all.total,
-                                 &results.all.crossing_total};
+    mlrt_array *const lists_of_hits[] = {&results.all.t, &results.all.triangle, &results.all.crossing,
+                                         &results.all.total, &results.all.crossing_total};
+    static const char *const closest_names[] = {"t", "u", "v", "mesh", "triangle", "facing"};
+    static const char *const list_names[] = {"t", "triangle", "crossing", "total", "crossing_total"};
+    const char *const rest = ": MLRT_STRIDE_ALL in an array with an element for each result";
+    char line[256];
+    struct lines lines = {0};
+    const mlrt_host host = {.struct_size = sizeof host, .user = &lines, .log = take_line};
+    const mlrt_trace_options options = {.struct_size = sizeof options, .host = &host};
+    const mlrt_trace_options any = {.struct_size = sizeof any, .query = MLRT_QUERY_ANY, .host = &host};
     for (size_t i = 0; i < sizeof closest / sizeof *closest; i++) {
         closest[i]->stride = MLRT_STRIDE_ALL;
-        assert_int_equal(mlrt_trace_packet(fixture.tree, &arrays.rays, NULL, &results.closest), MLRT_ERROR_ARGUMENT);
+        assert_int_equal(mlrt_trace_packet(fixture.tree, &arrays.rays, &options, &results.closest),
+                         MLRT_ERROR_ARGUMENT);
         closest[i]->stride = 0;
+        snprintf(line, sizeof line, "hits.%s%s", closest_names[i], rest);
+        assert_string_equal(lines.last, line);
     }
-    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
-        lists[i]->stride = MLRT_STRIDE_ALL;
-        assert_int_equal(mlrt_trace_all_hits(fixture.tree, &arrays.rays, NULL, &results.all), MLRT_ERROR_ARGUMENT);
-        lists[i]->stride = 0;
+    for (size_t i = 0; i < sizeof lists_of_hits / sizeof *lists_of_hits; i++) {
+        lists_of_hits[i]->stride = MLRT_STRIDE_ALL;
+        assert_int_equal(mlrt_trace_all_hits(fixture.tree, &arrays.rays, &options, &results.all), MLRT_ERROR_ARGUMENT);
+        lists_of_hits[i]->stride = 0;
+        snprintf(line, sizeof line, "lists.%s%s", list_names[i], rest);
+        assert_string_equal(lines.last, line);
     }
-    const mlrt_trace_options any = {.struct_size = sizeof any, .query = MLRT_QUERY_ANY};
     const mlrt_light light = light_at(0, -3, 0);
     const mlrt_points points = {.struct_size = sizeof points, .count = 5, .positions = arrays.rays.origins};
     results.any.occluded.stride = MLRT_STRIDE_ALL;
     assert_int_equal(mlrt_trace_packet(fixture.tree, &arrays.rays, &any, &results.any), MLRT_ERROR_ARGUMENT);
-    assert_int_equal(mlrt_occluded_points(fixture.tree, &points, &light, NULL, &results.any.occluded),
+    assert_int_equal(strncmp(lines.last, "hits.occluded:", 14), 0);
+    assert_int_equal(mlrt_occluded_points(fixture.tree, &points, &light, &options, &results.any.occluded),
                      MLRT_ERROR_ARGUMENT);
+    assert_int_equal(strncmp(lines.last, "occluded:", 9), 0);
+    const float eye[3] = {0, -3, 0}, target[3] = {0, 0, 0};
+    const mlrt_camera camera = look_at(eye, target, 1, 5, 1);
+    assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &any, &results.any, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    results.any.occluded.stride = 0;
+    assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &any, &results.any, NULL, NULL), MLRT_OK);
     free(results.data);
     free_arrays(&arrays);
     free_fixture(&fixture);

@@ -72,7 +72,7 @@ public final class Mlrt {
         ARRAY, "mesh", ARRAY, "triangle", ARRAY, "facing", ARRAY, "occluded");
     static final StructLayout RAYS = struct("mlrt_rays", I, "struct_size", I, "row_length", L, "count",
         CONST_ARRAY, "origins", CONST_ARRAY, "directions", CONST_ARRAY, "t_min", CONST_ARRAY, "t_max",
-        CONST_ARRAY, "skip", CONST_ARRAY, "mask");
+        CONST_ARRAY, "skip", CONST_ARRAY, "mask", I, "rays_per_origin", I, "reserved");
 
     private static final SymbolLookup LIBRARY =
         SymbolLookup.libraryLookup(System.getProperty("mlrt.path", "libmlrt.so.0"), Arena.global());

@@ -45,6 +45,7 @@ typedef struct mlrt_hits {
 typedef struct mlrt_rays {
     uint32_t struct_size, row_length; size_t count;
     mlrt_const_array origins, directions, t_min, t_max, skip, mask;
+    uint32_t rays_per_origin, reserved;
 } mlrt_rays;
 uint32_t mlrt_version(void);
 void mlrt_struct_sizes(uint32_t *sizes, uint32_t count);

@@ -34,6 +34,7 @@ const structs = {
     mlrt_rays: {
         struct_size: 'uint32_t', row_length: 'uint32_t', count: 'size_t', origins: constArray, directions: constArray,
         t_min: constArray, t_max: constArray, skip: constArray, mask: constArray,
+        rays_per_origin: 'uint32_t', reserved: 'uint32_t',
     },
     mlrt_hits: {
         struct_size: 'uint32_t', reserved: 'uint32_t', t: array, u: array, v: array, mesh: array, triangle: array,

@@ -13,6 +13,7 @@ from typing import Any
 from . import _library
 
 NONE = 0xFFFFFFFF
+STRIDE_ALL = c_size_t(-1).value
 
 PRESETS = {"default": 0, "paper": 1, "fast": 2, "best": 3}
 STRUCTURES = {"kdtree": 1, "bvh": 2}
@@ -219,6 +220,8 @@ class Rays(Struct):
         ("t_max", ConstArray),
         ("skip", ConstArray),
         ("mask", ConstArray),
+        ("rays_per_origin", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 

@@ -10,9 +10,6 @@ import numpy as np
 FLOAT = np.dtype(np.float32)
 UINT = np.dtype(np.uint32)
 
-# Elements copied at once by `repeat`: enough to forget about the loop, few enough to stay in the cache.
-REPEATED = 1024
-
 _from_buffer: Any = ctypes.c_char.from_buffer
 _addressof = ctypes.addressof
 
@@ -74,19 +71,6 @@ def mask_words(values: Any) -> tuple[int, Optional[np.ndarray]]:
     return 0, array.astype(UINT, copy=False)
 
 
-def repeat(element: np.ndarray, count: int) -> np.ndarray:
-    """`count` copies of an element of a few numbers, (count, width). Twenty times as fast as copying what numpy broadcasts.
-
-    numpy's innermost loop is over the last axis: here many elements long instead of one.
-    """
-    rows = np.empty((count, len(element)), element.dtype)
-    width = len(element) * REPEATED
-    whole = count // REPEATED * REPEATED
-    rows[:whole].reshape(-1, width)[:] = np.tile(element, REPEATED)
-    rows[whole:] = element
-    return rows
-
-
 def elements(array: np.ndarray, width: int) -> tuple[np.ndarray, int, int]:
     """An array of elements `width` numbers long, as (array to keep alive, address, byte stride).
 
@@ -98,9 +82,7 @@ def elements(array: np.ndarray, width: int) -> tuple[np.ndarray, int, int]:
     rows = array.reshape(-1, width)
     row_stride, stride = rows.strides
     size = rows.itemsize
-    if row_stride == 0 and len(rows) > 1:
-        rows = repeat(rows[0], len(rows))
-    elif not (row_stride > 0 and row_stride % size == 0 and (width == 1 or stride == size) and rows.flags.aligned):
+    if not (row_stride > 0 and row_stride % size == 0 and (width == 1 or stride == size) and rows.flags.aligned):
         rows = np.array(rows, order="C")
     return rows, address(rows), rows.strides[0]
 

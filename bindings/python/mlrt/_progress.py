@@ -41,22 +41,25 @@ class Bar:
 def pieces(rays: bytes, results: bytes, kind: type[_abi.Struct], shared: bool) -> Iterator[tuple[int, bytes, bytes]]:
     """An mlrt_rays and the struct of results that belongs to it, cut into pieces: (count, rays, results) of each."""
     whole = _abi.Rays.from_buffer_copy(rays)
-    row = whole.row_length * _SQUARE_ROWS or 1
+    group = whole.rays_per_origin
+    row = group if group > 1 else whole.row_length * _SQUARE_ROWS or 1
     size = -(-(SHARED_PIECE_RAYS if shared else PIECE_RAYS) // row) * row
     for start in range(0, whole.count, size):
         part, part_results = _abi.Rays.from_buffer_copy(rays), kind.from_buffer_copy(results)
         part.count = min(size, whole.count - start)
-        per_ray = getattr(part_results, "capacity", 1)
-        for struct, factor in ((part, 1), (part_results, per_ray)):
-            _advance(struct, start, factor)
+        for name in ("origins", "t_min", "skip"):
+            _advance(part, name, start // max(group, 1))
+        for name in ("directions", "t_max", "mask"):
+            _advance(part, name, start)
+        for name, kind_of_field in part_results._fields_:
+            if kind_of_field is _abi.Array:
+                per_ray = 1 if name in ("total", "crossing_total") else getattr(part_results, "capacity", 1)
+                _advance(part_results, name, start * per_ray)
         yield part.count, bytes(part), bytes(part_results)
 
 
-def _advance(struct: Any, start: int, per_ray: int) -> None:
-    """Lets all arrays begin at ray `start`; those of hits have `per_ray` elements for each."""
-    for name, kind in struct._fields_:
-        if kind in (_abi.Array, _abi.ConstArray):
-            array = getattr(struct, name)
-            if array.data:
-                elements = start if name in ("total", "crossing_total") else start * per_ray
-                array.data += elements * (array.stride or _abi.ELEMENT_SIZES[name])
+def _advance(struct: Any, name: str, elements: int) -> None:
+    """Lets an array begin so many elements later."""
+    array = getattr(struct, name)
+    if array.data and array.stride != _abi.STRIDE_ALL:
+        array.data += elements * (array.stride or _abi.ELEMENT_SIZES[name])

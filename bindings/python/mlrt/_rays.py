@@ -6,14 +6,18 @@ from typing import Any, Optional
 
 import numpy as np
 
-from ._abi import NONE, pack_rays
-from ._arrays import elements, floats, ids, vectors
+from ._abi import NONE, STRIDE_ALL, pack_rays
+from ._arrays import address, elements, floats, ids, vectors
 
 _NO_ARRAY = (0, 0)
 
 
 class Rays:
-    """Broadcast arrays of rays: `packed` is the mlrt_rays, valid as long as this lives; `shape` that of the results."""
+    """Broadcast arrays of rays: `packed` is the mlrt_rays, valid as long as this lives; `shape` that of the results.
+
+    What is broadcast is not copied, if the library can do without: an array of one element, or origins, t_min and skip that
+    are the same along the last axes.
+    """
 
     __slots__ = ("packed", "shape", "count", "_alive")
 
@@ -46,26 +50,70 @@ class Rays:
         self.shape = shape
         self.count = shape[0] if len(shape) == 1 else prod(shape)
         self._alive: list[np.ndarray] = []
+        of_origins = [(array, width) for array, width in ((origins, 3), (t_min, 1), (skip, 2)) if array is not None]
+        axes = self._group_axes(of_origins)
         self.packed = pack_rays(
             # Rays of an array with two axes or more come in rows, as pixels do. Of a list, the library finds them.
             row_length or (shape[-1] if len(shape) >= 2 and shape[-1] >= 4 else 0),
             self.count,
-            *self._array(origins, 3),
+            *self._array(origins, 3, axes),
             *self._array(directions, 3),
-            *(_NO_ARRAY if t_min is None else self._array(t_min, 1)),
+            *(_NO_ARRAY if t_min is None else self._array(t_min, 1, axes)),
             *(_NO_ARRAY if t_max is None else self._array(t_max, 1)),
-            *(_NO_ARRAY if skip is None else self._array(skip, 2)),
+            *(_NO_ARRAY if skip is None else self._array(skip, 2, axes)),
             *(_NO_ARRAY if mask is None else self._array(mask, 1)),
+            prod(shape[len(shape) - axes :]),
+            0,
         )
 
-    def _array(self, array: np.ndarray, width: int) -> tuple[int, int]:
-        """Address and stride."""
+    def _group_axes(self, arrays: list[tuple[np.ndarray, int]]) -> int:
+        """How many of the last axes have rays_per_origin rays: all arrays have one element for them, or for all rays."""
+        axes = len(self.shape)
+        for array, width in arrays:
+            if array.flags.c_contiguous and array.size == self.count * width:
+                return 0
+            constant = _constant_axes(array, width)
+            if constant is not None:
+                axes = min(axes, constant)
+        return axes if axes < len(self.shape) and self.count else 0
+
+    def _array(self, array: np.ndarray, width: int, group_axes: int = 0) -> tuple[int, int]:
+        """Address and stride: of the elements for each ray, for each group of rays in the last axes, or for all."""
         whole = self.shape if width == 1 else self.shape + (width,)
-        if array.shape != whole:
-            array = np.broadcast_to(array, whole)
+        if array.shape != whole or not array.flags.c_contiguous:
+            if _constant_axes(array, width) is None:
+                array = np.require(array[_first(array, width, array.ndim)], requirements="CA")
+                self._alive.append(array)
+                return address(array), STRIDE_ALL
+            if group_axes:
+                array = array[_first(array, width, group_axes)]
+                whole = self.shape[:-group_axes] + whole[len(self.shape) :]
+            if array.shape != whole:
+                array = np.broadcast_to(array, whole)
         array, where, stride = elements(array, width)
         self._alive.append(array)
         return where, stride
+
+
+def _axes(array: np.ndarray, width: int) -> int:
+    """How many axes an array has, but that of the numbers of an element."""
+    return array.ndim - (width > 1)
+
+
+def _constant_axes(array: np.ndarray, width: int) -> Optional[int]:
+    """Over how many of its last axes an array is the same; None = over all of them."""
+    count = _axes(array, width)
+    for axis in range(count):
+        if array.shape[count - 1 - axis] > 1 and array.strides[count - 1 - axis]:
+            return axis
+    return None
+
+
+def _first(array: np.ndarray, width: int, axes: int) -> Any:
+    """An index that takes the first of everything along the last axes of an array: so many of them, if it has them."""
+    count = _axes(array, width)
+    kept = max(count - axes, 0)
+    return (slice(None),) * kept + (0,) * (count - kept) + (Ellipsis,)
 
 
 def _common_shape(

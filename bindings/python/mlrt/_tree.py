@@ -232,7 +232,9 @@ class Tree:
         """The closest hit of each ray, with t_min < t <= t_max.
 
         origins, directions: float32 (..., 3); t_min, t_max: float32 (...); skip: uint32 (..., 2), the mesh and triangle that a
-        ray passes, -1 for none. They are broadcast against each other, and results have the common shape (...).
+        ray passes, -1 for none. They are broadcast against each other, and results have the common shape (...). Nothing is copied for
+        that where one element serves all rays, or one of origins, t_min and skip all rays along the last axes: for k rays from each
+        of m points give origins (m, 1, 3), directions (m, k, 3).
 
         mask: rays see the meshes whose mask has a bit in common with it, 0 = all bits, as is None. An int for all rays, or uint32
         (...), broadcast as well: rays with masks of their own go alone, and slower, where meshes have masks.

@@ -8,7 +8,7 @@ from support import assert_same, box, integer_scene
 
 import mlrt
 from mlrt import _abi
-from mlrt._arrays import elements, repeat
+from mlrt._arrays import elements
 from mlrt._rays import Rays
 
 
@@ -72,15 +72,87 @@ class Inputs(unittest.TestCase):
             kept, address, stride = elements(array, 3)
             self.assertFalse(np.shares_memory(kept, array))
 
-    def test_one_element_for_all(self):
-        for count in (1, 2, 1023, 1024, 1025, 5000):
-            for dtype in (np.float32, np.uint32):
-                element = np.array([1, 2, 3], dtype)
-                self.assertTrue((repeat(element, count) == element).all())
-                self.assertEqual(repeat(element, count).shape, (count, 3))
-        self.check(np.broadcast_to(self.origins[3], (len(self.origins), 3)), self.directions, self.tree.trace(
-            np.tile(self.origins[3], (len(self.origins), 1)), self.directions
-        ).triangle)
+
+class SharedElements(unittest.TestCase):
+    """What is broadcast is named to the library, not copied, and the answers are those of copies."""
+
+    def setUp(self):
+        vertices, faces, origins, directions = integer_scene(9, ray_count=420)
+        self.tree = mlrt.Tree(vertices, faces)
+        self.directions = directions.reshape(12, 7, 5, 3)
+        self.origins = origins[:12].reshape(12, 1, 1, 3)
+        first = self.tree.trace(origins[:12], directions[::35])
+        self.skip = np.stack((first.mesh, first.triangle), axis=-1).reshape(12, 1, 1, 2)
+        self.t_min = np.linspace(0, 1, 12, dtype=np.float32).reshape(12, 1, 1)
+        self.t_max = np.linspace(1, 4, 420, dtype=np.float32).reshape(12, 7, 5)
+
+    def layout(self, *arguments, **options):
+        """The mlrt_rays of a call, which must answer as if all arrays were written out."""
+        rays = Rays(*arguments, **options)
+        shape = rays.shape
+        full = [np.ascontiguousarray(np.broadcast_to(array, shape + (3,))) for array in arguments]
+        widths = {"t_min": (), "t_max": (), "skip": (2,)}
+        written = {name: np.ascontiguousarray(np.broadcast_to(options[name], shape + widths[name])) for name in options}
+        assert_same(self, self.tree.trace(*arguments, **options), self.tree.trace(*full, **written))
+        self.assertTrue((self.tree.occluded(*arguments, **options) == self.tree.occluded(*full, **written)).all())
+        assert_same(self, self.tree.hits(*arguments, 3, **options), self.tree.hits(*full, 3, **written))
+        return _abi.Rays.from_buffer_copy(rays.packed)
+
+    def check_all(self, array, original):
+        """The array is one element of the caller's."""
+        self.assertEqual((array.data, array.stride), (original.ctypes.data, _abi.STRIDE_ALL))
+
+    def test_one_origin(self):
+        for origin in (self.origins[3, 0, 0], self.origins[3], np.broadcast_to(self.origins[3, 0, 0], (12, 7, 5, 3))):
+            rays = self.layout(origin, self.directions)
+            self.check_all(rays.origins, self.origins[3])
+            self.assertEqual((rays.row_length, rays.rays_per_origin), (5, 1))
+
+    def test_one_of_all(self):
+        t_max, skip = np.float32(2), self.skip[2, 0, 0]
+        rays = self.layout(self.origins[:, 0, 0], self.directions[0, 0, 0], t_min=0.25, t_max=t_max, skip=skip)
+        self.check_all(rays.directions, self.directions)
+        self.check_all(rays.skip, skip)
+        self.assertEqual((rays.t_min.stride, rays.t_max.stride), (_abi.STRIDE_ALL, _abi.STRIDE_ALL))
+        self.assertEqual((rays.origins.data, rays.rays_per_origin), (self.origins.ctypes.data, 1))
+
+    def test_rays_per_origin(self):
+        for shape in ((12, 35), (12, 7, 5)):
+            ones = (12,) + (1,) * (len(shape) - 1)
+            origins, skip = self.origins.reshape(ones + (3,)), self.skip.reshape(ones + (2,))
+            directions = self.directions.reshape(shape + (3,))
+            rays = self.layout(origins, directions, t_min=self.t_min.reshape(ones), t_max=self.t_max.reshape(shape), skip=skip)
+            self.assertEqual((rays.rays_per_origin, rays.count), (35, 420))
+            for array, original in ((rays.origins, origins), (rays.t_min, self.t_min), (rays.directions, directions)):
+                self.assertEqual((array.data, array.stride), (original.ctypes.data, 0))
+            self.assertEqual(rays.skip.data, skip.ctypes.data)
+
+    def test_origins_in_a_wider_array(self):
+        wide = np.zeros((12, 7), np.float32)
+        wide[:, 2:5] = self.origins[:, 0, 0]
+        rays = self.layout(wide[:, None, None, 2:5], self.directions, skip=self.skip[4])
+        self.assertEqual((rays.origins.data, rays.origins.stride), (wide[:, 2:].ctypes.data, 28))
+        self.assertEqual((rays.rays_per_origin, rays.skip.stride), (35, _abi.STRIDE_ALL))
+
+    def test_groups_that_differ(self):
+        rows = np.broadcast_to(self.skip, (12, 7, 1, 2))
+        self.assertEqual(self.layout(self.origins, self.directions, skip=rows).rays_per_origin, 35)
+        self.assertEqual(self.layout(self.origins, self.directions, skip=rows.copy()).rays_per_origin, 5)
+        each = np.broadcast_to(self.skip, (12, 7, 5, 2)).copy()
+        rays = self.layout(self.origins, self.directions, skip=each)
+        self.assertEqual((rays.rays_per_origin, rays.skip.data), (1, each.ctypes.data))
+
+    def test_what_has_to_be_copied(self):
+        rays = self.layout(self.origins[0], self.directions[:, :1, :1], t_max=self.t_max)
+        self.assertEqual((rays.rays_per_origin, rays.directions.stride, rays.count), (1, 12, 420))
+        rays = self.layout(self.origins, self.directions[:1])
+        self.assertEqual((rays.rays_per_origin, rays.directions.stride), (35, 12))
+        self.layout(self.origins[:, :, :, ::-1], self.directions)
+        self.layout(self.origins[0, 0, 0, ::-1], self.directions)
+
+    def test_points_along_one_direction(self):
+        tree, points = mlrt.Tree(*box()), np.random.default_rng(1).uniform(-2, 2, (50, 3)).astype(np.float32)
+        self.assertTrue((tree.contains(points) == (np.abs(points) < 1).all(axis=1)).all())
 
 
 class Rows(unittest.TestCase):

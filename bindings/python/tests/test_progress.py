@@ -88,6 +88,24 @@ class Progress(unittest.TestCase):
         self.assertTrue((self.tree.trace(origins, directions, progress=True).t == whole.t).all())
         self.assertEqual(self.finished_bar(480).steps, [256, 224])
 
+    def test_rays_of_one_origin_stay_together(self):
+        origins, directions = self.origins[:7, None], self.directions[:490].reshape(7, 70, 3)
+        first = self.tree.trace(origins, directions)
+        skip = np.stack((first.mesh, first.triangle), axis=-1)[:, :1]
+        for arguments in ({}, {"t_min": np.linspace(0, 1, 7)[:, None]}, {"skip": skip, "t_max": first.t}, {"t_min": 0.5}):
+            whole = self.tree.trace(origins, directions, **arguments)
+            assert_same(self, whole, self.tree.trace(origins, directions, **arguments, progress=True))
+            self.assertEqual(self.finished_bar(490).steps, [140, 140, 140, 70])
+        lists = self.tree.hits(origins, directions, 3)
+        assert_same(self, lists, self.tree.hits(origins, directions, 3, progress=True))
+        self.finished_bar(490)
+
+    def test_one_origin_or_direction(self):
+        for arguments in ((self.origins[0], self.directions), (self.origins, self.directions[0])):
+            whole = self.tree.trace(*arguments)
+            assert_same(self, whole, self.tree.trace(*arguments, progress=True))
+            self.finished_bar(500)
+
     def test_pictures(self):
         camera = mlrt.Camera.look_at((3, 20, 4), (0, 0, 0), 150, 130)
         for pool in (None, mlrt.Pool(3)):
