@@ -93,19 +93,30 @@ struct mlrt_leaf_cache {
     uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes above; 0 = nobody's */
 };
 
-/* Two triangles, and whether they lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
+/* Two triangles that do not lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
 struct mlrt_plane_pair {
     uint32_t first;
     uint32_t second;
-    int share;
 };
 
 #define MLRT_PLANE_PAIR_COUNT 64
+
+/* A triangle, and one of the same plane (undecided.c). */
+struct mlrt_known_plane {
+    uint32_t number; /* MLRT_NONE = empty entry */
+    uint32_t plane;
+};
+
+/* As powers of two, how many are kept: few for few rays, which would not pay for clearing them. */
+#define MLRT_KNOWN_PLANE_BITS 12
+#define MLRT_FEW_PLANE_BITS   4
 
 /* What one worker has to itself, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
     struct mlrt_plane_pair pairs[MLRT_PLANE_PAIR_COUNT]; /* entry (first ^ second) % MLRT_PLANE_PAIR_COUNT */
+    struct mlrt_known_plane *planes;                     /* entry number & plane_mask */
+    uint32_t plane_mask;                                 /* how many there are: a power of two, less one */
     struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];

@@ -13,6 +13,7 @@
 #include "progress.h"
 #include "scheduler.h"
 #include "tile.h"
+#include "undecided.h"
 
 struct run {
     const struct mlrt_job *job;
@@ -99,11 +100,21 @@ static size_t tile_buffer_size(const struct mlrt_job *job)
     return size;
 }
 
-/* As a power of two, how many set-ups of leaves are kept: few for few rays, which would not pay for the memory. */
+/* So few rays that they would not pay for large tables? */
+static int is_small(const struct mlrt_job *job)
+{
+    return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
+}
+
+/* As a power of two, how many set-ups of leaves are kept. */
 static uint32_t leaf_setup_bits(const struct mlrt_job *job)
 {
-    const uint64_t ray_count = (uint64_t)job->source.width * job->source.height;
-    return ray_count < MLRT_MANY_RAYS ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
+    return is_small(job) ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
+}
+
+static uint32_t known_plane_bits(const struct mlrt_job *job)
+{
+    return is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
 }
 
 /* Closest hits (0) and any hits (1) have set-ups of their own: a picture's shadows go in turn with its tiles. */
@@ -112,10 +123,10 @@ static int keeps_leaves(const struct mlrt_job *job, int any)
     return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
 }
 
-/* Bytes that a worker has besides its state: set-ups of leaves and the callback's arrays. */
+/* Bytes that a worker has besides its state: set-ups of leaves, known planes and the callback's arrays. */
 static size_t share_size(const struct mlrt_job *job)
 {
-    size_t size = tile_buffer_size(job);
+    size_t size = tile_buffer_size(job) + (sizeof(struct mlrt_known_plane) << known_plane_bits(job));
     for (int any = 0; any < 2; ++any) {
         if (keeps_leaves(job, any)) size += sizeof(struct mlrt_leaf_setup) << leaf_setup_bits(job);
     }
@@ -132,6 +143,8 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
         cache->leaves = (struct mlrt_leaf_setup *)(void *)next;
         next += sizeof(struct mlrt_leaf_setup) << cache->bits;
     }
+    worker->planes = (struct mlrt_known_plane *)(void *)next;
+    next += sizeof *worker->planes << known_plane_bits(job);
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
         worker->tile.channel[c].data = next;
@@ -144,9 +157,9 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
 static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
 {
     memset(&worker->counters, 0, sizeof worker->counters);
-    memset(worker->pairs, 0, sizeof worker->pairs);
     memset(&worker->tile, 0, sizeof worker->tile);
     share_out(job, share, worker);
+    mlrt_forget_planes(known_plane_bits(job), worker);
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) {

@@ -1,40 +1,102 @@
 /* SPDX-License-Identifier: MIT */
 #include "undecided.h"
 
+#include <string.h>
+
 #include "hit.h"
 #include "output.h"
 #include "packet.h"
 #include "shear.h"
+#include "words.h"
+
+/*
+ * PLANES. Triangles that were found to lie in one plane form a tree: each refers to another one of its plane, but for
+ * the last, which stands for all of them. A triangle whose entry was overwritten stands for itself again, and so the
+ * answer is asked for again: what is known is true, and need not be all. A reference is only made from and to triangles
+ * that stand for themselves, or in place of one that led to the same end, so there is no circle.
+ */
+
+void mlrt_forget_planes(uint32_t bits, struct mlrt_worker *worker)
+{
+    worker->plane_mask = (1u << bits) - 1;
+    memset(worker->planes, 0xFF, sizeof *worker->planes << bits);
+    memset(worker->pairs, 0, sizeof worker->pairs);
+}
+
+/* The triangle that stands for the plane of a triangle. */
+static uint32_t plane_of(const struct mlrt_worker *worker, uint32_t number)
+{
+    for (;;) {
+        const struct mlrt_known_plane *known = &worker->planes[number & worker->plane_mask];
+        if (known->number != number) return number;
+        number = known->plane;
+    }
+}
 
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker)
 {
-    struct mlrt_plane_pair *pair = &worker->pairs[(first ^ second) % MLRT_PLANE_PAIR_COUNT];
-    if (pair->first != first || pair->second != second) {
-        pair->first = first;
-        pair->second = second;
-        pair->share = mlrt_share_plane(&tree->triangles[first], &tree->triangles[second]);
+    const uint32_t plane_1 = plane_of(worker, first), plane_2 = plane_of(worker, second);
+    struct mlrt_plane_pair *different = &worker->pairs[(first ^ second) % MLRT_PLANE_PAIR_COUNT];
+    if (plane_1 == plane_2) return 1;
+    if (different->first == first && different->second == second) return 0;
+    if (!mlrt_share_plane(&tree->triangles[first], &tree->triangles[second])) {
+        different->first = first;
+        different->second = second;
+        return 0;
     }
-    return pair->share;
+    worker->planes[plane_1 & worker->plane_mask] = (struct mlrt_known_plane){plane_1, plane_2};
+    worker->planes[first & worker->plane_mask] = (struct mlrt_known_plane){first, plane_2};
+    return 1;
 }
 
 /*
  * Exact ties are common: things drawn twice, walls of one plane. Where the nearest hit so far lies in the plane of the
  * triangle, so does the ray's hit of it: at the same t, which is known to be in range. So the later of the two in the
  * input changes nothing, whether it is hit or not, and the earlier one replaces the other where it is surely inside.
- * Returns the lanes of `lanes` that are settled so.
+ *
+ * Returns the lanes of `lanes` that this settles, if it holds for those whose nearest hit is the triangle `nearest`.
  */
+static uint32_t tied_lanes(uint32_t number, uint32_t nearest, uint32_t lanes, uint32_t inside)
+{
+    if (nearest == MLRT_NONE) return 0;
+    return number < nearest ? lanes & inside : lanes;
+}
+
+static void keep_tie(uint32_t number, uint32_t nearest, uint32_t tied, struct mlrt_packet *packet)
+{
+    for (; number < nearest && tied; tied &= tied - 1) packet->triangle[mlrt_lowest_bit(tied)] = number;
+}
+
+uint32_t mlrt_settle_known_ties(uint32_t number, uint32_t lanes, uint32_t inside, struct mlrt_packet *packet,
+                                const struct mlrt_worker *worker)
+{
+    const uint32_t plane = plane_of(worker, number);
+    uint32_t settled = 0;
+    while (lanes) {
+        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & mlrt_same_words(packet->triangle, nearest);
+        const uint32_t tied = tied_lanes(number, nearest, same, inside);
+        lanes &= ~same;
+        if (!tied || plane_of(worker, nearest) != plane) continue;
+        keep_tie(number, nearest, tied, packet);
+        settled |= tied;
+    }
+    return settled;
+}
+
+/* Likewise, for all ties that there are. */
 static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                             struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     uint32_t settled = 0;
-    for (; lanes; lanes &= lanes - 1) {
-        const uint32_t lane = mlrt_lowest_bit(lanes), nearest = packet->triangle[lane];
-        if (nearest == MLRT_NONE) continue;
-        const int earlier = number < nearest;
-        if (earlier && !(inside >> lane & 1)) continue;
-        if (!mlrt_have_one_plane(tree, number, nearest, worker)) continue;
-        if (earlier) packet->triangle[lane] = number;
-        settled |= 1u << lane;
+    while (lanes) {
+        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & mlrt_same_words(packet->triangle, nearest);
+        const uint32_t tied = tied_lanes(number, nearest, same, inside);
+        lanes &= ~same;
+        if (!tied || !mlrt_have_one_plane(tree, number, nearest, worker)) continue;
+        keep_tie(number, nearest, tied, packet);
+        settled |= tied;
     }
     return settled;
 }

@@ -359,6 +359,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     struct mlrt_packet packet;
     struct reciprocals reciprocals;
     struct mlrt_worker worker;
+    struct mlrt_known_plane plane;
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
     MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
@@ -376,7 +377,8 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     packet.shear = NULL;
     worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
-    memset(worker.pairs, 0, sizeof worker.pairs);
+    worker.planes = &plane;
+    mlrt_forget_planes(0, &worker);
     trace_single(job, &reciprocals, 0, 0, &packet, &worker);
     return packet.triangle[0];
 }

@@ -233,8 +233,8 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
         keep_leaf_verdict(&verdict, leaf, place, &rays);
         if (MLRT_LIKELY(!m_bits(verdict.undecided))) continue;
         decided |= store_ray_vector(&rays, v, packet);
-        decided |= mlrt_decide_lanes(job->tree, number, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v,
-                                     packet, worker, COUNTERS(worker));
+        decided |= decide_lanes(job->tree, number, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v,
+                                packet, worker, COUNTERS(worker));
         load_ray_vector(packet, v, &rays);
     }
     return decided | store_ray_vector(&rays, v, packet);

@@ -27,5 +27,7 @@
 #include "extremes.h"
 #include "triangle_filter.h"
 #include "outcome.h"
+#include "doubles.h"
+#include "close_calls.h"
 
 #endif
