@@ -112,6 +112,11 @@ static uint32_t leaf_setup_bits(const struct mlrt_job *job)
     return is_small(job) ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
 }
 
+static uint32_t pair_bits(const struct mlrt_job *job)
+{
+    return is_small(job) ? MLRT_FEW_PAIR_BITS : MLRT_PAIR_BITS;
+}
+
 static uint32_t known_plane_bits(const struct mlrt_job *job)
 {
     return is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
@@ -123,10 +128,11 @@ static int keeps_leaves(const struct mlrt_job *job, int any)
     return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
 }
 
-/* Bytes that a worker has besides its state: set-ups of leaves, known planes and the callback's arrays. */
+/* Bytes that a worker has besides its state: set-ups of leaves, known planes and pairs, and the callback's arrays. */
 static size_t share_size(const struct mlrt_job *job)
 {
-    size_t size = tile_buffer_size(job) + (sizeof(struct mlrt_known_plane) << known_plane_bits(job));
+    size_t size = tile_buffer_size(job) + (sizeof(struct mlrt_known_plane) << known_plane_bits(job)) +
+                  (sizeof(struct mlrt_triangle_pair) << pair_bits(job));
     for (int any = 0; any < 2; ++any) {
         if (keeps_leaves(job, any)) size += sizeof(struct mlrt_leaf_setup) << leaf_setup_bits(job);
     }
@@ -145,6 +151,8 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
     }
     worker->planes = (struct mlrt_known_plane *)(void *)next;
     next += sizeof *worker->planes << known_plane_bits(job);
+    worker->pairs = (struct mlrt_triangle_pair *)(void *)next;
+    next += sizeof *worker->pairs << pair_bits(job);
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
         worker->tile.channel[c].data = next;
@@ -159,7 +167,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     memset(&worker->counters, 0, sizeof worker->counters);
     memset(&worker->tile, 0, sizeof worker->tile);
     share_out(job, share, worker);
-    mlrt_forget_planes(known_plane_bits(job), worker);
+    mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) {

@@ -16,32 +16,23 @@
  * that stand for themselves, or in place of one that led to the same end, so there is no circle.
  */
 
-void mlrt_forget_planes(uint32_t bits, struct mlrt_worker *worker)
+void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker)
 {
-    worker->plane_mask = (1u << bits) - 1;
-    memset(worker->planes, 0xFF, sizeof *worker->planes << bits);
-    memset(worker->pairs, 0, sizeof worker->pairs);
-}
-
-/* The triangle that stands for the plane of a triangle. */
-static uint32_t plane_of(const struct mlrt_worker *worker, uint32_t number)
-{
-    for (;;) {
-        const struct mlrt_known_plane *known = &worker->planes[number & worker->plane_mask];
-        if (known->number != number) return number;
-        number = known->plane;
-    }
+    worker->plane_mask = (1u << plane_bits) - 1;
+    worker->pair_mask = (1u << pair_bits) - 1;
+    memset(worker->planes, 0xFF, sizeof *worker->planes << plane_bits);
+    memset(worker->pairs, 0, sizeof *worker->pairs << pair_bits);
 }
 
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker)
 {
-    const uint32_t plane_1 = plane_of(worker, first), plane_2 = plane_of(worker, second);
-    struct mlrt_plane_pair *different = &worker->pairs[(first ^ second) % MLRT_PLANE_PAIR_COUNT];
+    const uint32_t plane_1 = mlrt_known_plane_of(worker, first), plane_2 = mlrt_known_plane_of(worker, second);
+    struct mlrt_triangle_pair *pair = mlrt_pair_of(worker, first, second);
     if (plane_1 == plane_2) return 1;
-    if (different->first == first && different->second == second) return 0;
+    if (mlrt_is_pair(pair, first, second) && pair->differ) return 0;
     if (!mlrt_share_plane(&tree->triangles[first], &tree->triangles[second])) {
-        different->first = first;
-        different->second = second;
+        if (!mlrt_is_pair(pair, first, second)) *pair = (struct mlrt_triangle_pair){first, second, 1, 0, {NAN, 0, 0}};
+        pair->differ = 1;
         return 0;
     }
     worker->planes[plane_1 & worker->plane_mask] = (struct mlrt_known_plane){plane_1, plane_2};
@@ -49,42 +40,15 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
     return 1;
 }
 
-/*
- * Exact ties are common: things drawn twice, walls of one plane. Where the nearest hit so far lies in the plane of the
- * triangle, so does the ray's hit of it: at the same t, which is known to be in range. So the later of the two in the
- * input changes nothing, whether it is hit or not, and the earlier one replaces the other where it is surely inside.
- *
- * Returns the lanes of `lanes` that this settles, if it holds for those whose nearest hit is the triangle `nearest`.
- */
-static uint32_t tied_lanes(uint32_t number, uint32_t nearest, uint32_t lanes, uint32_t inside)
+MLRT_NOINLINE void mlrt_find_order(const struct mlrt_tree *tree, const float apex[3], uint32_t first, uint32_t second,
+                                   struct mlrt_triangle_pair *pair)
 {
-    if (nearest == MLRT_NONE) return 0;
-    return number < nearest ? lanes & inside : lanes;
+    const int differ = mlrt_is_pair(pair, first, second) && pair->differ;
+    const int order = mlrt_order_of_triangles(apex, &tree->triangles[first], &tree->triangles[second]);
+    *pair = (struct mlrt_triangle_pair){first, second, differ || order != 0, order, {apex[0], apex[1], apex[2]}};
 }
 
-static void keep_tie(uint32_t number, uint32_t nearest, uint32_t tied, struct mlrt_packet *packet)
-{
-    for (; number < nearest && tied; tied &= tied - 1) packet->triangle[mlrt_lowest_bit(tied)] = number;
-}
-
-uint32_t mlrt_settle_known_ties(uint32_t number, uint32_t lanes, uint32_t inside, struct mlrt_packet *packet,
-                                const struct mlrt_worker *worker)
-{
-    const uint32_t plane = plane_of(worker, number);
-    uint32_t settled = 0;
-    while (lanes) {
-        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
-        const uint32_t same = lanes & mlrt_same_words(packet->triangle, nearest);
-        const uint32_t tied = tied_lanes(number, nearest, same, inside);
-        lanes &= ~same;
-        if (!tied || plane_of(worker, nearest) != plane) continue;
-        keep_tie(number, nearest, tied, packet);
-        settled |= tied;
-    }
-    return settled;
-}
-
-/* Likewise, for all ties that there are. */
+/* Settles what is a tie. Returns the lanes of `lanes` that are settled. */
 static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                             struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -92,11 +56,10 @@ static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint3
     while (lanes) {
         const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
         const uint32_t same = lanes & mlrt_same_words(packet->triangle, nearest);
-        const uint32_t tied = tied_lanes(number, nearest, same, inside);
         lanes &= ~same;
-        if (!tied || !mlrt_have_one_plane(tree, number, nearest, worker)) continue;
-        keep_tie(number, nearest, tied, packet);
-        settled |= tied;
+        if (nearest == MLRT_NONE || (number < nearest && !(same & inside))) continue;
+        if (!mlrt_have_one_plane(tree, number, nearest, worker)) continue;
+        settled |= mlrt_settle_tie(number, nearest, same, inside, packet);
     }
     return settled;
 }

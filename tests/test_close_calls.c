@@ -30,6 +30,7 @@ struct bench {
     struct mlrt_packet packet;
     struct mlrt_worker worker;
     struct mlrt_known_plane planes[1u << MLRT_FEW_PLANE_BITS];
+    struct mlrt_triangle_pair pairs[1u << MLRT_FEW_PAIR_BITS];
     struct mlrt_ray_segment rays[MLRT_PACKET_RAYS];
     uint32_t valid;
 };
@@ -38,7 +39,8 @@ static void begin_bench(struct bench *bench)
 {
     memset(bench, 0, sizeof *bench);
     bench->worker.planes = bench->planes;
-    mlrt_forget_planes(MLRT_FEW_PLANE_BITS, &bench->worker);
+    bench->worker.pairs = bench->pairs;
+    mlrt_forget_planes(MLRT_FEW_PLANE_BITS, MLRT_FEW_PAIR_BITS, &bench->worker);
 }
 
 static void set_lane(struct bench *bench, uint32_t lane, const float origin[3], const float direction[3], float t_min,

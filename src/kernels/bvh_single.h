@@ -360,6 +360,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     struct reciprocals reciprocals;
     struct mlrt_worker worker;
     struct mlrt_known_plane plane;
+    struct mlrt_triangle_pair pairs[4];
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
     MLRT_KEEP_LOOP
     for (int k = 0; k < 3; ++k) {
@@ -378,7 +379,8 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
     worker.planes = &plane;
-    mlrt_forget_planes(0, &worker);
+    worker.pairs = pairs;
+    mlrt_forget_planes(0, 2, &worker);
     trace_single(job, &reciprocals, 0, 0, &packet, &worker);
     return packet.triangle[0];
 }

@@ -212,6 +212,39 @@ MLRT_INLINE uint32_t compare_with_all_nearest(const struct mlrt_tree *tree, cons
     return nearer;
 }
 
+/* What is known of a triangle and the nearest hits of lanes, whatever the rays are. */
+struct known_lanes {
+    uint32_t tied;    /* settled, being in the plane of the nearest hit */
+    uint32_t farther; /* if hit at all */
+    uint32_t nearer;  /* if hit at all */
+};
+
+/*
+ * Looks up planes and pairs of triangles. A pair that is seen from an apex for the first time is compared; rays of
+ * different origins would need another answer each.
+ */
+MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                             uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct known_lanes known = {0, 0, 0};
+    const uint32_t plane = mlrt_known_plane_of(worker, number);
+    while (lanes) {
+        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & lanes_of_triangle(packet, nearest);
+        lanes &= ~same;
+        if (nearest == MLRT_NONE) continue;
+        if (mlrt_known_plane_of(worker, nearest) == plane) {
+            known.tied |= mlrt_settle_tie(number, nearest, same, inside, packet);
+            continue;
+        }
+        if (!packet->has_apex) continue;
+        const int order = mlrt_known_order(tree, packet->apex, number, nearest, worker);
+        known.farther |= order > 0 ? same : 0;
+        known.nearer |= order < 0 ? same : 0;
+    }
+    return known;
+}
+
 /*
  * Makes the triangle the nearest hit of the lanes `nearer`. The quotients are moved outward by more than the half unit
  * in the last place that their rounding to floats may move them inward; 2^-149 is for those that become denormal.
@@ -237,21 +270,18 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
     }
 }
 
-/* As mlrt_decide_lanes (undecided.h), which it asks about what it cannot decide. */
-static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
-                                           uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
-                                           mlrt_counters *counters)
+/* Decides `lanes` by doubles, some of which are known to be nearer. Returns those that are nearer; *left receives those
+ * that are not decided. */
+static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                                uint32_t inside, uint32_t known_nearer, struct mlrt_packet *packet,
+                                                uint32_t *left)
 {
     struct close_triangle triangle;
     struct close_bounds bounds[DOUBLE_VECTORS];
-    if (packet->shear) return mlrt_decide_lanes(tree, number, lanes, inside, packet, worker, counters);
-    const uint32_t tied = mlrt_settle_known_ties(number, lanes, inside, packet, worker);
-    uint32_t passed = 0, hit = 0, nearer = 0, farther = 0, left = lanes & ~tied;
-    if (counters) counters->tie_lane_count += mlrt_count_bits(tied);
-    if (!left) return 0;
+    uint32_t passed = 0, hit = 0, nearer = 0, farther = 0;
     set_close_triangle(&tree->triangles[number], packet, &triangle);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        const uint32_t among = left >> lane & DOUBLE_LANES;
+        const uint32_t among = lanes >> lane & DOUBLE_LANES;
         if (!among) continue;
         const struct close_verdict verdict =
             look_at_lanes(&triangle, packet, lane, among, inside >> lane, &bounds[lane / DW]);
@@ -259,17 +289,39 @@ static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_
         hit |= verdict.hit << lane;
         nearer |= verdict.nearer << lane;
     }
-    left &= ~(passed | nearer);
-    if (left) {
-        nearer |= hit & compare_with_all_nearest(tree, packet, left, bounds, &farther);
-        left &= ~(farther | nearer);
+    nearer |= hit & known_nearer;
+    *left = lanes & ~(passed | nearer);
+    if (*left) {
+        nearer |= hit & compare_with_all_nearest(tree, packet, *left, bounds, &farther);
+        *left &= ~(farther | nearer);
     }
     if (nearer) keep_close_hits(number, nearer, bounds, packet);
-    const uint32_t settled = lanes & ~tied & ~left;
-    if (counters) counters->judged_lane_count += mlrt_count_bits(settled);
-    if (MLRT_LIKELY(!left)) {
-        if (counters) counters->undecided_test_count += settled != 0;
-        return nearer;
+    return nearer;
+}
+
+/*
+ * As mlrt_decide_lanes (undecided.h), which it asks about what it cannot decide. First what is known without the rays,
+ * then the triangle by itself, then it and the nearest hits so far.
+ */
+static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                           uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
+                                           mlrt_counters *counters)
+{
+    if (packet->shear) return mlrt_decide_lanes(tree, number, lanes, inside, packet, worker, counters);
+    const struct known_lanes known = look_up_lanes(tree, number, lanes, inside, packet, worker);
+    const uint32_t among = lanes & ~(known.tied | known.farther);
+    uint32_t left = 0, nearer = 0;
+    if (among) nearer = decide_by_doubles(tree, number, among, inside, known.nearer, packet, &left);
+    if (counters) {
+        counters->tie_lane_count += mlrt_count_bits(known.tied);
+        counters->judged_lane_count += mlrt_count_bits(lanes & ~(known.tied | left));
+        if (lanes & ~(known.tied | left)) {
+            const uint64_t test_count = counters->undecided_test_count + 1;
+            if (left) nearer |= mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
+            counters->undecided_test_count = test_count; /* one, in two parts */
+            return nearer;
+        }
     }
-    return nearer | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
+    return MLRT_LIKELY(!left) ? nearer
+                              : nearer | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
 }
