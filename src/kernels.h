@@ -14,6 +14,9 @@
 /* Lights whose shadows a picture may have: one bit each. */
 #define MLRT_LIGHT_LIMIT 8
 
+/* progress.h */
+struct mlrt_progress;
+
 /* One call of the interface, as all workers see it. */
 struct mlrt_job {
     const struct mlrt_tree *tree;
@@ -139,6 +142,11 @@ struct mlrt_worker {
     uint32_t mesh; /* position of the one that was last hit */
     uint32_t tile_x;
     uint32_t tile_y;
+    struct mlrt_progress *progress; /* stop.h; NULL = nobody wants to know */
+    uint64_t environment;           /* floating-point environment of the caller */
+    double pixels_told;             /* of the current item */
+    uint32_t slow_steps;
+    int stopped; /* the call is to end */
 };
 
 /* tile.h */

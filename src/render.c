@@ -19,7 +19,7 @@ struct run {
     const struct mlrt_job *job;
     struct mlrt_worker *workers;
     uint32_t column_count;
-    struct mlrt_progress progress; /* by items */
+    struct mlrt_progress progress; /* by pixels */
 };
 
 static uint32_t tile_count(uint32_t length, uint32_t size)
@@ -68,15 +68,17 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     const struct mlrt_rectangle area =
         mlrt_cut_piece(&whole, item % run->column_count * size, item / run->column_count * size, size);
 
-    const uint64_t environment = mlrt_enter_fp_environment();
+    worker->pixels_told = 0;
+    worker->environment = mlrt_enter_fp_environment();
     trace_item(run, worker, &area);
-    mlrt_leave_fp_environment(environment);
+    mlrt_leave_fp_environment(worker->environment);
+    if (worker->stopped) return 1;
     if (job->callback) {
         mlrt_tile tile;
         describe_tile(job, worker, number, area.width, area.height, &tile);
         if (job->callback(job->user, &tile) != 0) return 1;
     }
-    return mlrt_advance(&run->progress, 1);
+    return mlrt_advance(&run->progress, (double)area.width * area.height - worker->pixels_told);
 }
 
 static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
@@ -179,12 +181,16 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     worker->mesh = 0;
     worker->leaf_credit = MLRT_MOST_LEAF_CREDIT;
     worker->leaves_not_asked = 0;
+    worker->progress = NULL;
+    worker->slow_steps = 0;
+    worker->stopped = 0;
 }
 
 static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
                          struct run *run)
 {
-    mlrt_begin_progress(&options->host, item_count, &run->progress);
+    mlrt_begin_progress(&options->host, (double)run->job->source.width * run->job->source.height, &run->progress);
+    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w) run->workers[w].progress = &run->progress;
     const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
     for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
         mlrt_add_counters(options->counters, &run->workers[w].counters);

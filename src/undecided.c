@@ -7,6 +7,7 @@
 #include "output.h"
 #include "packet.h"
 #include "shear.h"
+#include "stop.h"
 #include "words.h"
 
 /*
@@ -30,6 +31,7 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
     struct mlrt_triangle_pair *pair = mlrt_pair_of(worker, first, second);
     if (plane_1 == plane_2) return 1;
     if (mlrt_is_pair(pair, first, second) && pair->differ) return 0;
+    if (mlrt_is_stopped_in_step(worker)) return 0;
     if (!mlrt_share_plane(&tree->triangles[first], &tree->triangles[second])) {
         if (!mlrt_is_pair(pair, first, second)) *pair = (struct mlrt_triangle_pair){first, second, 1, 0, {NAN, 0, 0}};
         pair->differ = 1;
@@ -66,12 +68,13 @@ static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint3
 
 /* Hands single lanes to the judge. Returns those that are hit nearer than before. */
 static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, struct mlrt_packet *packet,
-                            mlrt_counters *counters)
+                            struct mlrt_worker *worker, mlrt_counters *counters)
 {
     uint32_t hit = 0;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;
+        if (mlrt_is_stopped_in_step(worker)) break;
         mlrt_get_segment(packet, lane, &ray);
         struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
         if (packet->shear) nearest.lo = 0, nearest.hi = INFINITY; /* not those of t */
@@ -94,7 +97,7 @@ MLRT_SMALL uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t num
         counters->undecided_test_count += undecided != 0;
         counters->judged_lane_count += mlrt_count_bits(undecided);
     }
-    return judge_lanes(tree, number, undecided, packet, counters);
+    return judge_lanes(tree, number, undecided, packet, worker, counters);
 }
 
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
@@ -109,7 +112,15 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
         direction[k] = packet->direction[k][lane];
     }
     for (; undecided; undecided &= undecided - 1) {
-        const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i];
+        const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i], nearest = packet->triangle[lane];
+        const uint32_t known_inside = (inside >> i & 1) << lane;
+        if (mlrt_is_stopped_in_step(worker)) break;
+        if (nearest != MLRT_NONE &&
+            mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
+            mlrt_settle_tie(number, nearest, 1u << lane, known_inside, packet)) {
+            if (counters) ++counters->tie_lane_count;
+            continue;
+        }
         /* Most rays that come here start beside a surface, and leave it. */
         if (mlrt_leaves_plane(origin, direction, &job->tree->triangles[number])) {
             if (counters) {
@@ -118,7 +129,7 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
             }
             continue;
         }
-        hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, (inside >> i & 1) << lane, packet, worker, counters);
+        hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, known_inside, packet, worker, counters);
         if (hit && job->any) break;
     }
     return hit != 0;

@@ -353,7 +353,7 @@ static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lan
 }
 
 #if !MLRT_COUNTING
-/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes. */
+/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes, and that nobody waits. */
 static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip)
 {
     struct mlrt_packet packet;
@@ -381,6 +381,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     worker.planes = &plane;
     worker.pairs = pairs;
     mlrt_forget_planes(0, 2, &worker);
+    worker.progress = NULL;
     trace_single(job, &reciprocals, 0, 0, &packet, &worker);
     return packet.triangle[0];
 }

@@ -308,6 +308,7 @@ static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_
                                            mlrt_counters *counters)
 {
     if (packet->shear) return mlrt_decide_lanes(tree, number, lanes, inside, packet, worker, counters);
+    if (mlrt_is_stopped_in_step(worker)) return 0;
     const struct known_lanes known = look_up_lanes(tree, number, lanes, inside, packet, worker);
     const uint32_t among = lanes & ~(known.tied | known.farther);
     uint32_t left = 0, nearer = 0;

@@ -18,6 +18,7 @@
 #include "rounding.h"
 #include "results.h"
 #include "shadow.h"
+#include "stop.h"
 #include "tile.h"
 #include "tile_packets.h"
 #include "trace_ray.h"
