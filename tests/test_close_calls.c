@@ -6,12 +6,15 @@
 #include "support.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "close/close.h"
 #include "hard_scenes.h"
 #include "hit.h"
 #include "hostile_rays.h"
+#include "progress.h"
+#include "stop.h"
 #include "undecided.h"
 
 static uint32_t lanes_left; /* to the judge, since the last time that this was 0 */
@@ -325,10 +328,134 @@ static void what_double_decides_is_not_judged(void **state)
     free_soup(&soup);
 }
 
+/* ---- thousands of triangles in one plane --------------------------------------------------------------------------- */
+
+#define NEST_COUNT 2000
+
+/* Each around the next smaller one, all in the plane x = z, as every ray meets them. */
+static mlrt_tree *make_nest(void)
+{
+    struct soup soup = {0};
+    mlrt_tree *tree = NULL;
+    for (int i = 0; i < NEST_COUNT; i++) {
+        const float s = 0.0001f + (float)i / (2.0f * NEST_COUNT);
+        const float a[3] = {0.5f - s, 0.5f - s, 0.5f - s}, b[3] = {0.5f + s, 0.5f - s, 0.5f + s};
+        soup_add_triangle(&soup, a, b, (const float[3]){0.5f, 0.5f + s, 0.5f});
+    }
+    const mlrt_mesh mesh = soup_mesh(&soup);
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    free_soup(&soup);
+    return tree;
+}
+
+static int32_t count_call(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(int *)user;
+    return 0;
+}
+
+static int32_t count_call_and_stop(void *user, double fraction)
+{
+    count_call(user, fraction);
+    return 1;
+}
+
+static void aim_at_nest(struct bench *bench)
+{
+    begin_bench(bench);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+        const float direction[3] = {-0.75f + 0.001f * (float)lane, 0.0625f, 0.75f};
+        set_lane(bench, lane, (const float[3]){1.25f, 0.4375f, -0.25f}, direction, 0, INFINITY);
+    }
+    set_apex(bench);
+}
+
+/* Each triangle of a plane is compared once, whatever lies nearest then: not once for each pair, nor for each packet. */
+static void planes_are_asked_for_once(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = make_nest();
+    struct mlrt_known_plane *planes = allocate_or_fail(1u << MLRT_KNOWN_PLANE_BITS, sizeof *planes);
+    struct mlrt_progress progress = {0}; // tells nobody
+    struct bench own, *bench = &own;
+    aim_at_nest(bench);
+    bench->worker.planes = planes;
+    mlrt_forget_planes(MLRT_KNOWN_PLANE_BITS, MLRT_FEW_PAIR_BITS, &bench->worker);
+    bench->worker.progress = &progress;
+    for (uint32_t nearest = 0; nearest < NEST_COUNT; nearest += 97) {
+        for (uint32_t number = 0; number < NEST_COUNT; number++) {
+            if (number != nearest) assert_true(mlrt_have_one_plane(tree, number, nearest, &bench->worker));
+        }
+    }
+    assert_int_equal(bench->worker.slow_steps, NEST_COUNT - 1);
+    free(planes);
+    mlrt_destroy_tree(tree);
+}
+
+/* So many triangles a packet is offered at most until the host is asked; and nothing happens after it said stop. */
+static void close_calls_are_stopped(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = make_nest();
+    for (size_t i = 0; i < FUNCTION_COUNT; i++) {
+        if (!isa_is_supported(isas[i])) continue;
+        int call_count = 0;
+        const mlrt_host host = {.struct_size = sizeof host, .user = &call_count, .progress = count_call_and_stop};
+        struct mlrt_progress progress;
+        struct bench own, *bench = &own;
+        uint32_t number = NEST_COUNT - 1;
+        aim_at_nest(bench);
+        mlrt_begin_progress(&host, 1, &progress);
+        bench->worker.progress = &progress;
+        bench->worker.environment = mlrt_enter_fp_environment();
+        for (; number > 0 && !bench->worker.stopped; number--) {
+            functions[i](tree, number, 0xFFFF, 0xFFFF, &bench->packet, &bench->worker, NULL);
+        }
+        assert_int_equal(call_count, 1);
+        assert_true(NEST_COUNT - number <= MLRT_SLOW_STEPS + 1);
+        const struct mlrt_packet before = bench->packet;
+        assert_int_equal(functions[i](tree, 0, 0xFFFF, 0xFFFF, &bench->packet, &bench->worker, NULL), 0);
+        assert_memory_equal(before.triangle, bench->packet.triangle, sizeof before.triangle);
+        mlrt_leave_fp_environment(bench->worker.environment);
+        mlrt_end_progress(&progress, MLRT_ERROR_CANCELLED);
+    }
+    mlrt_destroy_tree(tree);
+}
+
+static int32_t count_tile(void *user, const mlrt_tile *tile)
+{
+    (void)tile;
+    ++*(int *)user;
+    return 0;
+}
+
+/* A picture of one tile for the callback: it is told of before that is done, and then ended within it. */
+static void a_render_is_stopped_within_an_item(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = make_nest();
+    const mlrt_camera camera =
+        look_at((const float[3]){1.25f, 0.4375f, -0.25f}, (const float[3]){0.5f, 0.5f, 0.5f}, 1, 128, 128);
+    for (int stops = 0; stops < 2; stops++) {
+        int call_count = 0, tile_count = 0;
+        const mlrt_host host = {
+            .struct_size = sizeof host, .user = &call_count, .progress = stops ? count_call_and_stop : count_call};
+        const mlrt_trace_options options = {
+            .struct_size = sizeof options, .initial_tile_size = 1024, .outputs = MLRT_OUTPUT_T, .host = &host};
+        const int32_t status = mlrt_render_tiles(tree, &camera, &options, NULL, count_tile, &tile_count);
+        assert_int_equal(status, stops ? MLRT_ERROR_CANCELLED : MLRT_OK);
+        assert_int_equal(tile_count, !stops);
+        assert_true(stops ? call_count == 1 : call_count >= 2); // in the item, or later; and 1 at the end
+    }
+    mlrt_destroy_tree(tree);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(sheets_that_nearly_coincide),
-                                       cmocka_unit_test(hostile_rays_in_hard_scenes),
-                                       cmocka_unit_test(what_double_decides_is_not_judged)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sheets_that_nearly_coincide),         cmocka_unit_test(hostile_rays_in_hard_scenes),
+        cmocka_unit_test(what_double_decides_is_not_judged),   cmocka_unit_test(planes_are_asked_for_once),
+        cmocka_unit_test(close_calls_are_stopped),             cmocka_unit_test(a_render_is_stopped_within_an_item)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
