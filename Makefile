@@ -314,6 +314,12 @@ $(BUILD)/tests/words/%.o: tests/words/%.c
 
 $(BUILD)/tests/test_simd: $(ISAS:%=$(BUILD)/tests/words/%.o)
 
+$(BUILD)/tests/close/%.o: tests/close/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(ISA_FLAGS_$*) -c $< -o $@
+
+$(BUILD)/tests/test_close_calls: $(ISAS:%=$(BUILD)/tests/close/%.o)
+
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 
@@ -471,7 +477,7 @@ test-install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
+	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
 	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
 
 clean:

@@ -15,6 +15,9 @@
 /* Lights whose shadows a picture may have: one bit each. */
 #define MLRT_LIGHT_LIMIT 8
 
+/* progress.h */
+struct mlrt_progress;
+
 /* One call of the interface, as all workers see it. */
 struct mlrt_job {
     const struct mlrt_tree *tree;
@@ -94,19 +97,38 @@ struct mlrt_leaf_cache {
     uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes above; 0 = nobody's */
 };
 
-/* Two triangles, and whether they lie in one plane. All 0 = empty entry: nobody asks about a triangle and itself. */
-struct mlrt_plane_pair {
+/* What was found of two triangles: not that they lie in one plane (undecided.h). All 0 = empty entry: nobody asks about
+ * a triangle and itself. */
+struct mlrt_triangle_pair {
     uint32_t first;
     uint32_t second;
-    int share;
+    int32_t differ; /* they surely do not lie in one plane */
+    int32_t order;  /* from `apex`: +1 if the first is behind the second wherever a ray hits it, -1 if it is before */
+    float apex[3];
 };
 
-#define MLRT_PLANE_PAIR_COUNT 64
+/* A triangle, and one of the same plane (undecided.c). */
+struct mlrt_known_plane {
+    uint32_t number; /* MLRT_NONE = empty entry */
+    uint32_t plane;
+};
+
+/*
+ * As powers of two, how many of each are kept: few for few rays, which would not pay for clearing them. With 256 pairs in
+ * place of 64, a picture of a room all of whose walls are there twice compares 1 % less of them anew.
+ */
+#define MLRT_KNOWN_PLANE_BITS 12
+#define MLRT_FEW_PLANE_BITS   4
+#define MLRT_PAIR_BITS        6
+#define MLRT_FEW_PAIR_BITS    4
 
 /* What one worker has to itself, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
-    struct mlrt_plane_pair pairs[MLRT_PLANE_PAIR_COUNT]; /* entry (first ^ second) % MLRT_PLANE_PAIR_COUNT */
+    struct mlrt_triangle_pair *pairs;                    /* entry (first ^ second) & pair_mask */
+    uint32_t pair_mask;                                  /* how many there are: a power of two, less one */
+    struct mlrt_known_plane *planes;                     /* entry number & plane_mask */
+    uint32_t plane_mask;
     struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
@@ -122,6 +144,11 @@ struct mlrt_worker {
     uint32_t mesh; /* position of the one that was last hit */
     uint32_t tile_x;
     uint32_t tile_y;
+    struct mlrt_progress *progress; /* stop.h; NULL = nobody wants to know */
+    uint64_t environment;           /* floating-point environment of the caller */
+    double pixels_told;             /* of the current item */
+    uint32_t slow_steps;
+    int stopped; /* the call is to end */
 };
 
 /* tile.h */

@@ -6,6 +6,7 @@
 
 #include "results.h"
 #include "shade.h"
+#include "stop.h"
 #include "tile_packets.h"
 #include "words.h"
 
@@ -153,6 +154,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
                 }
             } else {
                 trace_ray_tile(job, worker, &tile, cells.closed >> place & 1 ? &known[place] : NULL);
+                if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
             }
         }
     }
@@ -166,6 +168,7 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
             const struct mlrt_rectangle tile = {area->x, area->y + j, area->width,
                                                 area->height - j < 64 ? area->height - j : 64};
             trace_ray_tile(job, worker, &tile, NULL);
+            if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
         }
         return;
     }
@@ -173,6 +176,7 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
         for (uint32_t i = 0; i < area->width; i += 64) {
             const struct mlrt_rectangle square = mlrt_cut_piece(area, i, j, 64);
             trace_square(job, worker, &square);
+            if (worker->stopped) return;
         }
     }
 }

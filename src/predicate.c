@@ -581,6 +581,28 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
     return MLRT_LIKELY(sign != 0) ? sign : compare_close_distance(ray, first, second, counters);
 }
 
+/*
+ * Where all corners of the first are on one side of the plane of the second, so are all its points: those that rays hit
+ * from the other side are behind the plane, and those that they hit from the same side are before it.
+ */
+int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *first, const struct mlrt_triangle *second)
+{
+    const struct vector a = vector_of(second->v[0]), to_from = subtract(vector_of(from), a);
+    const struct vector ab = subtract(vector_of(second->v[1]), a), ac = subtract(vector_of(second->v[2]), a);
+    const struct vector normal = cross(ab, ac);
+    const double size = size_of(ab) * size_of(ac);
+    const int side = certain_sign((struct measured){dot(to_from, normal), size_of(to_from) * size}, SIGN_ERROR);
+    int corner_side = 0;
+    for (int i = 0; side != 0 && i < 3; ++i) {
+        const struct vector to_corner = subtract(vector_of(first->v[i]), a);
+        const struct measured height = {dot(to_corner, normal), size_of(to_corner) * size};
+        const int other = certain_sign(height, SIGN_ERROR);
+        if (other == 0 || (i > 0 && other != corner_side)) return 0;
+        corner_side = other;
+    }
+    return -side * corner_side;
+}
+
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
     for (int axis = 0; axis < 3; ++axis) {

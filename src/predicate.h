@@ -64,6 +64,12 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second);
 
 /*
+ * The order of two triangles for all rays from a point: +1 if no ray hits the first before it meets the plane of the
+ * second, -1 if each that hits the first and meets that plane does so before; 0 if neither is certain in double.
+ */
+int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *first, const struct mlrt_triangle *second);
+
+/*
  * Floats around the t of a triangle that the ray hits: 0 <= *lo <= t <= *hi <= inf, as close as double arithmetic shows
  * it: nearly always equal or neighbours, 0 and inf if the ray is so nearly in the plane that double cannot tell.
  */

@@ -13,12 +13,13 @@
 #include "progress.h"
 #include "scheduler.h"
 #include "tile.h"
+#include "undecided.h"
 
 struct run {
     const struct mlrt_job *job;
     struct mlrt_worker *workers;
     uint32_t column_count;
-    struct mlrt_progress progress; /* by items */
+    struct mlrt_progress progress; /* by pixels */
 };
 
 static uint32_t tile_count(uint32_t length, uint32_t size)
@@ -67,15 +68,17 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     const struct mlrt_rectangle area =
         mlrt_cut_piece(&whole, item % run->column_count * size, item / run->column_count * size, size);
 
-    const uint64_t environment = mlrt_enter_fp_environment();
+    worker->pixels_told = 0;
+    worker->environment = mlrt_enter_fp_environment();
     trace_item(run, worker, &area);
-    mlrt_leave_fp_environment(environment);
+    mlrt_leave_fp_environment(worker->environment);
+    if (worker->stopped) return 1;
     if (job->callback) {
         mlrt_tile tile;
         describe_tile(job, worker, number, area.width, area.height, &tile);
         if (job->callback(job->user, &tile) != 0) return 1;
     }
-    return mlrt_advance(&run->progress, 1);
+    return mlrt_advance(&run->progress, (double)area.width * area.height - worker->pixels_told);
 }
 
 static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
@@ -99,11 +102,26 @@ static size_t tile_buffer_size(const struct mlrt_job *job)
     return size;
 }
 
-/* As a power of two, how many set-ups of leaves are kept: few for few rays, which would not pay for the memory. */
+/* So few rays that they would not pay for large tables? */
+static int is_small(const struct mlrt_job *job)
+{
+    return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
+}
+
+/* As a power of two, how many set-ups of leaves are kept. */
 static uint32_t leaf_setup_bits(const struct mlrt_job *job)
 {
-    const uint64_t ray_count = (uint64_t)job->source.width * job->source.height;
-    return ray_count < MLRT_MANY_RAYS ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
+    return is_small(job) ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
+}
+
+static uint32_t pair_bits(const struct mlrt_job *job)
+{
+    return is_small(job) ? MLRT_FEW_PAIR_BITS : MLRT_PAIR_BITS;
+}
+
+static uint32_t known_plane_bits(const struct mlrt_job *job)
+{
+    return is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
 }
 
 /* Closest hits (0) and any hits (1) have set-ups of their own: a picture's shadows go in turn with its tiles. */
@@ -112,10 +130,11 @@ static int keeps_leaves(const struct mlrt_job *job, int any)
     return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
 }
 
-/* Bytes that a worker has besides its state: set-ups of leaves and the callback's arrays. */
+/* Bytes that a worker has besides its state: set-ups of leaves, known planes and pairs, and the callback's arrays. */
 static size_t share_size(const struct mlrt_job *job)
 {
-    size_t size = tile_buffer_size(job);
+    size_t size = tile_buffer_size(job) + (sizeof(struct mlrt_known_plane) << known_plane_bits(job)) +
+                  (sizeof(struct mlrt_triangle_pair) << pair_bits(job));
     for (int any = 0; any < 2; ++any) {
         if (keeps_leaves(job, any)) {
             size += (sizeof(struct mlrt_leaf_setup) + sizeof(struct mlrt_bundle_leaf)) << leaf_setup_bits(job);
@@ -137,6 +156,10 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
         worker->bundle_caches[any].leaves = (struct mlrt_bundle_leaf *)(void *)next;
         next += sizeof(struct mlrt_bundle_leaf) << cache->bits;
     }
+    worker->planes = (struct mlrt_known_plane *)(void *)next;
+    next += sizeof *worker->planes << known_plane_bits(job);
+    worker->pairs = (struct mlrt_triangle_pair *)(void *)next;
+    next += sizeof *worker->pairs << pair_bits(job);
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
         worker->tile.channel[c].data = next;
@@ -149,9 +172,9 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
 static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
 {
     memset(&worker->counters, 0, sizeof worker->counters);
-    memset(worker->pairs, 0, sizeof worker->pairs);
     memset(&worker->tile, 0, sizeof worker->tile);
     share_out(job, share, worker);
+    mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) {
@@ -164,12 +187,16 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     worker->mesh = 0;
     worker->leaf_credit = MLRT_MOST_LEAF_CREDIT;
     worker->leaves_not_asked = 0;
+    worker->progress = NULL;
+    worker->slow_steps = 0;
+    worker->stopped = 0;
 }
 
 static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
                          struct run *run)
 {
-    mlrt_begin_progress(&options->host, item_count, &run->progress);
+    mlrt_begin_progress(&options->host, (double)run->job->source.width * run->job->source.height, &run->progress);
+    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w) run->workers[w].progress = &run->progress;
     const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
     for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
         mlrt_add_counters(options->counters, &run->workers[w].counters);

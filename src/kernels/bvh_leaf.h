@@ -249,13 +249,13 @@ MLRT_INLINE void range_over_cells(const struct mlrt_cells *cells, const struct m
 /*
  * Offers a triangle to closed cells: those that it covers in front of what covered them are closed by it from now on,
  * those that it misses, or lies behind the cover of, stay as they are. Returns the others: they may have to be opened.
- * All rays of `inside_cells` hit the triangle.
+ * All rays of `inside_cells` hit the triangle; `near_in_cells` receives its least depth in cells that are returned.
  *
  * Edge functions over slopes have the bound of triangle_filter.h with R = 1, or twice the steepest slope, and so has D;
  * all rays of a cell hit what is surely inside at its corners. There their depth is N / D.
  */
 static uint32_t offer_to_closed(struct mlrt_cells *cells, const struct mlrt_leaf_setup *leaf, uint32_t place,
-                                uint32_t among, int any, uint32_t *inside_cells)
+                                uint32_t among, int any, uint32_t *inside_cells, float near_in_cells[MLRT_CELL_COUNT])
 {
     const uint32_t number = leaf->numbers[place];
     const float bound = SLOPE_EDGE_BOUND * cells->slope_bound, width = SLOPE_PLANE_BOUND * cells->slope_bound;
@@ -296,6 +296,7 @@ static uint32_t offer_to_closed(struct mlrt_cells *cells, const struct mlrt_leaf
             i_store(cells->cover + v, i_select(covered, i_set1(number), i_load(cells->cover + v)));
         }
         *inside_cells |= m_bits(certain) << v;
+        v_store(near_in_cells + v, near);
         opened |= m_bits(m_andnot(may, covered)) << v;
     }
     return opened;

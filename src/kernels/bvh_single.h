@@ -358,12 +358,14 @@ static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lan
 }
 
 #if !MLRT_COUNTING
-/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes. */
+/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes, and that nobody waits. */
 static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip)
 {
     struct mlrt_packet packet;
     struct reciprocals reciprocals;
     struct mlrt_worker worker;
+    struct mlrt_known_plane plane;
+    struct mlrt_triangle_pair pairs[4];
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
     for (int k = 0; k < 3; ++k) {
         const float r = 1 / segment->direction[k];
@@ -380,7 +382,10 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     packet.shear = NULL;
     worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
-    memset(worker.pairs, 0, sizeof worker.pairs);
+    worker.planes = &plane;
+    worker.pairs = pairs;
+    mlrt_forget_planes(0, 2, &worker);
+    worker.progress = NULL;
     trace_single(job, &reciprocals, 0, 0, &packet, &worker);
     return packet.triangle[0];
 }

@@ -231,8 +231,8 @@ MLRT_INLINE uint32_t test_ray_vector(const struct mlrt_job *job, struct mlrt_wor
         keep_leaf_verdict(&verdict, leaf, place, &rays);
         if (MLRT_LIKELY(!m_bits(verdict.undecided))) continue;
         decided |= store_ray_vector(&rays, v, packet);
-        decided |= mlrt_decide_lanes(job->tree, number, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v,
-                                     packet, worker, COUNTERS(worker));
+        decided |= decide_lanes(job->tree, number, m_bits(verdict.undecided) << v, m_bits(verdict.inside) << v,
+                                packet, worker, COUNTERS(worker));
         load_ray_vector(packet, v, &rays);
     }
     return decided | store_ray_vector(&rays, v, packet);
@@ -339,15 +339,26 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
 
 /*
  * A triangle in the plane of a cell's cover is hit where that is, if at all, and the first of the two in the input
- * wins: the later one changes nothing, and the earlier one may cover the cell instead. 0 if it is not as simple.
+ * wins: the later one changes nothing, and the earlier one may cover the cell instead. One that is behind the cover
+ * wherever it is hit changes nothing either, and one that is before it may cover the cell; `near` is its least depth
+ * there. 0 if it is not as simple.
  */
 static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker, struct mlrt_cells *cells,
-                        uint32_t place, uint32_t number, int is_inside)
+                        uint32_t place, uint32_t number, int is_inside, float near)
 {
     const uint32_t cover = cells->cover[place];
-    if (cover == MLRT_NONE || (number < cover && !is_inside)) return 0;
-    if (!mlrt_have_one_plane(tree, number, cover, worker)) return 0;
-    if (number < cover) cells->cover[place] = number;
+    if (cover == MLRT_NONE) return 0;
+    const int order = mlrt_are_sheared(cells) ? 0 : mlrt_known_order(tree, cells->apex, number, cover, worker);
+    if (order > 0) return 1;
+    if (order == 0) {
+        if (number < cover && !is_inside) return 0;
+        if (!mlrt_have_one_plane(tree, number, cover, worker)) return 0;
+        if (number < cover) cells->cover[place] = number;
+        return 1;
+    }
+    if (!is_inside) return 0;
+    cells->cover[place] = number;
+    cells->cover_near[place] = near;
     return 1;
 }
 
@@ -360,10 +371,14 @@ static void test_closed_cells(const struct mlrt_job *job, struct mlrt_worker *wo
         if (!among) return;
         COUNT(&worker->counters, triangle_test_count, 1);
         const uint32_t triangle = mlrt_lowest_bit(seen);
-        uint32_t inside, opened = offer_to_closed(cells, leaf, triangle, among, job->any, &inside);
+        MLRT_ALIGNED(64) float near[MLRT_CELL_COUNT];
+        uint32_t inside, opened = offer_to_closed(cells, leaf, triangle, among, job->any, &inside, near);
         for (; opened; opened &= opened - 1) {
             const uint32_t place = mlrt_lowest_bit(opened);
-            if (settle_cover(job->tree, worker, cells, place, leaf->numbers[triangle], inside >> place & 1)) continue;
+            const int is_inside = inside >> place & 1;
+            if (settle_cover(job->tree, worker, cells, place, leaf->numbers[triangle], is_inside, near[place])) {
+                continue;
+            }
             if (cells->tile) {
                 open_packet(job, worker, cells->tile, place);
             } else {

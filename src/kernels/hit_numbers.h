@@ -27,24 +27,6 @@ struct packet_numbers {
     MLRT_ALIGNED(64) uint32_t facing[MLRT_PACKET_RAYS];
 };
 
-MLRT_INLINE void cross_product_of_doubles(const vd a[3], const vd b[3], vd cross[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        cross[k] = d_sub(d_mul(a[i], b[j]), d_mul(a[j], b[i]));
-    }
-}
-
-MLRT_INLINE vd dot_product_of_doubles(const vd a[3], const vd b[3])
-{
-    return d_add(d_add(d_mul(a[0], b[0]), d_mul(a[1], b[1])), d_mul(a[2], b[2]));
-}
-
-MLRT_INLINE vd size_of_doubles(const vd a[3])
-{
-    return d_add(d_add(d_abs(a[0]), d_abs(a[1])), d_abs(a[2]));
-}
-
 /* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
 static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                            float corners[9][MLRT_PACKET_RAYS])

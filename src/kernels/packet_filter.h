@@ -127,7 +127,7 @@ MLRT_INLINE uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number
     const struct outcome outcome = filter_lanes(tree, number, apex_terms, group, lanes, packet, worker);
     if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
     return outcome.nearer |
-           mlrt_decide_lanes(tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
+           decide_lanes(tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
 }
 
 /* The same for rays of one origin, and for rays of different ones. */

@@ -18,6 +18,7 @@
 #include "rounding.h"
 #include "results.h"
 #include "shadow.h"
+#include "stop.h"
 #include "tile.h"
 #include "tile_packets.h"
 #include "trace_ray.h"
@@ -27,5 +28,7 @@
 #include "extremes.h"
 #include "triangle_filter.h"
 #include "outcome.h"
+#include "doubles.h"
+#include "close_calls.h"
 
 #endif

@@ -4,16 +4,6 @@
  * they go is output.h's.
  */
 
-/* The lanes whose nearest hit is a triangle. */
-MLRT_INLINE uint32_t lanes_of_triangle(const struct mlrt_packet *packet, uint32_t number)
-{
-    uint32_t lanes = 0;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        lanes |= m_bits(i_eq(i_load(packet->triangle + v), i_set1(number))) << v;
-    }
-    return lanes;
-}
-
 #include "hit_numbers.h"
 
 /* Turns the triangle numbers of a packet into ids, if all are of the mesh that was last seen: 0 if not. */
