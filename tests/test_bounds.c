@@ -1040,6 +1040,7 @@ static double attack_closed_cell(const float *input)
 {
     struct seen_triangle seen;
     uint32_t inside;
+    MLRT_ALIGNED(64) float depth[MLRT_CELL_COUNT]; /* of cells that are opened */
     if (!see_triangle(input, 1, &seen) || seen.n_sign == 0) return -1;
     seen.lone.leaf.least_depth[0] = -INFINITY;
     for (int side = 0; side < 2; ++side) {
@@ -1048,7 +1049,7 @@ static double attack_closed_cell(const float *input)
     }
     const int side = find_side();
     const uint32_t left = seen_by_cell(&seen.cells, 0, 1, &seen.lone.leaf);
-    const uint32_t opened = offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside);
+    const uint32_t opened = offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside, depth);
     const int is_covered = seen.cells.cover[0] != MLRT_NONE;
     if ((!left || !(opened || is_covered)) && side >= 0) return INFINITY;
     if ((is_covered || inside) && side <= 0) return INFINITY;
@@ -1061,12 +1062,13 @@ static double attack_closed_cell(const float *input)
     seen.cells.cover[0] = MLRT_NONE;
     seen.cells.cover_near[0] = INFINITY;
     seen.cells.farthest[0] = round_up_exactly(truth);
-    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside) && seen.cells.cover[0] == MLRT_NONE)
+    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside, depth) && seen.cells.cover[0] == MLRT_NONE)
         return INFINITY;
     seen.cells.cover[0] = MLRT_NONE;
     seen.cells.farthest[0] = INFINITY;
     seen.cells.cover_near[0] = round_down_exactly(truth);
-    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside)) return INFINITY;
+    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside, depth)) return INFINITY;
+    if (depth[0] != near) return INFINITY; /* what was kept is checked */
     return worst;
 }
 

@@ -382,6 +382,7 @@ static double attack_box(const float *input)
 /* All decisions about a triangle and a ray: none may be wrong. */
 static double attack_decisions(const float *input)
 {
+    MLRT_ALIGNED(64) float depth[MLRT_CELL_COUNT];
     static struct seen seen;
     struct lone_triangle lone;
     uint32_t inside;
@@ -419,7 +420,7 @@ static double attack_decisions(const float *input)
         if ((double)tile->packets[0].lo[0] > hi || (double)tile->packets[0].hi[0] < lo) return INFINITY;
     }
     if (!(cells->closed & 1)) return 0;
-    const uint32_t opened = offer_to_closed(cells, &lone.leaf, 0, 1, 0, &inside);
+    const uint32_t opened = offer_to_closed(cells, &lone.leaf, 0, 1, 0, &inside, depth);
     if (cells->cover[0] != MLRT_NONE && !is_hit) return INFINITY;
     return cells->cover[0] == MLRT_NONE && !opened && is_hit ? INFINITY : 0;
 }
