@@ -106,7 +106,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         }
     } else {
         tile.made = 0xFFFF;
-        const uint32_t waiting = mlrt_make_packets(job, worker, &tile);
+        const uint32_t waiting = mlrt_make_packets(job, &tile);
         if (job->has_frame && !is_list(&job->source)) {
             mlrt_prefetch_sink(area->x, area->y, area->width, area->height, &job->frame);
         }

@@ -19,18 +19,13 @@ void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint
     }
 }
 
-uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
+uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile)
 {
     uint32_t waiting = 0;
     job->kernels->picture->read_packets(&job->source, tile);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        struct mlrt_packet *packet = &tile->packets[place];
-        if (!job->tree->bvh.float_safe) {
-            packet->single |= packet->active;
-            packet->active = 0;
-        }
-        waiting |= (packet->active != 0u) << place;
+        waiting |= (tile->packets[place].active != 0u) << place;
     }
     return waiting;
 }

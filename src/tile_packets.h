@@ -10,8 +10,9 @@
 /* Makes the rays of the packet at a place: those of a picture, or from what its rays hit to a light. */
 void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place);
 
-/* Makes those of all packets of a tile, for any source, and returns those that may go together. Others are traced. */
-uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
+/* Makes those of all packets of a tile, for any source, and returns those that have rays. Whether these can hit anything
+ * is not known yet. */
+uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile);
 
 /* Traces the packets of `waiting` (bit per place) down the hierarchy of boxes: together, as far as they can. */
 void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,

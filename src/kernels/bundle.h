@@ -40,142 +40,136 @@ struct bundle {
 
 /* ---- the waist ---- */
 
-/* Sums over rays of slopes and of places relative to a first ray's origin. */
-struct ray_sums {
-    vf slope[2];
-    vf place[2];
-    vf slope_slope;
-    vf slope_place;
-    vf place_place;
-};
-
 /* Components of the origins of a vector of lanes. */
 MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
 {
     return packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
 }
 
-/*
- * Sets slopes and paces of a packet's rays, and adds the rays to the sums. Returns 0 if some ray does not go along the
- * main axis, or is too steep.
- */
-static MLRT_NOINLINE int add_slopes(const struct mlrt_packet *packet, const struct mlrt_waist *from,
-                                    struct mlrt_bundle_rays *rays, struct ray_sums *sums)
+/* A few rays of a tile, from which its waist is guessed: no answer depends on it. */
+#define SAMPLE_LIMIT 6
+
+struct ray_sample {
+    float origin[3];
+    float direction[3];
+};
+
+/* Takes a ray of a packet as a sample; 0 if float does not carry it. */
+static int take_sample(const struct mlrt_packet *packet, uint32_t lane, struct ray_sample *sample)
+{
+    float largest = 0;
+    for (int k = 0; k < 3; ++k) {
+        sample->origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        sample->direction[k] = packet->direction[k][lane];
+        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= MLRT_SAFE_MAX)) return 0;
+        largest = larger_of(fabsf(sample->direction[k]), largest);
+    }
+    return largest >= MLRT_SAFE_MIN;
+}
+
+/* Samples from corners and middle of a tile. Returns how many there are. */
+static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, struct ray_sample samples[SAMPLE_LIMIT])
+{
+    static const uint8_t order[MLRT_BUNDLE_PACKETS] = {5, 15, 0, 3, 12, 10, 6, 9, 1, 2, 4, 7, 8, 11, 13, 14};
+    uint32_t count = 0;
+    for (int i = 0; i < MLRT_BUNDLE_PACKETS && count < SAMPLE_LIMIT; ++i) {
+        const struct mlrt_packet *packet = &tile->packets[order[i]];
+        if (!(places >> order[i] & 1) || !packet->active) continue;
+        uint32_t lane = mlrt_lowest_bit(packet->active);
+        if (i & 1 && packet->active >> 15) lane = 15;
+        count += (uint32_t)take_sample(packet, lane, &samples[count]);
+    }
+    return count;
+}
+
+/* Means over samples of slopes and places relative to the first one's origin, and how they vary together. */
+struct sample_spread {
+    float slope[2];
+    float place[2];
+    float slope_slope;
+    float slope_place;
+    float place_place;
+};
+
+static void find_spread(const struct ray_sample *samples, uint32_t count, const struct mlrt_waist *from,
+                        struct sample_spread *of)
 {
     const int a = from->main_axis;
-    const vf sign = v_set1(from->sign), zero = v_set1(0);
-    uint32_t good = 0;
-    struct ray_sums of = *sums;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm active = m_from_bits(packet->active >> v);
-        const vf pace = v_flip(v_load(packet->direction[a] + v), sign);
-        const vf depth = v_flip(v_sub(origin_component(packet, a, v), v_set1(from->point[a])), sign);
-        vm fits = v_gt(pace, zero);
-        v_store(rays->pace + v, pace);
+    float taken = 0;
+    memset(of, 0, sizeof *of);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float pace = samples[i].direction[a] * from->sign, scale = 1 / pace;
+        const float depth = (samples[i].origin[a] - from->point[a]) * from->sign;
+        if (!(pace > 0)) continue;
+        taken += 1;
         for (int side = 0; side < 2; ++side) {
             const int j = mlrt_slope_axis(a, side);
-            const vf slope = v_div(v_load(packet->direction[j] + v), pace);
-            const vf place = v_sub(v_sub(origin_component(packet, j, v), v_set1(from->point[j])), v_mul(slope, depth));
-            fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
-            v_store(rays->term[MLRT_SLOPE_J + side] + v, slope);
-            const vf s = v_select(active, slope, zero), x = v_select(active, place, zero);
-            of.slope[side] = v_add(of.slope[side], s);
-            of.place[side] = v_add(of.place[side], x);
-            of.slope_slope = v_mul_add(s, s, of.slope_slope);
-            of.slope_place = v_mul_add(s, x, of.slope_place);
-            of.place_place = v_mul_add(x, x, of.place_place);
+            const float s = samples[i].direction[j] * scale, x = samples[i].origin[j] - from->point[j] - s * depth;
+            of->slope[side] += s;
+            of->place[side] += x;
+            of->slope_slope += s * s;
+            of->slope_place += s * x;
+            of->place_place += x * x;
         }
-        good |= m_bits(fits) << v;
     }
-    if (packet->active & ~good) return 0;
-    *sums = of;
+    const float share = 1 / taken;
+    of->slope_slope *= share;
+    of->slope_place *= share;
+    of->place_place *= share;
+    for (int side = 0; side < 2; ++side) {
+        of->slope[side] *= share;
+        of->place[side] *= share;
+        of->slope_slope -= of->slope[side] * of->slope[side];
+        of->slope_place -= of->slope[side] * of->place[side];
+        of->place_place -= of->place[side] * of->place[side];
+    }
+}
+
+/*
+ * Sets the waist for rays of which these are samples: the depth where their places vary least, about -cov(x, s) / var(s).
+ * The waist that the last tile had is kept while it is nearly as good, so that set-ups of leaves are shared. 0 if there
+ * is none.
+ */
+static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
+                                      const struct mlrt_waist *last, struct mlrt_waist *waist)
+{
+    struct sample_spread of;
+    if (!count) return 0;
+    const float x = fabsf(samples[0].direction[0]), y = fabsf(samples[0].direction[1]);
+    const float z = fabsf(samples[0].direction[2]);
+    const int a = waist->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    waist->sign = samples[0].direction[a] < 0 ? -1.0f : 1.0f;
+    memcpy(waist->point, samples[0].origin, sizeof waist->point);
+    int is_apex = 1;
+    for (uint32_t i = 1; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) is_apex &= samples[i].origin[k] == waist->point[k];
+    }
+    if (is_apex) return 1;
+    find_spread(samples, count, waist, &of);
+    const float size = bounds->hi[a] - bounds->lo[a];
+    const float lowest = waist->sign > 0 ? bounds->lo[a] - waist->point[a] : waist->point[a] - bounds->hi[a];
+    const int is_narrow = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.place_place);
+    float depth = is_narrow ? lowest + 0.5f * size : -of.slope_place / of.slope_slope;
+    if (!(depth > lowest - size)) depth = lowest - size;
+    if (depth > lowest + 2 * size) depth = lowest + 2 * size;
+    if (last->main_axis == a && last->sign == waist->sign) {
+        const float there = (last->point[a] - waist->point[a]) * waist->sign, away = fabsf(there - lowest);
+        const float variance = of.place_place + there * (2 * of.slope_place + there * of.slope_slope);
+        const float least = of.place_place + depth * (2 * of.slope_place + depth * of.slope_slope);
+        const float other = (away + size) * (away + size);
+        if (variance <= 1.5f * least + 1e-3f * of.slope_slope * other && (is_narrow || away <= 3 * size)) {
+            *waist = *last;
+            return 1;
+        }
+    }
+    waist->point[a] += waist->sign * depth;
+    for (int side = 0; side < 2; ++side) {
+        waist->point[mlrt_slope_axis(a, side)] += of.place[side] + of.slope[side] * depth;
+    }
     return 1;
 }
 
-MLRT_INLINE float sum_of_lanes(vf a)
-{
-    MLRT_ALIGNED(64) float lanes[VW];
-    float sum = 0;
-    v_store(lanes, a);
-    for (int i = 0; i < VW; ++i) sum += lanes[i];
-    return sum;
-}
-
-/*
- * Sets the waist of rays with these sums relative to `from`: the depth where their places vary least, about
- * -cov(x, s) / var(s). A waist that the last tile had is kept while it is nearly as good, so that set-ups of leaves are
- * shared: no exactness hangs on it.
- */
-static void choose_waist(const struct mlrt_box *bounds, const struct mlrt_waist *from, const struct ray_sums *sums,
-                         uint32_t count, const struct mlrt_waist *last, struct mlrt_waist *waist)
-{
-    const int a = from->main_axis;
-    const float scale = 1 / (float)count, size = bounds->hi[a] - bounds->lo[a];
-    const float lowest = from->sign > 0 ? bounds->lo[a] - from->point[a] : from->point[a] - bounds->hi[a];
-    float slope[2], place[2];
-    float slope_variance = sum_of_lanes(sums->slope_slope) * scale;
-    float covariance = sum_of_lanes(sums->slope_place) * scale, place_variance = sum_of_lanes(sums->place_place) * scale;
-    for (int side = 0; side < 2; ++side) {
-        slope[side] = sum_of_lanes(sums->slope[side]) * scale;
-        place[side] = sum_of_lanes(sums->place[side]) * scale;
-        slope_variance -= slope[side] * slope[side];
-        covariance -= slope[side] * place[side];
-        place_variance -= place[side] * place[side];
-    }
-    const int is_narrow = !(slope_variance * size * size > 1e-8f * size * size + 1e-5f * place_variance);
-    float depth = is_narrow ? lowest + 0.5f * size : -covariance / slope_variance;
-    if (!(depth > lowest - size)) depth = lowest - size;
-    if (depth > lowest + 2 * size) depth = lowest + 2 * size;
-    if (last->main_axis == a && last->sign == from->sign) {
-        const float z = (last->point[a] - from->point[a]) * from->sign;
-        const float there = place_variance + z * (2 * covariance + z * slope_variance);
-        const float best = place_variance + depth * (2 * covariance + depth * slope_variance);
-        const float other = (fabsf(z - lowest) + size) * (fabsf(z - lowest) + size);
-        if (there <= 1.5f * best + 1e-3f * slope_variance * other && (is_narrow || fabsf(z - lowest) <= 3 * size)) {
-            *waist = *last;
-            return;
-        }
-    }
-    *waist = *from;
-    waist->point[a] += from->sign * depth;
-    for (int side = 0; side < 2; ++side) {
-        waist->point[mlrt_slope_axis(a, side)] += place[side] + slope[side] * depth;
-    }
-}
-
 /* ---- rays and hulls ---- */
-
-/* Sets the terms of a packet's rays relative to the waist; slopes and paces are there. */
-static MLRT_NOINLINE void set_ray_terms(const struct mlrt_packet *packet, const struct mlrt_waist *waist,
-                                        struct mlrt_bundle_rays *rays)
-{
-    const int a = waist->main_axis, j = mlrt_slope_axis(a, 0), l = mlrt_slope_axis(a, 1);
-    const vf sign = v_set1(waist->sign);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf z = v_flip(v_sub(v_set1(waist->point[a]), origin_component(packet, a, v)), sign);
-        const vf y_j = v_sub(v_set1(waist->point[j]), origin_component(packet, j, v));
-        const vf y_l = v_sub(v_set1(waist->point[l]), origin_component(packet, l, v));
-        const vf s_j = v_load(rays->term[MLRT_SLOPE_J] + v), s_l = v_load(rays->term[MLRT_SLOPE_L] + v);
-        const vf x_j = v_mul_sub(s_j, z, y_j), x_l = v_mul_sub(s_l, z, y_l);
-        v_store(rays->to_waist[0] + v, z);
-        v_store(rays->to_waist[1] + v, y_j);
-        v_store(rays->to_waist[2] + v, y_l);
-        v_store(rays->term[MLRT_PLACE_J] + v, x_j);
-        v_store(rays->term[MLRT_PLACE_L] + v, x_l);
-        v_store(rays->term[MLRT_MOMENT] + v, v_mul_sub(s_l, x_j, v_mul(s_j, x_l)));
-    }
-}
-
-/* Sets the distances between which a packet's rays look. */
-MLRT_INLINE void set_ray_limits(const struct mlrt_packet *packet, struct mlrt_bundle_rays *rays)
-{
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf pace = v_load(rays->pace + v), t_max = v_load(packet->t_max + v);
-        v_store(rays->begin + v, v_mul(v_load(packet->t_min + v), pace));
-        v_store(rays->lo + v, v_mul(v_mul(t_max, pace), v_set1(1 - SLOPE_SLACK)));
-        v_store(rays->hi + v, v_mul(v_mul(t_max, pace), v_set1(1 + SLOPE_SLACK)));
-    }
-}
 
 /* The depths between which the rays of a packet look, as far as there is something: moved apart by what rounding may
  * change. */
@@ -201,46 +195,115 @@ static MLRT_NOINLINE void update_last_depth(struct bundle *bundle, uint32_t plac
     if (to < bundle->hulls.last[place]) bundle->hulls.last[place] = to;
 }
 
+/* Extremes over the rays of a packet: of the terms, of where they begin, and, negated, of where they end and of A. */
+struct packet_extremes {
+    struct extremes term[MLRT_RAY_TERMS];
+    vf first;
+    vf negated_last;
+    vf negated_away;
+};
+
+MLRT_INLINE void begin_extremes(struct packet_extremes *of)
+{
+    for (int i = 0; i < MLRT_RAY_TERMS; ++i) of->term[i] = NO_EXTREMES;
+    of->first = of->negated_last = of->negated_away = v_set1(INFINITY);
+}
+
+/* Adds the lanes of a vector. */
+MLRT_INLINE void add_lanes(vm lanes, const vf term[MLRT_RAY_TERMS], const vf to_waist[3], vf begin, vf hi,
+                           struct packet_extremes *of)
+{
+    const vf nothing = v_set1(NAN);
+    MLRT_UNROLL
+    for (int i = 0; i < MLRT_RAY_TERMS; ++i) add_to_extremes(v_select(lanes, term[i], nothing), &of->term[i]);
+    const vf other = v_max(v_abs(to_waist[1]), v_abs(to_waist[2]));
+    const vf away = v_max(v_abs(to_waist[0]), v_mul(other, v_set1(2)));
+    of->first = v_min(v_select(lanes, v_sub(begin, to_waist[0]), nothing), of->first);
+    of->negated_last = v_min(v_select(lanes, v_sub(to_waist[0], hi), nothing), of->negated_last);
+    of->negated_away = v_min(v_select(lanes, v_sub(v_set1(0), away), nothing), of->negated_away);
+}
+
+/* Puts extremes where the hulls of packets are made of them. */
+MLRT_INLINE void keep_extremes(const struct packet_extremes *of, uint32_t place, struct bundle *bundle)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    MLRT_ALIGNED(16) float least[16];
+    f4_store(least, v_hmin4(of->term[0].least, of->term[1].least, of->term[2].least, of->term[3].least));
+    f4_store(least + 4, v_hmin4(of->term[0].negated, of->term[1].negated, of->term[2].negated, of->term[3].negated));
+    f4_store(least + 8, v_hmin4(of->term[4].least, of->term[4].negated, of->first, of->negated_last));
+    for (int i = 0; i < 4; ++i) {
+        hulls->term[i].lo[place] = least[i];
+        hulls->term[i].hi[place] = -least[4 + i];
+    }
+    hulls->term[MLRT_MOMENT].lo[place] = least[8];
+    hulls->term[MLRT_MOMENT].hi[place] = -least[9];
+    hulls->away[place] = -v_hmin(of->negated_away);
+    set_depths(bundle, place, least[10], -least[11]);
+}
+
 /* Sets the intervals of the terms of a packet's active rays, where they begin and end, and A. */
 static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
 {
     const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
-    struct mlrt_hulls *hulls = &bundle->hulls;
-    struct extremes of[MLRT_RAY_TERMS] = {NO_EXTREMES, NO_EXTREMES, NO_EXTREMES, NO_EXTREMES, NO_EXTREMES};
-    vf first = v_set1(INFINITY), negated_last = first, negated_away = first;
-    const int term_count = bundle->has_places ? MLRT_RAY_TERMS : 2;
+    struct packet_extremes of;
+    begin_extremes(&of);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm lanes = m_from_bits(active >> v);
-        const vf nothing = v_set1(NAN);
-        for (int i = 0; i < term_count; ++i) {
-            add_to_extremes(v_select(lanes, v_load(rays->term[i] + v), nothing), &of[i]);
+        vf term[MLRT_RAY_TERMS], to_waist[3];
+        for (int i = 0; i < MLRT_RAY_TERMS; ++i) term[i] = v_load(rays->term[i] + v);
+        for (int i = 0; i < 3; ++i) to_waist[i] = v_load(rays->to_waist[i] + v);
+        add_lanes(m_from_bits(active >> v), term, to_waist, v_load(rays->begin + v), v_load(rays->hi + v), &of);
+    }
+    keep_extremes(&of, place, bundle);
+}
+
+/* Sets what a bundle needs to know of a packet's rays. Returns the lanes of rays that can go with it. */
+MLRT_INLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
+    const vf sign = v_set1(bundle->waist.sign), zero = v_set1(0);
+    uint32_t fit = 0, begins = 0;
+    struct packet_extremes of;
+    begin_extremes(&of);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf term[MLRT_RAY_TERMS], to_waist[3], far = zero;
+        const vf pace = v_flip(v_load(packet->direction[a] + v), sign), t_max = v_load(packet->t_max + v);
+        const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero); /* zero where it is no number */
+        vm fits = m_and(v_ge(pace, v_set1(MLRT_SAFE_MIN)), v_le(pace, v_set1(MLRT_SAFE_MAX)));
+        for (int k = 0; k < 3; ++k) {
+            const vf origin = origin_component(packet, axis[k], v);
+            const vf difference = v_sub(v_set1(bundle->waist.point[axis[k]]), origin);
+            to_waist[k] = k == 0 ? v_flip(difference, sign) : difference;
+            far = v_max(v_abs(difference), far);
+            fits = m_and(fits, v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)));
+            v_store(rays->to_waist[k] + v, to_waist[k]);
         }
-        const vf z = v_load(rays->to_waist[0] + v);
-        const vf other = v_max(v_abs(v_load(rays->to_waist[1] + v)), v_abs(v_load(rays->to_waist[2] + v)));
-        const vf away = v_max(v_abs(z), v_mul(other, v_set1(2)));
-        first = v_min(v_select(lanes, v_sub(v_load(rays->begin + v), z), nothing), first);
-        negated_last = v_min(v_select(lanes, v_sub(z, v_load(rays->hi + v)), nothing), negated_last);
-        negated_away = v_min(v_select(lanes, v_sub(v_set1(0), away), nothing), negated_away);
+        for (int side = 0; side < 2; ++side) {
+            const vf slope = v_div(v_load(packet->direction[axis[1 + side]] + v), pace);
+            fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
+            term[MLRT_SLOPE_J + side] = slope;
+            term[MLRT_PLACE_J + side] = v_mul_sub(slope, to_waist[0], to_waist[1 + side]);
+        }
+        term[MLRT_MOMENT] = v_mul_sub(term[MLRT_SLOPE_L], term[MLRT_PLACE_J],
+                                      v_mul(term[MLRT_SLOPE_J], term[MLRT_PLACE_L]));
+        for (int i = 0; i < MLRT_RAY_TERMS; ++i) v_store(rays->term[i] + v, term[i]);
+        const vf begin = v_mul(t_min, pace), end = v_mul(t_max, pace), hi = v_mul(end, v_set1(1 + SLOPE_SLACK));
+        fits = m_and(fits, m_and(v_eq(given, given), v_lt(t_min, t_max)));
+        v_store(rays->pace + v, pace);
+        v_store(rays->begin + v, begin);
+        v_store(rays->lo + v, v_mul(end, v_set1(1 - SLOPE_SLACK)));
+        v_store(rays->hi + v, hi);
+        v_store(packet->t_min + v, v_select(v_eq(given, given), t_min, given));
+        i_store(packet->triangle + v, i_set1(MLRT_NONE));
+        add_lanes(m_from_bits(packet->active >> v), term, to_waist, begin, hi, &of);
+        fit |= m_bits(fits) << v;
+        begins |= m_bits(v_gt(begin, zero)) << v;
     }
-    MLRT_ALIGNED(16) float least[16];
-    f4_store(least, v_hmin4(of[0].least, of[1].least, of[0].negated, of[1].negated));
-    f4_store(least + 4, v_hmin4(first, negated_last, negated_away, negated_away));
-    hulls->away[place] = -least[6];
-    set_depths(bundle, place, least[4], -least[5]);
-    for (int side = 0; side < 2; ++side) {
-        hulls->term[side].lo[place] = least[side];
-        hulls->term[side].hi[place] = -least[2 + side];
-    }
-    if (!bundle->has_places) return;
-    f4_store(least + 8, v_hmin4(of[2].least, of[3].least, of[2].negated, of[3].negated));
-    f4_store(least + 12, v_hmin4(of[4].least, of[4].least, of[4].negated, of[4].negated));
-    for (int side = 0; side < 2; ++side) {
-        hulls->term[MLRT_PLACE_J + side].lo[place] = least[8 + side];
-        hulls->term[MLRT_PLACE_J + side].hi[place] = -least[10 + side];
-    }
-    hulls->term[MLRT_MOMENT].lo[place] = least[12];
-    hulls->term[MLRT_MOMENT].hi[place] = -least[14];
+    keep_extremes(&of, place, bundle);
+    bundle->has_begins |= (begins & packet->active) != 0;
+    return fit;
 }
 
 /* Makes hulls of what bound_packet found, for the vector of packets from `v` on. */
@@ -249,7 +312,7 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vm going = m_from_bits(bundle->going >> v);
     const vf away = v_load(hulls->away + v), one = v_set1(1), inf = v_set1(INFINITY), none = v_set1(-INFINITY);
-    const int term_count = bundle->has_places ? MLRT_RAY_TERMS : 2;
+    const int term_count = MLRT_RAY_TERMS;
     vf reach = one, largest = v_set1(0);
     for (int i = 0; i < term_count; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
@@ -267,7 +330,6 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
         v_store(hulls->slope[i].lo + v, v_select(going, v_sub(lo, v_mul(v_abs(lo), slack)), inf));
         v_store(hulls->slope[i].hi + v, v_select(going, v_add(hi, v_mul(v_abs(hi), slack)), none));
-        if (!bundle->has_places) continue;
         const vf from = v_load(hulls->term[2 + i].lo + v), to = v_load(hulls->term[2 + i].hi + v);
         v_store(hulls->place[i].lo + v, v_select(going, v_sub(v_sub(from, v_mul(v_abs(from), slack)), error), inf));
         v_store(hulls->place[i].hi + v, v_select(going, v_add(v_add(to, v_mul(v_abs(to), slack)), error), none));
@@ -285,7 +347,6 @@ static MLRT_NOINLINE void sum_up_hulls(struct bundle *bundle)
         for (int i = 0; i < 2; ++i) {
             slope[i].least = v_min(v_load(hulls->slope[i].lo + v), slope[i].least);
             slope[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->slope[i].hi + v)), slope[i].negated);
-            if (!bundle->has_places) continue;
             place[i].least = v_min(v_load(hulls->place[i].lo + v), place[i].least);
             place[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->place[i].hi + v)), place[i].negated);
         }
@@ -297,8 +358,8 @@ static MLRT_NOINLINE void sum_up_hulls(struct bundle *bundle)
     for (int i = 0; i < 2; ++i) whole->slope_lo[i] = least[i], whole->slope_hi[i] = -least[2 + i];
     f4_store(least, v_hmin4(place[0].least, place[1].least, place[0].negated, place[1].negated));
     for (int i = 0; i < 2; ++i) {
-        whole->place_lo[i] = bundle->has_places ? least[i] : 0;
-        whole->place_hi[i] = bundle->has_places ? -least[2 + i] : 0;
+        whole->place_lo[i] = least[i];
+        whole->place_hi[i] = -least[2 + i];
     }
     whole->first = v_hmin(first);
     whole->last = v_hmax(last);

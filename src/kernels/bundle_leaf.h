@@ -301,7 +301,7 @@ MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, 
     return changed << v;
 }
 
-/* Puts bounds of t where a packet has them, from those of tau. */
+/* Puts bounds of t where a packet has them, from those of tau; and directions without -0 for who divides by them. */
 static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -311,6 +311,7 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
         const vf hi = v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK));
         v_store(packet->lo + v, v_select(none, t_max, lo));
         v_store(packet->hi + v, v_select(none, t_max, hi));
+        for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
     }
 }
 
@@ -322,7 +323,7 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     set_packet_distances(rays, packet);
     if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
     const uint32_t nearer =
-        mlrt_decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
+        decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     for (uint32_t left = nearer; left; left &= left - 1) {
         const uint32_t lane = mlrt_lowest_bit(left);
         rays->lo[lane] = packet->lo[lane] * rays->pace[lane] * (1 - RECIPROCAL_SLACK);

@@ -119,29 +119,6 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
 
 /* ---- tiles ---- */
 
-/* The axis along which a ray goes most, and its sign; seen from the ray's origin. */
-static void look_along(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_waist *from)
-{
-    const float x = fabsf(packet->direction[0][lane]), y = fabsf(packet->direction[1][lane]);
-    const float z = fabsf(packet->direction[2][lane]);
-    from->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    from->sign = packet->direction[from->main_axis][lane] < 0 ? -1.0f : 1.0f;
-    for (int k = 0; k < 3; ++k) from->point[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
-}
-
-/* Have all of these packets the same apex? */
-static int have_one_apex(const struct mlrt_ray_tile *tile, uint32_t places, float apex[3])
-{
-    const struct mlrt_packet *first = &tile->packets[mlrt_lowest_bit(places)];
-    if (!first->has_apex) return 0;
-    memcpy(apex, first->apex, sizeof first->apex);
-    for (; places; places &= places - 1) {
-        const struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(places)];
-        if (!packet->has_apex || memcmp(packet->apex, apex, sizeof packet->apex) != 0) return 0;
-    }
-    return 1;
-}
-
 static void look_at_scene(const struct mlrt_box *bounds, struct bundle *bundle)
 {
     const struct mlrt_waist *waist = &bundle->waist;
@@ -202,67 +179,119 @@ static int ends_closer(const struct bundle *bundle)
     return spread * (whole->last - whole->first) < width || fabsf(whole->last) < fabsf(whole->first);
 }
 
-/*
- * Makes a bundle of the packets `waiting` that go along one main axis; returns the others. What remains of the bundle is
- * in `going`.
- */
-static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t waiting,
-                                          struct bundle *bundle)
+/* Checks the rays of a packet of which some cannot go with a bundle: rule R1, and which rays float can carry. */
+static MLRT_NOINLINE void check_odd_packet(struct mlrt_packet *packet)
 {
-    struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
-    struct mlrt_ray_tile *tile = bundle->tile;
-    struct mlrt_waist from;
-    struct ray_sums sums = {{v_set1(0), v_set1(0)}, {v_set1(0), v_set1(0)}, v_set1(0), v_set1(0), v_set1(0)};
-    uint32_t middle = waiting, ray_count = 0;
-    while (mlrt_count_bits(middle) > mlrt_count_bits(waiting) / 2 + 1) middle &= middle - 1;
-    const struct mlrt_packet *first = &tile->packets[mlrt_lowest_bit(middle)];
-    look_along(first, mlrt_lowest_bit(first->active), &from);
-    bundle->going = 0;
-    bundle->has_begins = 0;
-    for (uint32_t left = waiting; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        const struct mlrt_packet *packet = &tile->packets[place];
-        if (!add_slopes(packet, &from, &bundle->rays[place], &sums)) continue;
-        bundle->going |= 1u << place;
-        ray_count += mlrt_count_bits(packet->active);
-        if (packet->has_limits) bundle->has_begins |= highest(packet->t_min, packet->active) > 0;
-    }
-    if (!bundle->going) return waiting;
-    bundle->has_places = 1;
-    if (have_one_apex(tile, bundle->going, from.point)) {
-        bundle->has_places = 0;
-        bundle->waist = from;
-    } else {
-        choose_waist(&job->tree->bounds, &from, &sums, ray_count, &cache->waist, &bundle->waist);
-    }
-    look_at_scene(&job->tree->bounds, bundle);
+    const uint32_t single = packet->single;
+    check_packet(packet->active, packet);
+    packet->single |= single;
+}
+
+/* Has packets with a hull go with the bundle; returns the others that have rays. */
+static uint32_t add_packets(struct bundle *bundle, uint32_t places)
+{
+    uint32_t others = 0;
     for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
-        if (!(bundle->going >> place & 1)) {
+        struct mlrt_packet *packet = &bundle->tile->packets[place];
+        bundle->tests[place] = 0;
+        if (!(places >> place & 1)) {
             leave_bundle(bundle, place);
             continue;
         }
-        set_ray_terms(&tile->packets[place], &bundle->waist, &bundle->rays[place]);
-        set_ray_limits(&tile->packets[place], &bundle->rays[place]);
-        bound_packet(bundle, place);
-        bundle->tests[place] = 0;
+        const uint32_t fit = set_bundle_rays(bundle, place);
+        bundle->going |= 1u << place;
+        if (MLRT_LIKELY(!(packet->active & ~fit))) continue;
+        check_odd_packet(packet);
+        if (packet->active && !(packet->active & ~fit)) {
+            bound_packet(bundle, place);
+        } else {
+            leave_bundle(bundle, place);
+            others |= (packet->active != 0u) << place;
+        }
     }
+    return others;
+}
+
+/* Do all rays start at the waist? Says so in the packets of which it is true, too. */
+static int start_at_waist(struct bundle *bundle)
+{
+    int all = 1;
+    for (uint32_t left = bundle->going; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        struct mlrt_packet *packet = &bundle->tile->packets[place];
+        if (bundle->hulls.away[place] != 0) {
+            all = 0;
+        } else if (!packet->single) {
+            packet->has_apex = 1;
+            memcpy(packet->apex, bundle->waist.point, sizeof packet->apex);
+        }
+    }
+    return all;
+}
+
+/*
+ * Makes a bundle of the packets `places` whose rays go along one main axis; returns the others that have rays. What
+ * remains of the bundle is in `going`.
+ */
+static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t places,
+                                          struct bundle *bundle)
+{
+    struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
+    struct ray_sample samples[SAMPLE_LIMIT];
+    const uint32_t sample_count = take_samples(bundle->tile, places, samples);
+    bundle->going = 0;
+    bundle->has_begins = 0;
+    if (!choose_waist(&job->tree->bounds, samples, sample_count, &cache->waist, &bundle->waist)) {
+        uint32_t others = 0;
+        for (; places; places &= places - 1) {
+            struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(places)];
+            check_odd_packet(packet);
+            others |= packet->active ? places & (0u - places) : 0;
+        }
+        return others;
+    }
+    look_at_scene(&job->tree->bounds, bundle);
+    uint32_t others = add_packets(bundle, places);
+    if (!bundle->going) return others;
+    bundle->has_places = !start_at_waist(bundle);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) finish_hulls(bundle, v);
     const uint32_t wide = find_wide_bundles(bundle);
-    for (uint32_t left = wide; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    others |= wide;
+    for (uint32_t left = wide; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        leave_bundle(bundle, place);
+        set_packet_distances(&bundle->rays[place], &bundle->tile->packets[place]);
+    }
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, cache);
-    return waiting & ~bundle->going;
+    return others;
 }
 
-/* Traces the packets `waiting` of a tile, whose rays are there. */
+/* In a hierarchy that float does not carry all rays go alone, in double: what is left of a packet is to be finished. */
+static MLRT_NOINLINE void leave_to_doubles(struct mlrt_ray_tile *tile, uint32_t places)
+{
+    for (; places; places &= places - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(places)];
+        check_odd_packet(packet);
+        packet->single |= packet->active;
+        packet->active = 0;
+    }
+}
+
+/* Traces the rays of packets of a tile that are active: those that exist, as their source gives them. */
 static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                                       uint32_t waiting)
+                                       uint32_t places)
 {
     struct bundle bundle;
-    if (!waiting || job->tree->bvh.node_count == 0) return;
+    if (MLRT_UNLIKELY(!job->tree->bvh.float_safe)) {
+        leave_to_doubles(tile, places);
+        return;
+    }
+    if (!places) return;
     bundle.tile = tile;
-    uint32_t others = make_bundle(job, worker, waiting, &bundle);
+    uint32_t others = make_bundle(job, worker, places, &bundle);
+    if (job->tree->bvh.node_count == 0) return;
     if (bundle.going) traverse_bundle(job, worker, &bundle);
     for (; others; others &= others - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(others)];

@@ -8,8 +8,8 @@
 #include "shared.h"
 #include "sheared.h"
 
-#if !MLRT_COUNTING
 #include "packet_check.h"
+#if !MLRT_COUNTING
 #include "camera_packet.h"
 #include "picture.h"
 #include "packed_rays.h"

@@ -204,6 +204,68 @@ MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_n
     }
 }
 
+/* Lanes of a packet that are certain, and those that go along the normal of what they hit. */
+struct reported_lanes {
+    uint32_t certain;
+    uint32_t positive;
+};
+
+MLRT_INLINE void add_report(const vd term[MLRT_HIT_TERM_COUNT], const struct mlrt_packet *packet, uint32_t lane,
+                            uint32_t outputs, struct reported_lanes *of, struct packet_numbers *numbers)
+{
+    uint32_t positive;
+    of->certain |= report_vector(term, packet, lane, outputs, &positive, numbers) << lane;
+    of->positive |= positive << lane;
+}
+
+/* All lanes that hit something hit one triangle, from one origin. */
+static void report_from_apex(const struct mlrt_packet *packet, const double *shared, uint32_t outputs,
+                             struct reported_lanes *of, struct packet_numbers *numbers)
+{
+    vd term[MLRT_HIT_TERM_COUNT];
+    const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
+    for (int k = 0; k < count; ++k) term[k] = d_set1(shared[k]);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) add_report(term, packet, lane, outputs, of, numbers);
+}
+
+MLRT_INLINE void load_origin(const struct mlrt_packet *packet, uint32_t lane, vd origin[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+    }
+}
+
+/* They hit one triangle, from different origins. */
+static void report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_triangle *triangle, uint32_t outputs,
+                                struct reported_lanes *of, struct packet_numbers *numbers)
+{
+    vd corner[9], origin[3], term[MLRT_HIT_TERM_COUNT];
+    struct plane_terms plane;
+    for (int k = 0; k < 9; ++k) corner[k] = d_set1(triangle->v[k / 3][k % 3]);
+    set_plane_terms(corner, &plane, term);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        load_origin(packet, lane, origin);
+        set_origin_terms(&plane, origin, outputs, term);
+        add_report(term, packet, lane, outputs, of, numbers);
+    }
+}
+
+static void report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                             uint32_t outputs, struct reported_lanes *of, struct packet_numbers *numbers)
+{
+    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
+    gather_corners(tree, packet, hit, corners);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        vd corner[9], origin[3], term[MLRT_HIT_TERM_COUNT];
+        struct plane_terms plane;
+        for (int k = 0; k < 9; ++k) corner[k] = d_load(corners[k] + lane);
+        set_plane_terms(corner, &plane, term);
+        load_origin(packet, lane, origin);
+        set_origin_terms(&plane, origin, outputs, term);
+        add_report(term, packet, lane, outputs, of, numbers);
+    }
+}
+
 /* The numbers of a packet's lanes, `hit` those with a hit. */
 static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                         uint32_t outputs, struct mlrt_hit_term_cache *cache,
@@ -213,44 +275,17 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
         report_misses(numbers);
         return;
     }
-    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
     const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
-    const int is_one = !(hit & ~lanes_of_triangle(packet, number)), are_shared = is_one && packet->has_apex;
-    vd term[MLRT_HIT_TERM_COUNT];
-    if (are_shared) {
-        const double *shared = find_shared_terms(tree, packet, number, cache);
-        const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
-        for (int k = 0; k < count; ++k) term[k] = d_set1(shared[k]);
-    } else if (!is_one) {
-        gather_corners(tree, packet, hit, corners);
+    struct reported_lanes of = {0, 0};
+    if (hit & ~lanes_of_triangle(packet, number)) {
+        report_triangles(tree, packet, hit, outputs, &of, numbers);
+    } else if (packet->has_apex) {
+        report_from_apex(packet, find_shared_terms(tree, packet, number, cache), outputs, &of, numbers);
+    } else {
+        report_one_triangle(packet, &tree->triangles[number], outputs, &of, numbers);
     }
-    struct plane_terms plane;
-    if (is_one && !are_shared) {
-        vd corner[9];
-        const float *first = tree->triangles[number].v[0];
-        for (int k = 0; k < 9; ++k) corner[k] = d_set1(first[k]);
-        set_plane_terms(corner, &plane, term);
-    }
-    uint32_t certain = 0, all_positive = 0;
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        uint32_t positive;
-        if (!is_one) {
-            vd corner[9];
-            for (int k = 0; k < 9; ++k) corner[k] = d_load(corners[k] + lane);
-            set_plane_terms(corner, &plane, term);
-        }
-        if (!are_shared) {
-            vd origin[3];
-            for (int k = 0; k < 3; ++k) {
-                origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-            }
-            set_origin_terms(&plane, origin, outputs, term);
-        }
-        certain |= report_vector(term, packet, lane, outputs, &positive, numbers) << lane;
-        all_positive |= positive << lane;
-    }
-    settle_numbers(hit, all_positive, numbers);
-    for (uint32_t left = hit & ~certain; left; left &= left - 1) {
+    settle_numbers(hit, of.positive, numbers);
+    for (uint32_t left = hit & ~of.certain; left; left &= left - 1) {
         report_lane(tree, packet, mlrt_lowest_bit(left), outputs, numbers);
     }
 }

@@ -156,7 +156,7 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
     }
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
     return outcome.nearer |
-           mlrt_decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
+           decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
 }
 
 /* Tests lanes against the triangles of a leaf. */

@@ -23,9 +23,4 @@ static void check_block(const struct mlrt_source *source, uint32_t lanes, struct
     if (mlrt_is_pinhole(source)) return;
     if (packet->has_skip) mlrt_number_skips(source->tree, packet);
     check_packet(lanes, packet);
-    if (packet->has_apex || packet->has_masks) return; /* rays with masks go alone (tile_packets.c) */
-    packet->has_direction = mlrt_is_parallel(source);
-    if (packet->has_direction) return;
-    find_apex(packet);
-    packet->has_direction = !packet->has_apex && mlrt_have_one_direction(packet);
 }
