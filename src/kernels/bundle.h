@@ -162,9 +162,11 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
             return 1;
         }
     }
-    waist->point[a] += waist->sign * depth;
-    for (int side = 0; side < 2; ++side) {
-        waist->point[mlrt_slope_axis(a, side)] += of.place[side] + of.slope[side] * depth;
+    float step[3];
+    step[a] = waist->sign * depth;
+    for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.place[side] + of.slope[side] * depth;
+    for (int k = 0; k < 3; ++k) { /* where odd samples overflow it is the first one's origin */
+        if (fabsf(waist->point[k] + step[k]) <= MLRT_SAFE_MAX) waist->point[k] += step[k];
     }
     return 1;
 }
