@@ -21,6 +21,9 @@
 
 #define PLACE_ERROR (4 * 0x1p-24f)
 
+/* Slopes, places and depths of hulls are moved apart by this at least: what underflow loses is less. */
+#define HULL_FLOOR 0x1p-110f
+
 /* Lane errors of edge functions per place: see bundle_leaf.h. */
 #define BLUR_OF_PLACE (13 * 0x1p-24f)
 
@@ -178,7 +181,8 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 MLRT_INLINE void set_depths(struct bundle *bundle, uint32_t place, float first, float last)
 {
     const float away = bundle->hulls.away[place];
-    const float from = first - SLOPE_SLACK * (fabsf(first) + away), to = last + SLOPE_SLACK * (fabsf(last) + away);
+    const float from = first - (SLOPE_SLACK * (fabsf(first) + away) + HULL_FLOOR);
+    const float to = last + (SLOPE_SLACK * (fabsf(last) + away) + HULL_FLOOR);
     bundle->hulls.first[place] = from > bundle->scene_first ? from : bundle->scene_first;
     bundle->hulls.last[place] = to < bundle->scene_last ? to : bundle->scene_last;
 }
@@ -193,7 +197,8 @@ static MLRT_NOINLINE void update_last_depth(struct bundle *bundle, uint32_t plac
         const vf depth = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));
         last = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), last);
     }
-    const float depth = v_hmax(last), to = depth + SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place]);
+    const float depth = v_hmax(last);
+    const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place]) + HULL_FLOOR);
     if (to < bundle->hulls.last[place]) bundle->hulls.last[place] = to;
 }
 
@@ -330,11 +335,12 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
     v_store(hulls->blur + v, v_mul_add(largest, v_set1(BLUR_OF_PLACE), error));
     for (int i = 0; i < 2; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
-        v_store(hulls->slope[i].lo + v, v_select(going, v_sub(lo, v_mul(v_abs(lo), slack)), inf));
-        v_store(hulls->slope[i].hi + v, v_select(going, v_add(hi, v_mul(v_abs(hi), slack)), none));
+        const vf floor = v_set1(HULL_FLOOR), blur = v_add(error, floor);
+        v_store(hulls->slope[i].lo + v, v_select(going, v_sub(lo, v_mul_add(v_abs(lo), slack, floor)), inf));
+        v_store(hulls->slope[i].hi + v, v_select(going, v_add(hi, v_mul_add(v_abs(hi), slack, floor)), none));
         const vf from = v_load(hulls->term[2 + i].lo + v), to = v_load(hulls->term[2 + i].hi + v);
-        v_store(hulls->place[i].lo + v, v_select(going, v_sub(v_sub(from, v_mul(v_abs(from), slack)), error), inf));
-        v_store(hulls->place[i].hi + v, v_select(going, v_add(v_add(to, v_mul(v_abs(to), slack)), error), none));
+        v_store(hulls->place[i].lo + v, v_select(going, v_sub(from, v_mul_add(v_abs(from), slack, blur)), inf));
+        v_store(hulls->place[i].hi + v, v_select(going, v_add(to, v_mul_add(v_abs(to), slack, blur)), none));
     }
 }
 

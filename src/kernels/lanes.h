@@ -16,6 +16,11 @@
 /* So many lanes, or fewer, go one by one. */
 #define FEW_LANES 6
 
+/* In trees of more nodes, rays whose directions have different signs go one by one from the root on. */
+#ifndef SMALL_TREE
+#define SMALL_TREE 100
+#endif
+
 struct pending_lanes {
     float near;
     uint32_t child;
@@ -215,7 +220,7 @@ static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes
     uint32_t child = 0;
     if (job->tree->bvh.node_count == 0 || !lanes) return;
     begin_lanes(packet, lanes, &search);
-    if (mlrt_count_bits(lanes) <= FEW_LANES) {
+    if (mlrt_count_bits(lanes) <= FEW_LANES || (!search.agree && job->tree->bvh.node_count > SMALL_TREE)) {
         trace_few_lanes(job, 0, lanes, &search, packet, worker);
         return;
     }
