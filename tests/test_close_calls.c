@@ -466,10 +466,8 @@ static int32_t count_tile(void *user, const mlrt_tile *tile)
 }
 
 /* A picture of one tile for the callback: it is told of before that is done, and then ended within it. */
-static void a_render_is_stopped_within_an_item(void **state)
+static void check_stop_within_an_item(mlrt_tree *tree)
 {
-    (void)state;
-    mlrt_tree *tree = make_nest();
     const mlrt_camera camera =
         look_at((const float[3]){1.25f, 0.4375f, -0.25f}, (const float[3]){0.5f, 0.5f, 0.5f}, 1, 128, 128);
     for (int stops = 0; stops < 2; stops++) {
@@ -484,6 +482,19 @@ static void a_render_is_stopped_within_an_item(void **state)
         assert_true(stops ? call_count == 1 : call_count >= 2); // in the item, or later; and 1 at the end
     }
     mlrt_destroy_tree(tree);
+}
+
+static void a_render_is_stopped_within_an_item(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    mlrt_tree *tree = NULL;
+    soup_add_icosphere(&soup, 3, 0.75f);
+    const mlrt_mesh mesh = soup_mesh(&soup);
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    check_stop_within_an_item(tree);
+    check_stop_within_an_item(make_nest());
+    free_soup(&soup);
 }
 
 int main(void)
