@@ -321,7 +321,9 @@ static void what_double_decides_is_not_judged(void **state)
             }
             assert_int_equal(offer(functions[i], bench, tree, order, 0xFFFF, &random), 0);
             assert_int_equal(offer(functions[i], bench, tree, 1 - order, 0xFFFF, &random), 0);
-            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) assert_int_not_equal(bench->packet.triangle[lane], MLRT_NONE);
+            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+                assert_int_not_equal(bench->packet.triangle[lane], MLRT_NONE);
+            }
         }
     }
     mlrt_destroy_tree(tree);
@@ -363,7 +365,7 @@ static void ends_of_rays_at_walls(void **state)
     }
 }
 
-/* ---- thousands of triangles in one plane --------------------------------------------------------------------------- */
+/* ---- thousands of triangles in one plane ------------------------------------------------------------------------- */
 
 #define NEST_COUNT 2000
 
@@ -406,7 +408,7 @@ static void aim_at_nest(struct bench *bench)
     set_apex(bench);
 }
 
-/* Each triangle of a plane is compared once, whatever lies nearest then: not once for each pair, nor for each packet. */
+/* Each triangle of a plane is compared once, whatever lies nearest then: not once for each pair, nor each packet. */
 static void planes_are_asked_for_once(void **state)
 {
     (void)state;

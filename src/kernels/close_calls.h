@@ -271,9 +271,9 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
 }
 
 /*
- * Lanes that surely hit the triangle if it is in their range, and whose end that range is: of a light's rays most end in
- * a wall, and where that is across an axis it is easy to say whether they reach another one in its plane. Returns those
- * that do; *passed receives those that do not.
+ * Lanes without a hit, which surely hit the triangle if they do not end before it. Rays from a light end in walls, and
+ * where a wall is across an axis, it is easy to say whether they reach another one in its plane. Returns those that do;
+ * *passed receives those that do not.
  */
 static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *triangle, const struct mlrt_packet *packet,
                                                 uint32_t lanes, uint32_t *passed)
