@@ -114,8 +114,8 @@ struct mlrt_known_plane {
 };
 
 /*
- * As powers of two, how many of each are kept: few for few rays, which would not pay for clearing them. With 256 pairs in
- * place of 64, a picture of a room all of whose walls are there twice compares 1 % less of them anew.
+ * As powers of two, how many of each are kept: few for few rays, which would not pay for clearing them. With 256 pairs
+ * in place of 64, a picture of a room all of whose walls are there twice compares 1 % less of them anew.
  */
 #define MLRT_KNOWN_PLANE_BITS 12
 #define MLRT_FEW_PLANE_BITS   4

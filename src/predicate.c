@@ -419,11 +419,39 @@ static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray,
     return difference.sign;
 }
 
-MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
-                            const struct crossing *crossing, float t, mlrt_counters *counters)
+/*
+ * The sign of (a - o) - t d. t d has 48 bits and is exact. Rounding keeps the order, so a difference that is not t d
+ * after its rounding is on the same side of it before; and the rest that the rounding left is a double.
+ *
+ * Based on: Donald E. Knuth, "The Art of Computer Programming", volume 2, section 4.2.2 (the error of a sum).
+ */
+static int flat_sign(float a, float o, float t, float d)
 {
-    int sign = certain_sign(measure_beyond(crossing, t), SIGN_ERROR);
-    return MLRT_LIKELY(sign != 0) ? sign : sign_beyond_exactly(ray, triangle, t, counters);
+    const double from = o, to = a, end = (double)t * d, difference = to - from;
+    if (difference != end) return difference > end ? 1 : -1;
+    const double back = to - difference, rest = (to - (difference + back)) - (from - back);
+    return (rest > 0) - (rest < 0);
+}
+
+int mlrt_reaches_flat(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t, int *sign)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!is_across(triangle, axis)) continue;
+        const float d = ray->direction[axis];
+        *sign = flat_sign(triangle->v[0][axis], ray->origin[axis], t, d);
+        if (d < 0) *sign = -*sign;
+        return d != 0;
+    }
+    return 0;
+}
+
+/* The sign of N - t D in signs that make D positive; `facing` is that of D. */
+MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                            const struct crossing *crossing, float t, int facing, mlrt_counters *counters)
+{
+    int sign = facing * certain_sign(measure_beyond(crossing, t), SIGN_ERROR);
+    if (MLRT_LIKELY(sign != 0) || mlrt_reaches_flat(ray, triangle, t, &sign)) return sign;
+    return facing * sign_beyond_exactly(ray, triangle, t, counters);
 }
 
 int mlrt_leaves_plane(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle)
@@ -455,8 +483,8 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
         facing = facing_exactly(ray, triangle, (const int[3]){sign_ab, sign_bc, sign_ca}, counters);
         if (facing == 0) return 0;
     }
-    if (facing * sign_beyond(ray, triangle, &crossing, ray->t_min, counters) <= 0) return 0;
-    return ray->t_max > FLT_MAX || facing * sign_beyond(ray, triangle, &crossing, ray->t_max, counters) <= 0;
+    if (sign_beyond(ray, triangle, &crossing, ray->t_min, facing, counters) <= 0) return 0;
+    return ray->t_max > FLT_MAX || sign_beyond(ray, triangle, &crossing, ray->t_max, facing, counters) <= 0;
 }
 
 /*

@@ -44,6 +44,12 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle);
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                        mlrt_counters *counters);
 
+/*
+ * For a triangle that lies in a plane across an axis, and a ray that is not parallel to it: *sign receives the sign of
+ * its t less the given one (>= 0), by exact arithmetic in double. 0 for other triangles and rays.
+ */
+int mlrt_reaches_flat(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t, int *sign);
+
 /* 1 if the ray surely begins on the side of the triangle's plane that it goes on to, and so hits it at no t > 0. */
 int mlrt_leaves_plane(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle);
 

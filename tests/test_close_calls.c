@@ -321,14 +321,51 @@ static void what_double_decides_is_not_judged(void **state)
             }
             assert_int_equal(offer(functions[i], bench, tree, order, 0xFFFF, &random), 0);
             assert_int_equal(offer(functions[i], bench, tree, 1 - order, 0xFFFF, &random), 0);
-            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) assert_int_not_equal(bench->packet.triangle[lane], MLRT_NONE);
+            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+                assert_int_not_equal(bench->packet.triangle[lane], MLRT_NONE);
+            }
         }
     }
     mlrt_destroy_tree(tree);
     free_soup(&soup);
 }
 
-/* ---- thousands of triangles in one plane --------------------------------------------------------------------------- */
+/* Rays that end in a wall across an axis, or so little before or behind it that the distance to it rounds to theirs. */
+static void ends_of_rays_at_walls(void **state)
+{
+    (void)state;
+    struct random random = {4};
+    for (int turn = 0; turn < 6; turn++) {
+        const float side = turn < 3 ? 1 : -1;
+        struct soup soup = {0};
+        soup_add_triangle(&soup, (const float[3]){-4, -4, side}, (const float[3]){4, -4, side},
+                          (const float[3]){0, 4, side});
+        swap_axes(&soup, turn % 3);
+        const mlrt_mesh mesh = soup_mesh(&soup);
+        mlrt_tree *tree = NULL;
+        assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+        for (size_t i = 0; i < FUNCTION_COUNT; i++) {
+            if (!isa_is_supported(isas[i])) continue;
+            struct bench own, *bench = &own;
+            begin_bench(bench);
+            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+                const int axis = (2 + turn) % 3, kind = (int)lane % 4;
+                float origin[3] = {0.0625f, 0.125f, 0.1875f}, direction[3] = {0.25f, 0.125f, 0.0625f};
+                origin[axis] = side * (kind == 0 ? 0 : kind == 1 ? 0x1p-58f : kind == 2 ? -0x1p-58f : 0.5f);
+                direction[axis] = side * (kind == 3 ? 0.5f : 1);
+                set_lane(bench, lane, origin, direction, 0, 1);
+            }
+            assert_int_equal(offer(functions[i], bench, tree, 0, 0xFFFF, &random), 0);
+            for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+                assert_int_equal(bench->packet.triangle[lane], lane % 4 == 2 ? MLRT_NONE : 0);
+            }
+        }
+        mlrt_destroy_tree(tree);
+        free_soup(&soup);
+    }
+}
+
+/* ---- thousands of triangles in one plane ------------------------------------------------------------------------- */
 
 #define NEST_COUNT 2000
 
@@ -371,7 +408,7 @@ static void aim_at_nest(struct bench *bench)
     set_apex(bench);
 }
 
-/* Each triangle of a plane is compared once, whatever lies nearest then: not once for each pair, nor for each packet. */
+/* Each triangle of a plane is compared once, whatever lies nearest then: not once for each pair, nor each packet. */
 static void planes_are_asked_for_once(void **state)
 {
     (void)state;
@@ -431,10 +468,8 @@ static int32_t count_tile(void *user, const mlrt_tile *tile)
 }
 
 /* A picture of one tile for the callback: it is told of before that is done, and then ended within it. */
-static void a_render_is_stopped_within_an_item(void **state)
+static void check_stop_within_an_item(mlrt_tree *tree)
 {
-    (void)state;
-    mlrt_tree *tree = make_nest();
     const mlrt_camera camera =
         look_at((const float[3]){1.25f, 0.4375f, -0.25f}, (const float[3]){0.5f, 0.5f, 0.5f}, 1, 128, 128);
     for (int stops = 0; stops < 2; stops++) {
@@ -451,11 +486,25 @@ static void a_render_is_stopped_within_an_item(void **state)
     mlrt_destroy_tree(tree);
 }
 
+static void a_render_is_stopped_within_an_item(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    mlrt_tree *tree = NULL;
+    soup_add_icosphere(&soup, 3, 0.75f);
+    const mlrt_mesh mesh = soup_mesh(&soup);
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    check_stop_within_an_item(tree);
+    check_stop_within_an_item(make_nest());
+    free_soup(&soup);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sheets_that_nearly_coincide),         cmocka_unit_test(hostile_rays_in_hard_scenes),
-        cmocka_unit_test(what_double_decides_is_not_judged),   cmocka_unit_test(planes_are_asked_for_once),
+        cmocka_unit_test(what_double_decides_is_not_judged),   cmocka_unit_test(ends_of_rays_at_walls),
+        cmocka_unit_test(planes_are_asked_for_once),
         cmocka_unit_test(close_calls_are_stopped),             cmocka_unit_test(a_render_is_stopped_within_an_item)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

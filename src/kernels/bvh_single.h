@@ -358,7 +358,7 @@ static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lan
 }
 
 #if !MLRT_COUNTING
-/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes, and that nobody waits. */
+/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes. */
 static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip)
 {
     struct mlrt_packet packet;

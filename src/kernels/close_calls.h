@@ -270,6 +270,28 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
     }
 }
 
+/*
+ * Lanes without a hit, which surely hit the triangle if they do not end before it. Rays from a light end in walls, and
+ * where a wall is across an axis, it is easy to say whether they reach another one in its plane. Returns those that do;
+ * *passed receives those that do not.
+ */
+static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *triangle, const struct mlrt_packet *packet,
+                                                uint32_t lanes, uint32_t *passed)
+{
+    uint32_t reached = 0;
+    *passed = 0;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        struct mlrt_ray_segment ray;
+        int sign;
+        mlrt_get_segment(packet, lane, &ray);
+        if (!mlrt_reaches_flat(&ray, triangle, ray.t_max, &sign)) break;
+        reached |= (uint32_t)(sign <= 0) << lane;
+        *passed |= (uint32_t)(sign > 0) << lane;
+    }
+    return reached;
+}
+
 /* Decides `lanes` by doubles, some of which are known to be nearer. Returns those that are nearer; *left receives those
  * that are not decided. */
 static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
@@ -293,6 +315,11 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
     *left = lanes & ~(passed | nearer);
     if (*left) {
         nearer |= hit & compare_with_all_nearest(tree, packet, *left, bounds, &farther);
+        *left &= ~(farther | nearer);
+    }
+    const uint32_t at_end = *left & hit & lanes_of_triangle(packet, MLRT_NONE);
+    if (at_end) {
+        nearer |= find_lanes_at_end(&tree->triangles[number], packet, at_end, &farther);
         *left &= ~(farther | nearer);
     }
     if (nearer) keep_close_hits(number, nearer, bounds, packet);
