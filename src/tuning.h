@@ -82,7 +82,16 @@
  * conference, 1.005, would take 1.09.
  */
 #ifndef MLRT_MOST_TESTS
-#define MLRT_MOST_TESTS 256
+#define MLRT_MOST_TESTS 64
+#endif
+
+/* Where more packets of a tile than this have been tested so often, all of it goes lane by lane, and so do the next tiles.
+ */
+#ifndef MLRT_MOST_GIVEN_UP
+#define MLRT_MOST_GIVEN_UP 4
+#endif
+#ifndef MLRT_LANE_TILES
+#define MLRT_LANE_TILES 3
 #endif
 
 /*

@@ -36,6 +36,7 @@ struct bundle {
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
     uint32_t going; /* packets with a hull */
+    uint32_t given_up; /* packets that are to go lane by lane from now on */
     uint32_t tests[MLRT_BUNDLE_PACKETS];
     struct mlrt_ray_tile *tile;
     struct mlrt_bundle_rays rays[MLRT_BUNDLE_PACKETS];

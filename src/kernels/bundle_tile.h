@@ -32,14 +32,12 @@ static MLRT_NOINLINE void update_bundle(struct bundle *bundle, uint32_t place, u
     finish_hulls(bundle, (int)(place - place % VW));
 }
 
-/* Takes a packet out of the bundle that has been tested so often that its rays had better gone lane by lane. */
-static MLRT_NOINLINE void give_up_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
-                                         uint32_t place)
+/* Takes a packet out of the bundle that had better gone lane by lane. */
+static void give_up_packet(struct bundle *bundle, uint32_t place)
 {
-    struct mlrt_packet *packet = &bundle->tile->packets[place];
     leave_bundle(bundle, place);
-    set_packet_distances(&bundle->rays[place], packet);
-    trace_lanes(job, packet->active, packet, worker);
+    set_packet_distances(&bundle->rays[place], &bundle->tile->packets[place]);
+    bundle->given_up |= 1u << place;
 }
 
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
@@ -65,7 +63,7 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
         if (!triangles) continue;
         bundle->tests[place] += mlrt_count_bits(triangles);
         if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS)) {
-            give_up_packet(job, worker, bundle, place);
+            give_up_packet(bundle, place);
             continue;
         }
         const uint32_t changed = test_bundle_packet(job, worker, bundle, leaf, triangles, place, has_places);
@@ -104,6 +102,7 @@ MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_work
             }
             COUNT(&worker->counters, cell_count, 1);
             visit_leaf_of_bundle(job, worker, bundle, child, met, has_places);
+            if (MLRT_UNLIKELY(mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP)) return;
         }
     }
 }
@@ -239,7 +238,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t sample_count = take_samples(bundle->tile, places, samples);
-    bundle->going = 0;
+    bundle->going = bundle->given_up = 0;
     bundle->has_begins = 0;
     if (!choose_waist(&job->tree->bounds, samples, sample_count, &cache->waist, &bundle->waist)) {
         uint32_t others = 0;
@@ -292,7 +291,18 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     bundle.tile = tile;
     uint32_t others = make_bundle(job, worker, places, &bundle);
     if (job->tree->bvh.node_count == 0) return;
-    if (bundle.going) traverse_bundle(job, worker, &bundle);
+    if (worker->lane_tiles[job->any]) {
+        --worker->lane_tiles[job->any];
+    } else if (bundle.going) {
+        traverse_bundle(job, worker, &bundle);
+        if (mlrt_count_bits(bundle.given_up) > MLRT_MOST_GIVEN_UP) {
+            worker->lane_tiles[job->any] = MLRT_LANE_TILES;
+        } else {
+            bundle.going = 0;
+        }
+    }
+    for (uint32_t left = bundle.going; left; left &= left - 1) give_up_packet(&bundle, mlrt_lowest_bit(left));
+    others |= bundle.given_up;
     for (; others; others &= others - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(others)];
         trace_lanes(job, packet->active, packet, worker);
