@@ -190,8 +190,6 @@ struct mlrt_kernels {
     /* Makes closed cells out of a camera's picture; 0 if it cannot be. Sets what holds for all cells. cells.h */
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_cells *cells);
-    /* Likewise out of tiles of 16 x 16 rays that lie packed in arrays. packed_cells.h */
-    int (*gather_packed_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct mlrt_cells *cells);
     void (*sum_up_cells)(struct mlrt_cells *cells);
     /* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. ray_tile.h */
     int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);

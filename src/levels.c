@@ -23,8 +23,6 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_re
     int is_done = 0;
     if (job->tree->bvh.float_safe && job->source.kind == MLRT_SOURCE_CAMERA) {
         is_done = job->kernels->gather_camera_cells(job, area, side, cells);
-    } else if (job->tree->bvh.float_safe && side == 16) {
-        is_done = job->kernels->gather_packed_cells(job, area, cells);
     }
     if (!is_done) cells->closed = 0;
     return is_done;

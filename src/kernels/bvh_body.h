@@ -12,7 +12,7 @@
 #if !MLRT_COUNTING
 #include "camera_packet.h"
 #include "picture.h"
-#include "packed_rays.h"
+#include "read_arrays.h"
 #include "tile_rays.h"
 #include "write_packet.h"
 #include "shadow_packet.h"
@@ -20,7 +20,6 @@
 
 #include "cells.h"
 #include "ray_tile.h"
-#include "packed_cells.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
 #include "bvh_single.h"
@@ -33,7 +32,7 @@
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
     .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
-    .gather_camera_cells = gather_camera_cells, .gather_packed_cells = gather_packed_cells,                            \
+    .gather_camera_cells = gather_camera_cells,                            \
     .sum_up_cells = sum_up_cells, .add_packet = add_packet, .update_cell = update_cell,                                \
     .trace_gathered = trace_gathered, .traverse = traverse_bvh, .trace_bundle = trace_bundle, .open_packet = open_packet
 /* clang-format on */

@@ -204,28 +204,30 @@ MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_n
     }
 }
 
-/* Lanes of a packet that are certain, and those that go along the normal of what they hit. */
-struct reported_lanes {
-    uint32_t certain;
-    uint32_t positive;
-};
-
-MLRT_INLINE void add_report(const vd term[MLRT_HIT_TERM_COUNT], const struct mlrt_packet *packet, uint32_t lane,
-                            uint32_t outputs, struct reported_lanes *of, struct packet_numbers *numbers)
+/*
+ * What is reported of lanes, in one number: bits 0 .. 15 are lanes that are certain, 16 .. 31 those that go along the
+ * normal of what they hit. (Of a struct gcc would load both after storing each, and wait.)
+ */
+MLRT_INLINE uint32_t report_lanes(const vd term[MLRT_HIT_TERM_COUNT], const struct mlrt_packet *packet, uint32_t lane,
+                                  uint32_t outputs, struct packet_numbers *numbers)
 {
     uint32_t positive;
-    of->certain |= report_vector(term, packet, lane, outputs, &positive, numbers) << lane;
-    of->positive |= positive << lane;
+    const uint32_t certain = report_vector(term, packet, lane, outputs, &positive, numbers);
+    return certain << lane | positive << (16 + lane);
 }
 
 /* All lanes that hit something hit one triangle, from one origin. */
-static void report_from_apex(const struct mlrt_packet *packet, const double *shared, uint32_t outputs,
-                             struct reported_lanes *of, struct packet_numbers *numbers)
+static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *shared, uint32_t outputs,
+                                 struct packet_numbers *numbers)
 {
+    uint32_t reported = 0;
     vd term[MLRT_HIT_TERM_COUNT];
     const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
     for (int k = 0; k < count; ++k) term[k] = d_set1(shared[k]);
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) add_report(term, packet, lane, outputs, of, numbers);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        reported |= report_lanes(term, packet, lane, outputs, numbers);
+    }
+    return reported;
 }
 
 MLRT_INLINE void load_origin(const struct mlrt_packet *packet, uint32_t lane, vd origin[3])
@@ -236,9 +238,10 @@ MLRT_INLINE void load_origin(const struct mlrt_packet *packet, uint32_t lane, vd
 }
 
 /* They hit one triangle, from different origins. */
-static void report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_triangle *triangle, uint32_t outputs,
-                                struct reported_lanes *of, struct packet_numbers *numbers)
+static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_triangle *triangle,
+                                    uint32_t outputs, struct packet_numbers *numbers)
 {
+    uint32_t reported = 0;
     vd corner[9], origin[3], term[MLRT_HIT_TERM_COUNT];
     struct plane_terms plane;
     for (int k = 0; k < 9; ++k) corner[k] = d_set1(triangle->v[k / 3][k % 3]);
@@ -246,13 +249,15 @@ static void report_one_triangle(const struct mlrt_packet *packet, const struct m
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         load_origin(packet, lane, origin);
         set_origin_terms(&plane, origin, outputs, term);
-        add_report(term, packet, lane, outputs, of, numbers);
+        reported |= report_lanes(term, packet, lane, outputs, numbers);
     }
+    return reported;
 }
 
-static void report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                             uint32_t outputs, struct reported_lanes *of, struct packet_numbers *numbers)
+static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                                 uint32_t outputs, struct packet_numbers *numbers)
 {
+    uint32_t reported = 0;
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
     gather_corners(tree, packet, hit, corners);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
@@ -262,8 +267,9 @@ static void report_triangles(const struct mlrt_tree *tree, const struct mlrt_pac
         set_plane_terms(corner, &plane, term);
         load_origin(packet, lane, origin);
         set_origin_terms(&plane, origin, outputs, term);
-        add_report(term, packet, lane, outputs, of, numbers);
+        reported |= report_lanes(term, packet, lane, outputs, numbers);
     }
+    return reported;
 }
 
 /* The numbers of a packet's lanes, `hit` those with a hit. */
@@ -276,16 +282,16 @@ static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const stru
         return;
     }
     const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
-    struct reported_lanes of = {0, 0};
+    uint32_t reported;
     if (hit & ~lanes_of_triangle(packet, number)) {
-        report_triangles(tree, packet, hit, outputs, &of, numbers);
+        reported = report_triangles(tree, packet, hit, outputs, numbers);
     } else if (packet->has_apex) {
-        report_from_apex(packet, find_shared_terms(tree, packet, number, cache), outputs, &of, numbers);
+        reported = report_from_apex(packet, find_shared_terms(tree, packet, number, cache), outputs, numbers);
     } else {
-        report_one_triangle(packet, &tree->triangles[number], outputs, &of, numbers);
+        reported = report_one_triangle(packet, &tree->triangles[number], outputs, numbers);
     }
-    settle_numbers(hit, of.positive, numbers);
-    for (uint32_t left = hit & ~of.certain; left; left &= left - 1) {
+    settle_numbers(hit, reported >> 16, numbers);
+    for (uint32_t left = hit & ~reported; left; left &= left - 1) {
         report_lane(tree, packet, mlrt_lowest_bit(left), outputs, numbers);
     }
 }

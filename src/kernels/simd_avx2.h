@@ -181,6 +181,29 @@ MLRT_INLINE vf squares_of_rows(__m256 rows)
 {
     return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(rows), _MM_SHUFFLE(3, 1, 2, 0)));
 }
+MLRT_INLINE __m128 triple_at(const unsigned char *p)
+{
+    return _mm_maskload_ps((const float *)(const void *)p, _mm_setr_epi32(-1, -1, -1, 0));
+}
+MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+{
+    __m256 r[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) r[i] = _mm256_setr_m128(triple_at(p + offset[i]), triple_at(p + offset[4 + i]));
+    const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpacklo_ps(r[2], r[3]);
+    by_axis[0] = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 1, 0));
+    by_axis[1] = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(3, 2, 3, 2));
+    by_axis[2] = _mm256_shuffle_ps(_mm256_unpackhi_ps(r[0], r[1]), _mm256_unpackhi_ps(r[2], r[3]),
+                                   _MM_SHUFFLE(1, 0, 1, 0));
+}
+MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+{
+    float f[8];
+    MLRT_UNROLL
+    for (int i = 0; i < 8; ++i) f[i] = *(const float *)(const void *)(p + offset[i]);
+    return _mm256_setr_ps(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7]);
+}
+
 MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
 {
     const __m256 a = load_halves(p, p + step), b = load_halves(p + 4, p + step + 4);

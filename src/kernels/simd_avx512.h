@@ -173,6 +173,34 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b)
     return _mm512_mask_blend_epi32(m, b, a);
 }
 
+MLRT_INLINE __m128 triple_at(const unsigned char *p)
+{
+    return _mm_maskload_ps((const float *)(const void *)p, _mm_setr_epi32(-1, -1, -1, 0));
+}
+MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+{
+    __m512 r[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) {
+        const __m256 low = _mm256_setr_m128(triple_at(p + offset[i]), triple_at(p + offset[4 + i]));
+        const __m256 high = _mm256_setr_m128(triple_at(p + offset[8 + i]), triple_at(p + offset[12 + i]));
+        r[i] = _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+    }
+    const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpacklo_ps(r[2], r[3]);
+    by_axis[0] = _mm512_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 1, 0));
+    by_axis[1] = _mm512_shuffle_ps(a, b, _MM_SHUFFLE(3, 2, 3, 2));
+    by_axis[2] = _mm512_shuffle_ps(_mm512_unpackhi_ps(r[0], r[1]), _mm512_unpackhi_ps(r[2], r[3]),
+                                   _MM_SHUFFLE(1, 0, 1, 0));
+}
+MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+{
+    float f[16];
+    MLRT_UNROLL
+    for (int i = 0; i < 16; ++i) f[i] = *(const float *)(const void *)(p + offset[i]);
+    return _mm512_setr_ps(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11], f[12], f[13], f[14],
+                          f[15]);
+}
+
 MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
 {
     /* From two rows, squares of 2x2 lanes: columns 0, 1 of the first and of the second, and columns 2, 3. */

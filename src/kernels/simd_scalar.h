@@ -9,9 +9,8 @@
  *   v_hmin is the least lane of a vector, v_hmax the greatest, and v_hmin4 the least of each of four.
  *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is. d_mul_add
  * and d_mul_sub round once or twice, like v_mul_add.
- *   v_triples, for vectors of eight lanes or more: those of two rows of a block or of all four. They begin at p and are
- * `step` floats apart; by axis, in the order of a packet's lanes (packet.h). Of a row, four triples are read. i_pairs
- * likewise, for pairs of integers.
+ *   v_triples_at, by axis, and v_floats_at: three floats or one of each lane, lane i at p + offset[i] bytes. Nothing
+ * beside them is read.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H
@@ -193,6 +192,19 @@ MLRT_INLINE vm i_eq(vi a, vi b)
 MLRT_INLINE vi i_select(vm m, vi a, vi b)
 {
     return m ? a : b;
+}
+
+MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+{
+    memcpy(&by_axis[0], p + offset[0], 4);
+    memcpy(&by_axis[1], p + offset[0] + 4, 4);
+    memcpy(&by_axis[2], p + offset[0] + 8, 4);
+}
+MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+{
+    float a;
+    memcpy(&a, p + offset[0], 4);
+    return a;
 }
 
 MLRT_INLINE vd d_set1(double a)

@@ -173,6 +173,29 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b)
     return _mm_or_si128(_mm_and_si128(mask, a), _mm_andnot_si128(mask, b));
 }
 
+MLRT_INLINE __m128 triple_at(const unsigned char *p)
+{
+    const float *f = (const float *)(const void *)p;
+    return _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64((const void *)p)), _mm_load_ss(f + 2));
+}
+MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+{
+    __m128 r[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) r[i] = triple_at(p + offset[i]);
+    const __m128 a = _mm_unpacklo_ps(r[0], r[1]), b = _mm_unpacklo_ps(r[2], r[3]);
+    by_axis[0] = _mm_movelh_ps(a, b);
+    by_axis[1] = _mm_movehl_ps(b, a);
+    by_axis[2] = _mm_movelh_ps(_mm_unpackhi_ps(r[0], r[1]), _mm_unpackhi_ps(r[2], r[3]));
+}
+MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+{
+    const float *f[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) f[i] = (const float *)(const void *)(p + offset[i]);
+    return _mm_setr_ps(*f[0], *f[1], *f[2], *f[3]);
+}
+
 MLRT_INLINE vd d_set1(double a)
 {
     return _mm_set1_pd(a);

@@ -3,16 +3,30 @@
  * The rays of a tile's packets, for any source.
  */
 
+/* In front of a row of blocks: see mlrt_prefetch_around. */
+MLRT_INLINE void prefetch_row_of_blocks(const struct mlrt_source *source, const struct mlrt_ray_tile *tile,
+                                        uint32_t place)
+{
+    if (tile->column_bits && place % 4 == 0) mlrt_prefetch_around(source, &tile->area, place);
+}
+
 /* Those that exist are active; nothing is checked. */
 static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
 {
+    struct array_reader reader;
+    const int is_even = begin_reading(source, &reader);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         struct mlrt_packet *packet = &tile->packets[place];
         const uint32_t lanes = mlrt_existing_lanes(source, &block);
         prefetch_row_of_blocks(source, tile, place);
-        fetch_block(source, &block, lanes, packet);
+        if (MLRT_LIKELY(is_even && lanes == 0xFFFF && !source->has_masks)) {
+            read_whole_block(&reader, block.x, block.y, packet);
+            mlrt_fetch_skips(source, block.x, block.y, lanes, packet);
+        } else {
+            fetch_block(source, &block, lanes, packet);
+        }
         if (packet->has_skip) mlrt_number_skips(source->tree, packet);
         if (mlrt_is_pinhole(source)) continue;
         packet->active = lanes;
