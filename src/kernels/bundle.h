@@ -36,10 +36,13 @@ struct bundle {
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
     uint32_t going; /* packets with a hull */
+    uint32_t nearer;   /* packets whose rays may look less far than their hulls say */
+    uint32_t has_reciprocals; /* packets that have some below */
     uint32_t given_up; /* packets that are to go lane by lane from now on */
     uint32_t tests[MLRT_BUNDLE_PACKETS];
     struct mlrt_ray_tile *tile;
     struct mlrt_bundle_rays rays[MLRT_BUNDLE_PACKETS];
+    struct reciprocals reciprocals[MLRT_BUNDLE_PACKETS];
 };
 
 /* ---- the waist ---- */
@@ -177,30 +180,39 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 
 /* ---- rays and hulls ---- */
 
-/* The depths between which the rays of a packet look, as far as there is something: moved apart by what rounding may
- * change. */
-MLRT_INLINE void set_depths(struct bundle *bundle, uint32_t place, float first, float last)
-{
-    const float away = bundle->hulls.away[place];
-    const float from = first - (SLOPE_SLACK * (fabsf(first) + away) + HULL_FLOOR);
-    const float to = last + (SLOPE_SLACK * (fabsf(last) + away) + HULL_FLOOR);
-    bundle->hulls.first[place] = from > bundle->scene_first ? from : bundle->scene_first;
-    bundle->hulls.last[place] = to < bundle->scene_last ? to : bundle->scene_last;
-}
-
-/* After hits: the greatest depth at which active rays still look. */
-static MLRT_NOINLINE void update_last_depth(struct bundle *bundle, uint32_t place)
+/* Of a packet: the greatest depth at which each lane, or one of those it stands for, still looks; negated. */
+MLRT_INLINE vf negated_last_depths(const struct bundle *bundle, uint32_t place)
 {
     const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
-    vf last = v_set1(-INFINITY);
+    vf least = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf depth = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));
-        last = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), last);
+        const vf depth = v_sub(v_load(rays->to_waist[0] + v), v_load(rays->hi + v));
+        least = v_min(v_select(m_from_bits(active >> v), depth, v_set1(INFINITY)), least);
     }
-    const float depth = v_hmax(last);
-    const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place]) + HULL_FLOOR);
-    if (to < bundle->hulls.last[place]) bundle->hulls.last[place] = to;
+    return least;
+}
+
+/* After hits: the greatest depths at which packets still look. Four at a time, since a step needs the one before. */
+static MLRT_NOINLINE void update_last_depths(struct bundle *bundle, uint32_t places)
+{
+    while (places) {
+        uint32_t place[4];
+        vf depths[4];
+        for (int i = 0; i < 4; ++i) {
+            place[i] = mlrt_lowest_bit(places);
+            if (places & (places - 1)) places &= places - 1;
+            depths[i] = i && place[i] == place[i - 1] ? depths[i - 1] : negated_last_depths(bundle, place[i]);
+        }
+        if (place[3] == mlrt_lowest_bit(places)) places = 0;
+        MLRT_ALIGNED(16) float least[4];
+        f4_store(least, v_hmin4(depths[0], depths[1], depths[2], depths[3]));
+        for (int i = 0; i < 4; ++i) {
+            const float depth = -least[i];
+            const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place[i]]) + HULL_FLOOR);
+            if (to < bundle->hulls.last[place[i]]) bundle->hulls.last[place[i]] = to;
+        }
+    }
 }
 
 /* Extremes over the rays of a packet: of the terms, of where they begin, and, negated, of where they end and of A. */
@@ -246,7 +258,8 @@ MLRT_INLINE void keep_extremes(const struct packet_extremes *of, uint32_t place,
     hulls->term[MLRT_MOMENT].lo[place] = least[8];
     hulls->term[MLRT_MOMENT].hi[place] = -least[9];
     hulls->away[place] = -v_hmin(of->negated_away);
-    set_depths(bundle, place, least[10], -least[11]);
+    hulls->first[place] = least[10];
+    hulls->last[place] = -least[11];
 }
 
 /* Sets the intervals of the terms of a packet's active rays, where they begin and end, and A. */
@@ -312,6 +325,20 @@ MLRT_INLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
     keep_extremes(&of, place, bundle);
     bundle->has_begins |= (begins & packet->active) != 0;
     return fit;
+}
+
+/* Moves the depths that bound_packet found apart by what rounding may change, and cuts them to where there is something:
+ * for the packets `places` of a vector. */
+MLRT_INLINE void finish_depths(struct bundle *bundle, uint32_t places, int v)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const vm these = m_from_bits(places >> v);
+    const vf first = v_load(hulls->first + v), last = v_load(hulls->last + v), away = v_load(hulls->away + v);
+    const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
+    const vf from = v_sub(first, v_mul_add(v_add(v_abs(first), away), slack, floor));
+    const vf to = v_add(last, v_mul_add(v_add(v_abs(last), away), slack, floor));
+    v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene_first)), first));
+    v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene_last)), last));
 }
 
 /* Makes hulls of what bound_packet found, for the vector of packets from `v` on. */
@@ -480,4 +507,34 @@ MLRT_INLINE uint32_t packets_met(const struct bundle *bundle, const struct box_o
         met |= m_bits(may) << v;
     }
     return met;
+}
+
+/* The rays of a packet that may meet a box: as the hull of each would (see the head of this file). */
+MLRT_INLINE uint32_t lanes_of_packet_met(const struct bundle *bundle, uint32_t place, const struct box_of_bundle *box)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const float deepest = larger_of(fabsf(hulls->first[place]), fabsf(hulls->last[place]));
+    float far = 0;
+    for (int i = 0; i < 2; ++i) {
+        far = larger_of(larger_of(fabsf(hulls->place[i].lo[place]), fabsf(hulls->place[i].hi[place])), far);
+    }
+    const float reach = hulls->reach[place];
+    const vf slack = v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->away[place] + HULL_FLOOR);
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf last = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));
+        const vf moved = v_add(last, v_set1(SLOPE_SLACK * (deepest + hulls->away[place]) + HULL_FLOOR));
+        const vf from = v_max(v_set1(box->from), v_set1(hulls->first[place]));
+        const vf to = v_min(v_min(v_set1(box->to), v_set1(hulls->last[place])), moved);
+        vm may = v_le(from, to);
+        for (int i = 0; i < 2; ++i) {
+            const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v), x = v_load(rays->term[MLRT_PLACE_J + i] + v);
+            const vf one = v_mul_add(slope, from, x), other = v_mul_add(slope, to, x);
+            may = m_and(may, v_le(v_set1(box->lo[i]), v_add(v_max(one, other), slack)));
+            may = m_and(may, v_ge(v_set1(box->hi[i]), v_sub(v_min(one, other), slack)));
+        }
+        met |= m_bits(may) << v;
+    }
+    return met & bundle->tile->packets[place].active;
 }

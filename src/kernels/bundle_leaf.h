@@ -239,17 +239,17 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct bundle *bundle, const s
 
 /* ---- tests ---- */
 
-/* What lanes of a packet are to a triangle: bits per lane. */
-struct lanes_of_triangle {
-    uint32_t may;    /* not surely outside */
-    uint32_t inside; /* surely inside all edges */
+/* Edge functions of a vector of rays: the least and the greatest of a triangle's three. */
+struct edge_values {
+    vf least;
+    vf greatest;
 };
 
-/* The edge functions of a vector of rays. */
-MLRT_INLINE void find_lanes_inside(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const vf *term, int term_count,
-                                   vf bound, struct lanes_of_triangle *of)
+/* Finds them. Returns whether some ray is not surely outside. */
+MLRT_INLINE int find_edge_values(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const vf *term, int term_count,
+                                 vf bound, struct edge_values *of)
 {
-    vf least = v_set1(INFINITY), greatest = v_set1(-INFINITY);
+    vf least = v_set1(0), greatest = least;
     MLRT_UNROLL
     for (int edge = 0; edge < 3; ++edge) {
         vf e = v_set1(leaf->edge_constant[edge][triangle]);
@@ -258,10 +258,10 @@ MLRT_INLINE void find_lanes_inside(const struct mlrt_bundle_leaf *leaf, uint32_t
         least = edge ? v_min(e, least) : e;
         greatest = edge ? v_max(e, greatest) : e;
     }
-    const vf below = v_sub(v_set1(0), bound);
+    of->least = least;
+    of->greatest = greatest;
     /* Lanes that are not active have NaN, of which no comparison is true. */
-    of->may = m_bits(m_or(v_ge(least, below), v_le(greatest, bound)));
-    of->inside = m_bits(m_or(v_gt(least, bound), v_lt(greatest, below)));
+    return m_bits(m_or(v_ge(least, v_sub(v_set1(0), bound)), v_le(greatest, bound))) != 0;
 }
 
 /* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients (bvh_tile.h). */
@@ -344,7 +344,7 @@ struct plane_bounds {
  * returns the lanes that are left undecided. A quotient of bounds is compared as products (bvh_tile.h).
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const struct plane_bounds *bounds,
-                                    const float *begin, int has_places, uint32_t may, uint32_t inside,
+                                    const float *begin, int has_places, vm candidates, vm inside,
                                     struct bundle_vector *of)
 {
     vf n = v_set1(leaf->distance[triangle]), d = v_set1(leaf->normal[0][triangle]);
@@ -354,7 +354,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     const vf size = v_abs(d), distance = v_flip(n, d), width = bounds->width;
     const vf least_d = v_sub(size, width), greatest_d = v_add(size, width);
     const vf least_n = v_sub(distance, v_set1(error)), greatest_n = v_add(distance, v_set1(error));
-    const vm candidates = m_from_bits(may), certain = m_and(candidates, v_gt(least_d, width));
+    const vm certain = m_and(candidates, v_gt(least_d, width));
     vm farther = v_gt(v_mul(least_n, of->least_d), v_mul(of->greatest_n, greatest_d));
     vm nearer = v_lt(v_mul(greatest_n, of->greatest_d), v_mul(of->least_n, least_d));
     if (MLRT_UNLIKELY(bounds->has_begins)) {
@@ -365,7 +365,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
         farther = m_or(farther, v_lt(greatest_n, v_set1(0)));
         nearer = m_and(nearer, v_gt(least_n, v_set1(0)));
     }
-    vm hit = m_and(m_and(certain, m_from_bits(inside)), nearer);
+    vm hit = m_and(m_and(certain, inside), nearer);
     uint32_t undecided = m_bits(m_andnot(m_andnot(candidates, m_and(certain, farther)), hit));
     if (MLRT_GUESS) hit = m_and(m_and(candidates, nearer), v_gt(size, v_set1(0))), undecided = 0;
     of->least_n = v_select(hit, least_n, of->least_n);
@@ -384,15 +384,15 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    struct lanes_of_triangle lanes[MLRT_BVH_LEAF_LIMIT];
+    struct edge_values edges[MLRT_BVH_LEAF_LIMIT];
     vf term[MLRT_RAY_TERMS];
     uint32_t met = 0, decided = 0;
     const vm active = m_from_bits(packet->active >> v);
     for (int i = 0; i < term_count; ++i) term[i] = v_select(active, v_load(rays->term[i] + v), v_set1(NAN));
     for (uint32_t left = triangles; left; left &= left - 1) {
         const uint32_t triangle = mlrt_lowest_bit(left);
-        find_lanes_inside(leaf, triangle, term, term_count, v_set1(edge_bound[triangle]), &lanes[triangle]);
-        met |= lanes[triangle].may ? left & (0u - left) : 0;
+        const vf bound = v_set1(edge_bound[triangle]);
+        met |= find_edge_values(leaf, triangle, term, term_count, bound, &edges[triangle]) ? left & (0u - left) : 0;
     }
     if (!met) return 0;
     const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
@@ -402,15 +402,19 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     load_bundle_vector(rays, packet, has_places, v, &of);
     for (; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
+        const vf bound = v_set1(edge_bound[triangle]), below = v_sub(v_set1(0), bound);
+        const vf least = edges[triangle].least, greatest = edges[triangle].greatest;
         const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
-        uint32_t may = lanes[triangle].may & ~m_bits(known);
-        if (MLRT_UNLIKELY(packet->has_masks)) may &= mlrt_seeing_lanes(job->tree, number, packet->mask, may << v) >> v;
-        if (!may) continue;
+        const vm inside = m_or(v_gt(least, bound), v_lt(greatest, below));
+        vm may = m_andnot(m_or(v_ge(least, below), v_le(greatest, bound)), known);
+        if (MLRT_UNLIKELY(packet->has_masks)) {
+            may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
+        }
         const uint32_t undecided =
-            test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, lanes[triangle].inside, &of);
+            test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of);
         if (MLRT_LIKELY(!undecided)) continue;
         decided |= store_bundle_vector(&of, v, rays, packet);
-        decided |= decide_bundle_lanes(job, worker, number, undecided << v, lanes[triangle].inside << v, rays, packet);
+        decided |= decide_bundle_lanes(job, worker, number, undecided << v, m_bits(inside) << v, rays, packet);
         load_bundle_vector(rays, packet, has_places, v, &of);
     }
     return decided | store_bundle_vector(&of, v, rays, packet);

@@ -15,12 +15,15 @@
 /* Packets so many times as wide as most of their tile go lane by lane: they lie across an edge of what the tile sees. */
 #define WIDE_PACKET MLRT_WIDE_FACTOR
 
+/* So few triangles of a leaf are tested against packets as they are: to cut them costs more than to test them. */
+#define UNCUT_TRIANGLES 2
+
 /* After hits of a packet in these lanes. */
 static MLRT_NOINLINE void update_bundle(struct bundle *bundle, uint32_t place, uint32_t changed, int any)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     if (!any) {
-        update_last_depth(bundle, place);
+        bundle->nearer |= 1u << place;
         return;
     }
     packet->active &= ~changed;
@@ -29,6 +32,7 @@ static MLRT_NOINLINE void update_bundle(struct bundle *bundle, uint32_t place, u
         return;
     }
     bound_packet(bundle, place);
+    finish_depths(bundle, 1u << place, (int)(place - place % VW));
     finish_hulls(bundle, (int)(place - place % VW));
 }
 
@@ -40,26 +44,92 @@ static void give_up_packet(struct bundle *bundle, uint32_t place)
     bundle->given_up |= 1u << place;
 }
 
+/* Takes what packets hit into account for what comes. */
+MLRT_INLINE void settle_bundle(struct bundle *bundle)
+{
+    if (bundle->nearer & bundle->going) update_last_depths(bundle, bundle->nearer & bundle->going);
+    bundle->nearer = 0;
+    set_whole_last(bundle);
+}
+
+/* Traces rays of a packet one by one from a child of a node on. */
+static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                struct bundle *bundle, uint32_t place, uint32_t lanes, uint32_t child)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    uint32_t changed = 0;
+    set_packet_distances(rays, packet);
+    if (!(bundle->has_reciprocals >> place & 1)) set_reciprocals(packet, &bundle->reciprocals[place]);
+    bundle->has_reciprocals |= 1u << place;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->triangle[lane];
+        trace_single(job, &bundle->reciprocals[place], lane, child, packet, worker);
+        if (packet->triangle[lane] == before) continue;
+        rays->lo[lane] = packet->lo[lane] * rays->pace[lane] * (1 - RECIPROCAL_SLACK);
+        rays->hi[lane] = packet->hi[lane] * rays->pace[lane] * (1 + RECIPROCAL_SLACK);
+        changed |= 1u << lane;
+    }
+    if (changed) update_bundle(bundle, place, changed, job->any);
+}
+
+/*
+ * Traces the rays of packets `met` that meet a box one by one, if they are few: what few rays see is not worth going there
+ * together, nor a set-up for all of them. Else returns 0.
+ */
+static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                             struct bundle *bundle, const struct box_of_bundle *box, uint32_t child,
+                                             uint32_t met)
+{
+    const uint32_t most = mlrt_bvh_quad_count(child) ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
+    uint32_t lanes[MLRT_BUNDLE_PACKETS], count = 0;
+    for (uint32_t left = met; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        lanes[place] = lanes_of_packet_met(bundle, place, box);
+        count += mlrt_count_bits(lanes[place]);
+        if (count > most) return 0;
+    }
+    for (; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        if (lanes[place]) trace_lanes_of_packet(job, worker, bundle, place, lanes[place], child);
+    }
+    settle_bundle(bundle);
+    return 1;
+}
+
+/* Of the triangles of a leaf that the bundle may hit, those that a packet may. */
+MLRT_INLINE uint32_t cut_triangles(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t place,
+                                   int has_places, uint32_t seen)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const float slope_lo[2] = {hulls->slope[0].lo[place], hulls->slope[1].lo[place]};
+    const float slope_hi[2] = {hulls->slope[0].hi[place], hulls->slope[1].hi[place]};
+    const float place_lo[2] = {hulls->place[0].lo[place], hulls->place[1].lo[place]};
+    const float place_hi[2] = {hulls->place[0].hi[place], hulls->place[1].hi[place]};
+    const uint32_t met = triangles_met(leaf, hulls->first[place], hulls->last[place], slope_lo, slope_hi, place_lo,
+                                       place_hi, has_places, seen);
+    return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
+}
+
+/* Is the set-up of a leaf there? */
+MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, uint32_t child)
+{
+    return cache->children[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits)] == child;
+}
+
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
                                       uint32_t child, uint32_t met, int has_places)
 {
     const struct mlrt_bundle_leaf *leaf =
         find_bundle_leaf(job, bundle, child, worker, &worker->bundle_caches[job->any]);
     const struct mlrt_hull *whole = &bundle->whole;
-    const struct mlrt_hulls *hulls = &bundle->hulls;
     const uint32_t seen = triangles_met(leaf, whole->first, whole->last, whole->slope_lo, whole->slope_hi, whole->place_lo,
                                         whole->place_hi, has_places, leaf->there);
     if (!seen) return;
+    const int is_cut = mlrt_count_bits(seen) > UNCUT_TRIANGLES;
     for (; met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
-        const float slope_lo[2] = {hulls->slope[0].lo[place], hulls->slope[1].lo[place]};
-        const float slope_hi[2] = {hulls->slope[0].hi[place], hulls->slope[1].hi[place]};
-        const float place_lo[2] = {hulls->place[0].lo[place], hulls->place[1].lo[place]};
-        const float place_hi[2] = {hulls->place[0].hi[place], hulls->place[1].hi[place]};
-        uint32_t triangles = triangles_met(leaf, hulls->first[place], hulls->last[place], slope_lo, slope_hi, place_lo,
-                                           place_hi, has_places, seen);
-        if (!triangles) continue;
-        triangles = triangles_within_edges(bundle, leaf, place, has_places, triangles);
+        const uint32_t triangles = is_cut ? cut_triangles(bundle, leaf, place, has_places, seen) : seen;
         if (!triangles) continue;
         bundle->tests[place] += mlrt_count_bits(triangles);
         if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS)) {
@@ -69,7 +139,7 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
         const uint32_t changed = test_bundle_packet(job, worker, bundle, leaf, triangles, place, has_places);
         if (changed) update_bundle(bundle, place, changed, job->any);
     }
-    set_whole_last(bundle);
+    settle_bundle(bundle);
 }
 
 MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
@@ -78,6 +148,8 @@ MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_work
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
+    const struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
+    const uint32_t few = mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS ? MLRT_FEW_PACKETS : 0;
     uint32_t node = 0, count = 0;
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
@@ -96,6 +168,10 @@ MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_work
             see_bundle_box(&bundle->waist, parent, place, &box);
             const uint32_t met = packets_met(bundle, &box, has_places);
             if (!met) continue;
+            if (mlrt_count_bits(met) <= few && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(cache, child)) &&
+                trace_few_of_bundle(job, worker, bundle, &box, child, met)) {
+                continue;
+            }
             if (!mlrt_bvh_quad_count(child)) {
                 node = mlrt_bvh_offset(child);
                 break;
@@ -238,7 +314,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t sample_count = take_samples(bundle->tile, places, samples);
-    bundle->going = bundle->given_up = 0;
+    bundle->going = bundle->given_up = bundle->nearer = bundle->has_reciprocals = 0;
     bundle->has_begins = 0;
     if (!choose_waist(&job->tree->bounds, samples, sample_count, &cache->waist, &bundle->waist)) {
         uint32_t others = 0;
@@ -253,7 +329,10 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
     bundle->has_places = !start_at_waist(bundle);
-    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) finish_hulls(bundle, v);
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        finish_depths(bundle, bundle->going, v);
+        finish_hulls(bundle, v);
+    }
     const uint32_t wide = find_wide_bundles(bundle);
     others |= wide;
     for (uint32_t left = wide; left; left &= left - 1) {
