@@ -8,6 +8,10 @@
  * |s_j o'_main|): together by less than 2 u |o'_j| + 4.1 u |s_j o'_main| <= (1 + 2.05) u R A. PLACE_ERROR makes 4 u of
  * it. A ray from the waist has o' = 0, and place 0 exactly.
  *
+ * UNDERFLOW. Components of directions are 0 or of magnitude 2^-60 .. 2^60, so a slope is 0 or above 2^-120. The product
+ * s_j o'_main may lose 2^-150, and so may one of a slope and a depth; where R A is less than 2^-128, PLACE_ERROR R A is
+ * less than that. PLACE_FLOOR pays for both.
+ *
  * BOXES. At depth z a ray is at x_j + s_j z. For a box, as computed, c = fl(c_j - w_j) and z = fl(c_main - w_main) are off
  * by u of themselves, the product with a slope and the sum with a place by u each. Slopes and places of hulls are moved
  * apart by SLOPE_SLACK, 2^-20 of themselves (and places by PLACE_ERROR R A): 16 u |s| |z| and 16 u |x|. That pays for all:
@@ -20,6 +24,7 @@
  */
 
 #define PLACE_ERROR (4 * 0x1p-24f)
+#define PLACE_FLOOR 0x1p-140f
 
 /* Slopes, places and depths of hulls are moved apart by this at least: what underflow loses is less. */
 #define HULL_FLOOR 0x1p-110f
@@ -302,8 +307,9 @@ MLRT_INLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
             v_store(rays->to_waist[k] + v, to_waist[k]);
         }
         for (int side = 0; side < 2; ++side) {
-            const vf slope = v_div(v_load(packet->direction[axis[1 + side]] + v), pace);
+            const vf across = v_load(packet->direction[axis[1 + side]] + v), slope = v_div(across, pace);
             fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
+            fits = m_and(fits, m_or(v_eq(across, zero), v_ge(v_abs(across), v_set1(MLRT_SAFE_MIN))));
             term[MLRT_SLOPE_J + side] = slope;
             term[MLRT_PLACE_J + side] = v_mul_sub(slope, to_waist[0], to_waist[1 + side]);
         }
@@ -358,7 +364,7 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
         if (i < 2) reach = v_max(v_mul(size, v_set1(2)), reach);
         if (i == MLRT_PLACE_J || i == MLRT_PLACE_L) largest = v_max(size, largest);
     }
-    const vf error = v_mul(v_mul(reach, away), v_set1(PLACE_ERROR));
+    const vf error = v_mul_add(v_mul(reach, away), v_set1(PLACE_ERROR), v_set1(PLACE_FLOOR));
     v_store(hulls->reach + v, reach);
     v_store(hulls->blur + v, v_mul_add(largest, v_set1(BLUR_OF_PLACE), error));
     for (int i = 0; i < 2; ++i) {

@@ -301,6 +301,13 @@ MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, 
     return changed << v;
 }
 
+/*
+ * What bounds of t and tau = t |d_main| are moved apart by, besides RECIPROCAL_SLACK, where one is made of the other: the
+ * two roundings may lose 2^-150 each where they underflow. It matters: a ray may meet a slanted plane at a depth of less
+ * than 2^-149 from its origin, and so two planes whose order t tells and tau does not.
+ */
+#define CONVERSION_FLOOR 0x1p-148f
+
 /* Puts bounds of t where a packet has them, from those of tau; and directions without -0 for who divides by them. */
 static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
 {
@@ -309,8 +316,8 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
         const vm none = i_eq(i_load(packet->triangle + v), i_set1(MLRT_NONE));
         const vf lo = v_mul(v_div(v_load(rays->lo + v), pace), v_set1(1 - RECIPROCAL_SLACK));
         const vf hi = v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK));
-        v_store(packet->lo + v, v_select(none, t_max, lo));
-        v_store(packet->hi + v, v_select(none, t_max, hi));
+        v_store(packet->lo + v, v_select(none, t_max, v_sub(lo, v_set1(CONVERSION_FLOOR))));
+        v_store(packet->hi + v, v_select(none, t_max, v_add(hi, v_set1(CONVERSION_FLOOR))));
         for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
     }
 }
@@ -326,8 +333,9 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
         decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     for (uint32_t left = nearer; left; left &= left - 1) {
         const uint32_t lane = mlrt_lowest_bit(left);
-        rays->lo[lane] = packet->lo[lane] * rays->pace[lane] * (1 - RECIPROCAL_SLACK);
-        rays->hi[lane] = packet->hi[lane] * rays->pace[lane] * (1 + RECIPROCAL_SLACK);
+        const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
+        rays->lo[lane] = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
+        rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
     }
     return nearer;
 }
