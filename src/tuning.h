@@ -82,7 +82,7 @@
  * conference, 1.005, would take 1.09.
  */
 #ifndef MLRT_MOST_TESTS
-#define MLRT_MOST_TESTS 64
+#define MLRT_MOST_TESTS 96
 #endif
 
 /* Where more packets of a tile than this have been tested so often, all of it goes lane by lane, and so do the next tiles.

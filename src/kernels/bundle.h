@@ -44,7 +44,7 @@ struct bundle {
     uint32_t nearer;   /* packets whose rays may look less far than their hulls say */
     uint32_t has_reciprocals; /* packets that have some below */
     uint32_t given_up; /* packets that are to go lane by lane from now on */
-    uint32_t tests[MLRT_BUNDLE_PACKETS];
+    uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
     struct mlrt_ray_tile *tile;
     struct mlrt_bundle_rays rays[MLRT_BUNDLE_PACKETS];
     struct reciprocals reciprocals[MLRT_BUNDLE_PACKETS];

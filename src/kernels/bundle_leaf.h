@@ -322,6 +322,14 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
     }
 }
 
+/* And back, for a lane that was hit nearer. */
+MLRT_INLINE void take_lane_distance(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_bundle_rays *rays)
+{
+    const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
+    rays->lo[lane] = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
+    rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
+}
+
 /* Hands lanes to who knows (undecided.h). Returns those that are hit nearer than before. */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                                                   uint32_t lanes, uint32_t inside, struct mlrt_bundle_rays *rays,
@@ -332,10 +340,7 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     const uint32_t nearer =
         decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     for (uint32_t left = nearer; left; left &= left - 1) {
-        const uint32_t lane = mlrt_lowest_bit(left);
-        const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
-        rays->lo[lane] = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
-        rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
+        take_lane_distance(packet, mlrt_lowest_bit(left), rays);
     }
     return nearer;
 }
@@ -384,11 +389,12 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     return undecided;
 }
 
-/* Tests a vector of a packet's rays against triangles of a leaf. Returns the lanes whose nearest hit changed. */
+/* Tests a vector of a packet's rays against triangles of a leaf; those that no ray may hit stay in *passed. Returns the
+ * lanes whose nearest hit changed. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                         uint32_t triangles, const float *edge_bound, uint32_t place, int has_places, int v,
-                                        struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
+                                        struct mlrt_bundle_rays *rays, struct mlrt_packet *packet, uint32_t *passed)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
@@ -403,6 +409,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         met |= find_edge_values(leaf, triangle, term, term_count, bound, &edges[triangle]) ? left & (0u - left) : 0;
     }
     if (!met) return 0;
+    *passed &= ~met;
     const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
                                         bundle->has_begins};
     const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
@@ -428,14 +435,14 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     return decided | store_bundle_vector(&of, v, rays, packet);
 }
 
-/* Tests a packet against triangles of a leaf. Returns the lanes whose nearest hit changed. */
+/* Tests a packet against triangles of a leaf, and counts those in vain. Returns the lanes whose nearest hit changed. */
 MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
                                         const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
                                         int has_places)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     MLRT_ALIGNED(64) float edge_bound[MLRT_BVH_LEAF_LIMIT];
-    uint32_t changed = 0;
+    uint32_t changed = 0, passed = triangles;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
@@ -443,7 +450,8 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         changed |= test_bundle_vector(job, worker, bundle, leaf, triangles, edge_bound, place, has_places, v,
-                                      &bundle->rays[place], packet);
+                                      &bundle->rays[place], packet, &passed);
     }
+    bundle->tests[place] += mlrt_count_bits(passed);
     return changed;
 }

@@ -66,8 +66,7 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
         const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->triangle[lane];
         trace_single(job, &bundle->reciprocals[place], lane, child, packet, worker);
         if (packet->triangle[lane] == before) continue;
-        rays->lo[lane] = packet->lo[lane] * rays->pace[lane] * (1 - RECIPROCAL_SLACK);
-        rays->hi[lane] = packet->hi[lane] * rays->pace[lane] * (1 + RECIPROCAL_SLACK);
+        take_lane_distance(packet, lane, rays);
         changed |= 1u << lane;
     }
     if (changed) update_bundle(bundle, place, changed, job->any);
@@ -131,13 +130,11 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
         const uint32_t place = mlrt_lowest_bit(met);
         const uint32_t triangles = is_cut ? cut_triangles(bundle, leaf, place, has_places, seen) : seen;
         if (!triangles) continue;
-        bundle->tests[place] += mlrt_count_bits(triangles);
-        if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS)) {
-            give_up_packet(bundle, place);
-            continue;
-        }
         const uint32_t changed = test_bundle_packet(job, worker, bundle, leaf, triangles, place, has_places);
         if (changed) update_bundle(bundle, place, changed, job->any);
+        if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS) && bundle->going >> place & 1) {
+            give_up_packet(bundle, place);
+        }
     }
     settle_bundle(bundle);
 }
