@@ -6,7 +6,6 @@
 
 #include "kernels/quad.h"
 #include "kernels/slopes.h"
-#include "shear.h"
 #include "tuning.h"
 
 /* Sets the slopes of a packet's rays, as if each were a cell. */
@@ -18,8 +17,7 @@ static void set_ray_slopes(struct mlrt_ray_tile *tile, uint32_t place)
         const f4 inverse = f4_div(f4_set1(1), f4_abs(f4_load(packet->direction[a] + lane)));
         for (int side = 0; side < 2; ++side) {
             const f4 slope = f4_mul(f4_load(packet->direction[mlrt_slope_axis(a, side)] + lane), inverse);
-            const f4 share = f4_mul(f4_abs(slope), f4_set1(SLOPE_SLACK));
-            const f4 slack = packet->shear ? f4_set1(MLRT_SHEAR_SLACK) : share;
+            const f4 slack = f4_mul(f4_abs(slope), f4_set1(SLOPE_SLACK));
             f4_store(tile->ray_slopes[place][side].lo + lane, f4_sub(slope, slack));
             f4_store(tile->ray_slopes[place][side].hi + lane, f4_add(slope, slack));
         }
@@ -51,48 +49,13 @@ static uint32_t rays_met(struct mlrt_ray_tile *tile, uint32_t place, const struc
     return packet->active & ~missed;
 }
 
-/* Traces rays of one direction as what they are, and takes over what they hit nearer than before. */
-static void trace_sheared(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet,
-                          uint32_t lanes, uint32_t child)
-{
-    struct mlrt_packet rays = *packet;
-    mlrt_unshear_packet(&rays);
-    for (uint32_t left = job->any ? 0 : lanes; left; left &= left - 1) {
-        const uint32_t lane = mlrt_lowest_bit(left);
-        struct mlrt_ray_segment ray;
-        if (rays.triangle[lane] == MLRT_NONE) continue;
-        mlrt_get_segment(packet, lane, &ray);
-        struct mlrt_nearest nearest = {rays.triangle[lane], packet->lo[lane], packet->hi[lane]};
-        mlrt_unshear_distance(packet->shear, &ray, &nearest);
-        rays.lo[lane] = nearest.lo;
-        rays.hi[lane] = nearest.hi;
-    }
-    job->kernels->trace_singles(job, lanes, &rays, worker, child);
-    for (; lanes; lanes &= lanes - 1) {
-        const uint32_t lane = mlrt_lowest_bit(lanes);
-        struct mlrt_ray_segment ray;
-        struct mlrt_nearest nearest = {rays.triangle[lane], rays.lo[lane], rays.hi[lane]};
-        if (nearest.triangle == packet->triangle[lane]) continue;
-        packet->triangle[lane] = nearest.triangle;
-        if (job->any) continue;
-        mlrt_get_segment(packet, lane, &ray);
-        mlrt_shear_distance(packet->shear, &ray, &nearest);
-        packet->lo[lane] = nearest.lo;
-        packet->hi[lane] = nearest.hi;
-    }
-}
-
 /* Traces rays of a packet, and makes its cell what it is then. */
 static void trace_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                        uint32_t place, uint32_t lanes, uint32_t child)
 {
     struct mlrt_packet *packet = &tile->packets[place];
     uint32_t hit = 0;
-    if (packet->shear) {
-        trace_sheared(job, worker, packet, lanes, child);
-    } else {
-        job->kernels->trace_singles(job, lanes, packet, worker, child);
-    }
+    job->kernels->trace_singles(job, lanes, packet, worker, child);
     for (uint32_t left = job->any ? lanes : 0; left; left &= left - 1) {
         const uint32_t lane = mlrt_lowest_bit(left);
         hit |= (uint32_t)(packet->triangle[lane] != MLRT_NONE) << lane;

@@ -8,7 +8,6 @@
 #include "bundle.h"
 #include "hit_terms.h"
 #include "output.h"
-#include "shear.h"
 #include "source.h"
 #include "tuning.h"
 
@@ -93,7 +92,6 @@ struct mlrt_leaf_cache {
     struct mlrt_leaf_setup *leaves; /* 1 << bits of them, by a hash of the first quad */
     uint32_t bits;
     float apex[3];
-    struct mlrt_shear shear;
     uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes above; 0 = nobody's */
 };
 
@@ -195,8 +193,6 @@ struct mlrt_kernels {
     int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
     /* Makes the cell of an open packet what it is after hits; those of the lanes `done` look no further. bvh_tile.h */
     void (*update_cell)(struct mlrt_ray_tile *tile, uint32_t place, uint32_t done);
-    /* Takes cells of packets down the hierarchy. bvh_tile.h */
-    void (*trace_gathered)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile);
     /* Traces the packets `waiting` (bit per place) of a tile, whose rays are there, down the hierarchy. bundle_tile.h */
     void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                          uint32_t waiting);

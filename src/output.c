@@ -8,7 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "shear.h"
 #include "structs.h"
 #include "kernels/quad.h"
 
@@ -77,7 +76,7 @@ void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct ml
 {
     for (int k = 0; k < 3; ++k) {
         ray->origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
-        ray->direction[k] = packet->shear ? packet->shear->given[k] : packet->direction[k][lane];
+        ray->direction[k] = packet->direction[k][lane];
     }
     ray->t_min = packet->t_min[lane];
     ray->t_max = packet->t_max[lane];

@@ -30,15 +30,12 @@ struct mlrt_packet {
     MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS]; /* triangle number, MLRT_NONE = none; not filled if !has_skip */
     MLRT_ALIGNED(64) uint32_t skip_mesh[MLRT_PACKET_RAYS]; /* before it is a number: the triangle's mesh */
     MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS];      /* visibility.h; not filled if !has_masks */
-    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];        /* with a shear: where rays begin, as lo and hi */
     float apex[3];                                         /* the common origin, if has_apex */
     uint32_t active;                                       /* bit per lane */
     uint32_t single;                                       /* bit per lane */
     int has_apex;
-    int has_direction; /* all rays have one, if !has_apex and !has_masks; else it may be anything */
     int has_skip;
     int has_limits;                 /* 0 = all t_min are 0 or less, and all t_max are equal */
-    const struct mlrt_shear *shear; /* not NULL: directions, lo and hi are what shear.h makes of them */
     int has_masks;                  /* 0 = the rays see all, or the kernel takes care of the one mask that they have */
 };
 

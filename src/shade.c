@@ -39,7 +39,6 @@ void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *t
         tile->dark[place] = job->kernels->make_shadow_packet(job, &tile->seen->packets[place], hit, packet);
         return;
     }
-    packet->shear = NULL;
     packet->active = packet->single = 0;
     mlrt_fill_words(packet->triangle, MLRT_NONE);
 }
@@ -55,7 +54,6 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_c
     cells->main_axis = lit.main_axis;
     cells->sign = lit.sign;
     memcpy(cells->apex, job->source.light, sizeof cells->apex);
-    memset(&cells->shear, 0, sizeof cells->shear);
     memcpy(cells->skip, seen->cover, sizeof cells->skip);
     job->kernels->sum_up_cells(cells);
     return cells->closed;

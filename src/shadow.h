@@ -35,7 +35,7 @@
 #define MLRT_SHADOW_H
 
 #include "kernels.h"
-#include "sheared.h"
+#include "tile.h"
 
 /* The conditions above. */
 #define MLRT_SHADOW_NORMAL   0x1p-16

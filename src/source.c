@@ -414,7 +414,6 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_apex = packet->has_skip = packet->has_limits = 0;
     packet->has_masks = 0;
-    packet->shear = NULL;
     if (MLRT_UNLIKELY(source->has_masks)) fetch_masks(source, &block, packet);
     if (source->kind == MLRT_SOURCE_CAMERA) {
         packet->has_limits = source->view.t_min > 0;

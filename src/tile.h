@@ -10,8 +10,15 @@
 #include <string.h>
 
 #include "kernels.h"
-#include "sheared.h"
 #include "tuning.h"
+
+#define MLRT_CELL_COUNT 16
+
+/* Slopes that rays of cells lie between (cells.h). */
+struct mlrt_slopes {
+    MLRT_ALIGNED(64) float lo[MLRT_CELL_COUNT];
+    MLRT_ALIGNED(64) float hi[MLRT_CELL_COUNT];
+};
 
 /* A part of a picture, or of a tile. */
 struct mlrt_rectangle {
@@ -45,9 +52,7 @@ struct mlrt_cells {
     MLRT_ALIGNED(64) float cover_near[MLRT_CELL_COUNT];
     MLRT_ALIGNED(64)
     uint32_t cover[MLRT_CELL_COUNT]; /* of a closed cell: the triangle; MLRT_NONE: nothing met so far */
-    float apex[3];                   /* with a shear: its centre */
-    struct mlrt_shear shear;         /* of rays of one direction; scale 0: of one apex */
-    float begin;                     /* with a shear: the distance before which no ray begins */
+    float apex[3];
     int main_axis;
     float sign;      /* of the main components: +-1 */
     uint32_t closed; /* bit per cell: no rays yet */
@@ -67,10 +72,12 @@ MLRT_INLINE int mlrt_slope_axis(int main_axis, int side)
     return axis < 3 ? axis : axis - 3;
 }
 
-/* Do the rays of all cells have one direction? */
-MLRT_INLINE int mlrt_are_sheared(const struct mlrt_cells *cells)
+/* Has cells see along the axis that a direction goes along most. */
+static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_cells *cells)
 {
-    return MLRT_UNLIKELY(cells->shear.scale != 0);
+    const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
+    cells->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    cells->sign = direction[cells->main_axis] < 0 ? -1.0f : 1.0f;
 }
 
 static inline void mlrt_set_cell_slopes(struct mlrt_cells *cells, uint32_t place, int side, float lo, float hi)
@@ -126,10 +133,6 @@ static inline void mlrt_see_box(const struct mlrt_cells *cells, const struct mlr
     }
     box->nearest = box->first = enter > 0 ? enter : 0;
     box->last = exit;
-    if (mlrt_are_sheared(cells)) {
-        box->nearest = mlrt_shear_box(&cells->shear, enter, exit, box->begin, box->end);
-        box->first = box->last = cells->shear.size;
-    }
 }
 
 /* A tile of sixteen packets: the rays of its cells, made when they are needed. */

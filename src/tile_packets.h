@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rays of a tile's packets: making them, and tracing those that no cell decides.
+ * The rays of a tile's packets: making them, and finishing what kernels leave.
  */
 #ifndef MLRT_TILE_PACKETS_H
 #define MLRT_TILE_PACKETS_H
@@ -14,14 +14,7 @@ void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint
  * is not known yet. */
 uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile);
 
-/* Traces the packets of `waiting` (bit per place) down the hierarchy of boxes: together, as far as they can. */
-void mlrt_trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                        uint32_t waiting);
-
-/*
- * Done with a packet: traces its rays that float cannot carry, and makes it what it was before it was sheared, unless
- * nobody wants to know more of its rays than whether they hit something.
- */
+/* Done with a packet: traces its rays that float cannot carry. */
 void mlrt_finish_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_packet *packet);
 
 #endif

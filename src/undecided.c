@@ -6,7 +6,6 @@
 #include "hit.h"
 #include "output.h"
 #include "packet.h"
-#include "shear.h"
 #include "stop.h"
 #include "words.h"
 
@@ -77,9 +76,7 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
         if (mlrt_is_stopped_in_step(worker)) break;
         mlrt_get_segment(packet, lane, &ray);
         struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
-        if (packet->shear) nearest.lo = 0, nearest.hi = INFINITY; /* not those of t */
         if (!mlrt_offer_triangle(tree, &ray, number, &nearest, counters)) continue;
-        if (packet->shear) mlrt_shear_distance(packet->shear, &ray, &nearest);
         packet->triangle[lane] = nearest.triangle;
         packet->lo[lane] = nearest.lo;
         packet->hi[lane] = nearest.hi;

@@ -71,7 +71,7 @@ static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32
 uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
-/* Offers those of the triangles numbers[i] for which bit i is set to one ray, which has no shear. Returns 1 if one of
+/* Offers those of the triangles numbers[i] for which bit i is set to one ray. Returns 1 if one of
  * them became the nearest hit, which for a job that looks for any is the last one offered. */
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
                           uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,

@@ -49,8 +49,6 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #include "kernels/kdtree_body.h"
 #undef KERNELS
 #define KERNELS       bounds_kernels
-#define SHEARED       mlrt_sheared_plain
-#define MAKES_SHEARED 0
 #include "kernels/bvh_body.h"
 #undef v_div
 #undef f4_div
@@ -624,7 +622,7 @@ static int load_single(const float *input, struct float_test *test)
         ray.direction[k] = input[12 + k];
         ray.reach = fmaxf(4 * fabsf(input[12 + k]), ray.reach);
     }
-    set_float_test(&ray, input, 1, test);
+    set_single_test(&ray, input, 1, test);
     load_direction(input, direction);
     load_exactly(input, direction);
     assert_true(test->above > 0 && test->plane_bound > 0 && test->distance_bound > 0);
@@ -1173,7 +1171,6 @@ static double attack_leaf_outline(const float *input)
     struct leaf_corners corners;
     struct mlrt_leaf_setup leaf;
     struct mlrt_cells cells;
-    cells.shear.scale = 0; /* rays of one apex */
     memset(&cells, 0, sizeof cells);
     cells.sign = 1;
     for (int i = 0; i < 3; ++i) {

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Where few rays of a tile meet something they go on one by one (hybrid.h): in meshes much finer than the picture,
- * which have exact ties, and whose answers must be those of rays that were alone from the start. And the distances of
- * rays of one direction, which are turned back for that.
+ * which have exact ties, and whose answers must be those of rays that were alone from the start.
  */
 #include <math.h>
 #include <string.h>
 
 #include "dispatch.h"
-#include "shear.h"
 #include "support.h"
 
 enum { WIDTH = 44, HEIGHT = 36, COUNT = WIDTH * HEIGHT };
@@ -224,43 +222,12 @@ static void pictures(void **state)
     }
 }
 
-/* Bounds of t that were turned into bounds of 1 / (1 - z) and back hold what they held, and not much more. */
-static void distances_turn_back(void **state)
-{
-    (void)state;
-    struct soup soup = {0};
-    soup_add_icosphere(&soup, 2, 3);
-    struct fixture fixture = fixture_of_soup("ball", 1, &soup);
-    const struct mlrt_source source = {.kind = MLRT_SOURCE_RAYS};
-    struct random random = {4200};
-    for (int i = 0; i < 200000; i++) {
-        struct mlrt_shear shear;
-        struct mlrt_ray_segment ray = {.t_max = INFINITY};
-        draw_point(&random, -3, 3, ray.origin);
-        draw_point(&random, -1, 1, ray.direction);
-        const float scale = ldexpf(1, (int)draw_below(&random, 24) - 12);
-        for (int k = 0; k < 3; k++) ray.direction[k] *= scale;
-        mlrt_make_shear(fixture.tree, &source, ray.direction, ray.origin, 0, &shear);
-        const double length = 3.0 / ((double)fabsf(shear.pace) * (double)shear.size);
-        const float t = (float)(draw_range(&random, 0, 1) * length / 6);
-        struct mlrt_nearest nearest = {0, t, t};
-        mlrt_shear_distance(&shear, &ray, &nearest);
-        mlrt_unshear_distance(&shear, &ray, &nearest);
-        if (!(nearest.lo <= t && t <= nearest.hi)) {
-            fail_msg("%d: %.9g is not between %.9g and %.9g", i, (double)t, (double)nearest.lo, (double)nearest.hi);
-        }
-        assert_true((double)nearest.hi - (double)nearest.lo < 0x1p-14 * length);
-    }
-    free_fixture(&fixture);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(same_as_alone),
         cmocka_unit_test(tedious_packets),
         cmocka_unit_test(pictures),
-        cmocka_unit_test(distances_turn_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,4 @@
 #include "simd_avx2.h"
 #define KERNELS       mlrt_kernels_avx2
 #define PICTURE       mlrt_picture_avx2
-#define SHEARED       mlrt_sheared_avx2
-#define MAKES_SHEARED 1
 #include "bvh_body.h"

@@ -4,6 +4,4 @@
 #include "simd_avx512.h"
 #define KERNELS       mlrt_kernels_avx512
 #define PICTURE       mlrt_picture_avx512
-#define SHEARED       mlrt_sheared_avx2
-#define MAKES_SHEARED 0
 #include "bvh_body.h"

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * All kernels for the hierarchy of boxes, in the words of the simd_*.h that was included before: one instruction set's
- * file is that header, the names of its tables, and this. SHEARED is a table (sheared.h) that MAKES_SHEARED puts there:
- * not every instruction set has its own. Compiled with and without MLRT_COUNTING (counters.h).
+ * file is that header, the names of its tables, and this. Compiled with and without MLRT_COUNTING (counters.h).
  * Everything is static but the table.
  */
 #include "shared.h"
-#include "sheared.h"
 
 #include "packet_check.h"
 #if !MLRT_COUNTING
@@ -27,14 +25,13 @@
 #include "bundle_leaf.h"
 #include "lanes.h"
 #include "bundle_tile.h"
-#include "sheared_body.h"
 
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
     .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
     .gather_camera_cells = gather_camera_cells,                            \
     .sum_up_cells = sum_up_cells, .add_packet = add_packet, .update_cell = update_cell,                                \
-    .trace_gathered = trace_gathered, .traverse = traverse_bvh, .trace_bundle = trace_bundle, .open_packet = open_packet
+    .traverse = traverse_bvh, .trace_bundle = trace_bundle, .open_packet = open_packet
 /* clang-format on */
 
 #if MLRT_COUNTING

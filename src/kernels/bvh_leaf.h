@@ -92,8 +92,7 @@ static int settle_sign(const struct mlrt_tree *tree, const struct mlrt_cells *ce
                        struct mlrt_leaf_setup *leaf)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
-    const int side = mlrt_are_sheared(cells) ? -mlrt_facing(triangle, cells->shear.along)
-                                             : mlrt_side_of_plane(triangle, cells->apex); /* that of -N */
+    const int side = mlrt_side_of_plane(triangle, cells->apex); /* that of -N */
     if (side == 0) return 0;
     if ((leaf->negative >> place & 1) != (side > 0)) {
         for (int i = 0; i < 4; ++i) {
@@ -107,7 +106,7 @@ static int settle_sign(const struct mlrt_tree *tree, const struct mlrt_cells *ce
 static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_cells *cells,
                                            uint32_t wanted, struct mlrt_leaf_setup *leaf)
 {
-    uint32_t doubtful = mlrt_are_sheared(cells) ? SHEARED.set_terms(&cells->shear, wanted, leaf) : 0;
+    uint32_t doubtful = 0;
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
         struct leaf_corners corners;
@@ -131,13 +130,10 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
     leaf->ready = leaf->negative = leaf->there = 0;
-    if (mlrt_are_sheared(cells)) SHEARED.set_outlines(&cells->shear, leaf);
     for (uint32_t v = 0; v < row; v += VW) {
         struct leaf_corners corners;
-        if (!mlrt_are_sheared(cells)) {
-            load_leaf_corners(cells, leaf, v, &corners);
-            set_leaf_outline(cells, &corners, v, leaf);
-        }
+        load_leaf_corners(cells, leaf, v, &corners);
+        set_leaf_outline(cells, &corners, v, leaf);
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
     }
     leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
@@ -183,19 +179,16 @@ static struct mlrt_leaf_setup *set_up_leaf(const struct mlrt_tree *tree, const s
     return leaf;
 }
 
-/* Set-ups are for one apex, or one shear. */
+/* Set-ups are for one apex. */
 MLRT_INLINE int have_other_leaves(const struct mlrt_cells *cells, const struct mlrt_leaf_cache *cache)
 {
-    return memcmp(cells->apex, cache->apex, sizeof cells->apex) != 0 ||
-           (MLRT_UNLIKELY(cells->shear.scale + cache->shear.scale != 0) &&
-            memcmp(&cells->shear, &cache->shear, sizeof cells->shear) != 0);
+    return memcmp(cells->apex, cache->apex, sizeof cells->apex) != 0;
 }
 
 static void forget_leaves(const struct mlrt_cells *cells, struct mlrt_leaf_cache *cache)
 {
     memset(cache->children, 0, sizeof cache->children);
     memcpy(cache->apex, cells->apex, sizeof cache->apex);
-    cache->shear = cells->shear;
 }
 
 /* Of the triangles `seen`, those that the rays of one cell may hit. */

@@ -349,7 +349,6 @@ static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lan
                                         struct mlrt_worker *worker, uint32_t child)
 {
     struct reciprocals reciprocals;
-    if (packet->shear) mlrt_unshear_packet(packet);
     if (job->tree->bvh.node_count == 0) return;
     set_reciprocals(packet, &reciprocals);
     for (; lanes; lanes &= lanes - 1) {
@@ -379,7 +378,6 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     packet.triangle[0] = MLRT_NONE;
     packet.skip[0] = skip;
     packet.has_apex = packet.has_masks = 0;
-    packet.shear = NULL;
     worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
     worker.planes = &plane;

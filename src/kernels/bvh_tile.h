@@ -24,10 +24,6 @@ MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct m
     const int a = cells->main_axis;
     const vf apex = v_set1(cells->apex[a]), zero = v_set1(0);
     uint32_t met = 0;
-    if (mlrt_are_sheared(cells)) {
-        return SHEARED.children_met(&cells->shear, cells->slope_lo, cells->slope_hi, cells->begin,
-                                    cells->whole_farthest, node, near);
-    }
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         const vf below = v_sub(v_load(node->lo[a] + v), apex), above = v_sub(v_load(node->hi[a] + v), apex);
         const vf first = v_max(cells->sign > 0 ? below : v_sub(zero, above), zero);
@@ -300,7 +296,7 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     uint32_t changed = 0;
     const float reach = packet_reach(tile, place);
     const struct filter_bounds bounds = {v_set1(EDGE_BOUND * reach), v_set1(PLANE_BOUND * reach)};
-    const float *from = !tile->limits_below ? NULL : packet->shear ? packet->begin : packet->t_min;
+    const float *from = tile->limits_below ? packet->t_min : NULL;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
     MLRT_ALIGNED(64) float edges[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
@@ -325,7 +321,7 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
         mlrt_make_rays(job, tile, place);
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
     }
-    if ((MLRT_UNLIKELY(tile->seen != NULL) || (is_new && mlrt_are_sheared(cells))) && packet->active)
+    if (MLRT_UNLIKELY(tile->seen != NULL) && packet->active)
         add_packet(tile, place); /* closer than what was known without rays */
     cells->closed &= ~(1u << place);
     if (cells->cover[place] != MLRT_NONE) {
@@ -348,7 +344,7 @@ static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker
 {
     const uint32_t cover = cells->cover[place];
     if (cover == MLRT_NONE) return 0;
-    const int order = mlrt_are_sheared(cells) ? 0 : mlrt_known_order(tree, cells->apex, number, cover, worker);
+    const int order = mlrt_known_order(tree, cells->apex, number, cover, worker);
     if (order > 0) return 1;
     if (order == 0) {
         if (number < cover && !is_inside) return 0;
@@ -450,21 +446,4 @@ static MLRT_NOINLINE void traverse_bvh(const struct mlrt_job *job, struct mlrt_w
             visit_bvh_leaf(job, worker, cells, child, met);
         }
     }
-}
-
-/* The same for packets of a tile, whose rays are there: those of a cell that stays closed hit its cover. */
-static void trace_gathered(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
-{
-    sum_up_cells(&tile->cells);
-    traverse_bvh(job, worker, &tile->cells);
-    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        struct mlrt_packet *packet = &tile->packets[place];
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vm active = m_from_bits(packet->active >> v);
-            i_store(packet->triangle + v,
-                    i_select(active, i_set1(tile->cells.cover[place]), i_load(packet->triangle + v)));
-        }
-    }
-    tile->cells.closed = 0;
 }

@@ -10,7 +10,6 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
     memcpy(packet->apex, view->eye, sizeof packet->apex);
     packet->has_apex = 1;
     packet->has_skip = packet->has_masks = 0;
-    packet->shear = NULL;
     packet->has_limits = view->t_min > 0;
     struct checked_lanes checked = {0, 0, 0};
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {

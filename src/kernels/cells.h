@@ -17,9 +17,6 @@
  * To be compared with things a cell needs no rays. As long as all that it met was a triangle that covers it wholly and
  * what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it. The
  * rays of a camera's closed cells are not even made.
- *
- * Rays of one direction are made rays of one apex (shear.h): their slopes are places in a picture then, and depths
- * 1 / (1 - z). Only to boxes, which do not become boxes, they are what they were.
  */
 
 /* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
@@ -115,7 +112,7 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
 {
     const struct mlrt_view *view = &job->source.view;
     const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
-    if (view->t_min != 0 || !isinf(view->t_max)) return 0;
+    if (view->parallel || view->t_min != 0 || !isinf(view->t_max)) return 0;
     float columns[2][4], rows[2][4], pad[3], middle[3];
     set_cell_samples(view->first_x, x, side, width, view->sample_x, columns);
     set_cell_samples(view->first_y, y, side, height, view->sample_y, rows);
@@ -125,16 +122,12 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
         larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
-        if (!(whole <= MLRT_SAFE_MAX) || (!view->parallel && !mlrt_is_float_safe(view->eye[k]))) return 0;
+        if (!(whole <= MLRT_SAFE_MAX) || !mlrt_is_float_safe(view->eye[k])) return 0;
         pad[k] = whole * (8 * 0x1p-24f) + 0x1p-100f;
         middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
         cells->apex[k] = view->eye[k];
     }
-    if (view->parallel) {
-        mlrt_set_shear(job, view->direction, view->eye, cells);
-    } else {
-        mlrt_set_main_axis(middle, cells);
-    }
+    mlrt_set_main_axis(middle, cells);
 
     const int a = cells->main_axis;
     MLRT_ALIGNED(64) float samples[4][MLRT_CELL_COUNT];
@@ -151,11 +144,6 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
         v_store(cells->farthest + v, v_select(m_from_bits(cells->closed >> v), v_set1(INFINITY), v_set1(-INFINITY)));
         v_store(cells->shortest + v, v_set1(INFINITY));
         i_store(cells->skip + v, i_set1(MLRT_NONE));
-    }
-    if (view->parallel) {
-        if (!mlrt_set_sheared_slopes(&cells->shear, view, samples, cells->closed, pad, cells->slopes)) return 0;
-        sum_up_cells(cells);
-        return 1;
     }
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         struct corner_slopes of = {

@@ -334,7 +334,6 @@ static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_
                                            uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
                                            mlrt_counters *counters)
 {
-    if (packet->shear) return mlrt_decide_lanes(tree, number, lanes, inside, packet, worker, counters);
     if (mlrt_is_stopped_in_step(worker)) return 0;
     const struct known_lanes known = look_up_lanes(tree, number, lanes, inside, packet, worker);
     const uint32_t among = lanes & ~(known.tied | known.farther);

@@ -127,22 +127,6 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
     packet->single = valid & ~packet->active;
 }
 
-/* Do all rays that can hit something start at one point? */
-MLRT_INLINE void find_apex(struct mlrt_packet *packet)
-{
-    const uint32_t valid = packet->active | packet->single;
-    uint32_t first = 0, elsewhere = 0;
-    while (first < MLRT_PACKET_RAYS - 1 && !(valid >> first & 1)) ++first;
-    for (int k = 0; k < 3; ++k) {
-        packet->apex[k] = packet->origin[k][first];
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const unsigned same = m_bits(v_eq(v_load(packet->origin[k] + v), v_set1(packet->apex[k])));
-            elsewhere |= (~same & ALL_LANES) << v;
-        }
-    }
-    packet->has_apex = (elsewhere & valid) == 0;
-}
-
 /* A mesh that was looked up, and its triangles. At first it is that of nothing. */
 struct known_mesh {
     uint32_t id;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cells made of the packets of a tile (tile.h). packet_cells.c says which of them go together.
+ * Cells made of the packets of a tile (tile.h).
  */
 
 /* The greatest depth at which rays of a packet still look. */
@@ -105,7 +105,6 @@ static MLRT_NOINLINE int add_packet(struct mlrt_ray_tile *tile, uint32_t place)
 {
     struct mlrt_cells *cells = &tile->cells;
     struct mlrt_packet *packet = &tile->packets[place];
-    if (mlrt_are_sheared(cells)) return SHEARED.add_packet(tile, place);
     const int a = cells->main_axis;
     const float *rows[3] = {packet->direction[a], packet->direction[mlrt_slope_axis(a, 0)],
                             packet->direction[mlrt_slope_axis(a, 1)]};

@@ -75,5 +75,4 @@ static void read_whole_block(const struct array_reader *reader, uint32_t x, uint
     if (is_point) memcpy(packet->apex, source->light, sizeof packet->apex);
     packet->has_limits = t_min != points || t_max != points;
     packet->has_masks = 0;
-    packet->shear = NULL;
 }

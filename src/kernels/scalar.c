@@ -4,6 +4,4 @@
 #define KERNELS          mlrt_kernels_scalar
 #define KERNELS_COUNTING mlrt_kernels_scalar_counting
 #define PICTURE          mlrt_plain_picture
-#define SHEARED          mlrt_sheared_plain
-#define MAKES_SHEARED    !MLRT_COUNTING
 #include "bvh_body.h"

@@ -122,7 +122,6 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     memcpy(packet->apex, light->light, sizeof packet->apex);
     packet->has_apex = is_point;
     packet->has_limits = packet->has_masks = packet->has_skip = 0;
-    packet->shear = NULL;
     check_block(light, hit & facing, packet);
     packet->has_skip = 1;
     if (!job->tree->bvh.float_safe) {

@@ -14,7 +14,6 @@
 #include "hybrid.h"
 #include "kernels.h"
 #include "levels.h"
-#include "packet_cells.h"
 #include "rounding.h"
 #include "results.h"
 #include "shadow.h"

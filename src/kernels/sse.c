@@ -3,6 +3,4 @@
 #include "simd_sse.h"
 #define KERNELS       mlrt_kernels_sse
 #define PICTURE       mlrt_plain_picture
-#define SHEARED       mlrt_sheared_plain
-#define MAKES_SHEARED 1
 #include "bvh_body.h"
