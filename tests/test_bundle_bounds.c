@@ -61,6 +61,38 @@ static void depths_may_underflow(void **state)
 }
 
 /*
+ * Three planes like those, in different leaves, and so small that t is known to a few units in the last place. One ray of
+ * a tile alone goes there: it is traced by itself, and what it finds is kept as tau until the next leaf.
+ */
+static void depths_of_few_rays_may_underflow(void **state)
+{
+    static const float ways[3][2] = {{0, 1}, {0, -1}, {1, 0}};
+    (void)state;
+    for (uint64_t seed = 0; seed < scaled(24); seed++) {
+        struct random random = {seed * 0x10001 + 7};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        const float size = ldexpf(1, -137 + (int)(seed % 4));
+        for (int side = 0; side < 3; side++) {
+            const float x = size * ways[side][0], y = size * ways[side][1], end = draw_range(&random, 0.3f, 1);
+            add_triangle(&soup, -0.01f * x - 0.5f * y, -0.01f * y + 0.5f * x, 0x1p-149f, -0.01f * x + end * y,
+                         -0.01f * y - end * x, 0, 4 * x, 4 * y, 0);
+            for (int i = 0; i < 16; i++) {
+                const float from = 1 + 0.2f * (float)i, to = from + 0.2f;
+                add_triangle(&soup, from * x - 0.3f * y, from * y + 0.3f * x, 0, from * x + 0.3f * y,
+                             from * y - 0.3f * x, 0, to * x, to * y, 0);
+            }
+        }
+        for (int i = 0; i < RAY_COUNT; i++) {
+            const float origin[3] = {10 * (float)(i % SIDE - 5), 10 * (float)(i / SIDE - 5), 0};
+            const float direction[3] = {0, 0, 0x1p-60f * draw_range(&random, 1, 2)};
+            add_ray(&list, origin, direction);
+        }
+        check("depths of few rays that underflow", seed, &soup, &list);
+    }
+}
+
+/*
  * Origins 2^-131 from the waist, and a triangle four to five times 2^-149 beside it: roundings of a place there, and of
  * a slope times a depth, make more than 2^-149 together, and PLACE_ERROR R A is less than that. The first tile starts
  * at 0 and so sets the waist, which the second one keeps. In that each packet has one ray, sixteen times; that of
@@ -122,6 +154,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slopes_may_underflow),
         cmocka_unit_test(depths_may_underflow),
+        cmocka_unit_test(depths_of_few_rays_may_underflow),
         cmocka_unit_test(places_may_underflow),
         cmocka_unit_test(reciprocals_may_overflow),
     };

@@ -669,7 +669,7 @@ static uint32_t draw_row_length(struct random *random, struct bundle_shape shape
 static void fail_case(const struct bundle *bundle, const char *what, size_t i, const struct reference_hit *expected,
                       const struct reference_hit *got)
 {
-    char text[400];
+    char text[500];
     snprintf(text, sizeof text, "%s, %s, mask %#x", bundle->name, what,
              (unsigned)(bundle->has_masks ? bundle->masks[i] : bundle->common_mask));
     print_difference(&bundle->world->fixture, text, i, &bundle->list.rays[i], expected, got);

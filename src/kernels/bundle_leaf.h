@@ -322,8 +322,8 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
     }
 }
 
-/* And back, for a lane that was hit nearer. */
-MLRT_INLINE void take_lane_distance(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_bundle_rays *rays)
+/* Puts bounds of tau where a lane has them, from those of t. */
+MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_bundle_rays *rays)
 {
     const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
     rays->lo[lane] = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
@@ -339,9 +339,7 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
     const uint32_t nearer =
         decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
-    for (uint32_t left = nearer; left; left &= left - 1) {
-        take_lane_distance(packet, mlrt_lowest_bit(left), rays);
-    }
+    for (uint32_t left = nearer; left; left &= left - 1) set_lane_depths(packet, mlrt_lowest_bit(left), rays);
     return nearer;
 }
 

@@ -66,7 +66,7 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
         const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->triangle[lane];
         trace_single(job, &bundle->reciprocals[place], lane, child, packet, worker);
         if (packet->triangle[lane] == before) continue;
-        take_lane_distance(packet, lane, rays);
+        set_lane_depths(packet, lane, rays);
         changed |= 1u << lane;
     }
     if (changed) update_bundle(bundle, place, changed, job->any);
