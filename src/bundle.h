@@ -68,6 +68,11 @@ struct mlrt_hulls {
     MLRT_ALIGNED(64) float reach[MLRT_BUNDLE_PACKETS]; /* R */
     MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* Q */
     MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];  /* A */
+    /* Of closed packets (kernels/bundle_cover.h): depths between which all rays look, and what covers them from where. */
+    MLRT_ALIGNED(64) float core_first[MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float core_last[MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float cover_near[MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS]; /* a triangle's number; MLRT_NONE: nothing so far */
 };
 
 /* One hull of all packets that go together. */

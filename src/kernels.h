@@ -136,6 +136,7 @@ struct mlrt_worker {
     int32_t leaf_credit;              /* how often few rays met leaves of late (hybrid.c) */
     uint32_t leaves_not_asked;        /* how many were not asked for it while that was seldom */
     uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
+    uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets: of closest hits, of any */
     uint32_t lane_tiles[2]; /* how many of the next tiles go lane by lane: of closest hits, of any */
     uint32_t open_tiles; /* of the next ones, how many begin with open cells (levels.c); squares likewise */
     uint32_t open_squares;

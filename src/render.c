@@ -182,6 +182,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     }
     for (int any = 0; any < 2; ++any) worker->bundle_caches[any].waist.main_axis = -1;
     worker->mask = job->source.common_mask;
+    worker->open_bundles[0] = worker->open_bundles[1] = 0;
     worker->lane_tiles[0] = worker->lane_tiles[1] = 0;
     worker->open_tiles = MLRT_FIRST_OPEN_TILES;
     worker->open_squares = MLRT_FIRST_OPEN_SQUARES;

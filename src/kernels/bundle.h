@@ -35,12 +35,16 @@
 struct bundle {
     struct mlrt_waist waist;
     int has_places; /* 0: all rays start at the waist, and all places are 0 */
+    int is_apex;    /* the waist is where some rays start */
+    uint32_t apexes; /* packets whose rays all start at the waist */
     int has_begins; /* some t_min is not 0 */
     int far_first;  /* boxes that the rays come to last are opened first */
     float scene_first, scene_last;
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
     uint32_t going; /* packets with a hull */
+    uint32_t closed;   /* packets of whose rays no more is known than what covers all of them (bundle_cover.h) */
+    uint32_t covered;  /* packets that are done, as one triangle hides all of their rays */
     uint32_t nearer;   /* packets whose rays may look less far than their hulls say */
     uint32_t has_reciprocals; /* packets that have some below */
     uint32_t given_up; /* packets that are to go lane by lane from now on */
@@ -226,16 +230,18 @@ struct packet_extremes {
     vf first;
     vf negated_last;
     vf negated_away;
+    vf negated_core_first;
+    vf core_last;
 };
 
 MLRT_INLINE void begin_extremes(struct packet_extremes *of)
 {
     for (int i = 0; i < MLRT_RAY_TERMS; ++i) of->term[i] = NO_EXTREMES;
-    of->first = of->negated_last = of->negated_away = v_set1(INFINITY);
+    of->first = of->negated_last = of->negated_away = of->negated_core_first = of->core_last = v_set1(INFINITY);
 }
 
 /* Adds the lanes of a vector. */
-MLRT_INLINE void add_lanes(vm lanes, const vf term[MLRT_RAY_TERMS], const vf to_waist[3], vf begin, vf hi,
+MLRT_INLINE void add_lanes(vm lanes, const vf term[MLRT_RAY_TERMS], const vf to_waist[3], vf begin, vf lo, vf hi,
                            struct packet_extremes *of)
 {
     const vf nothing = v_set1(NAN);
@@ -243,7 +249,10 @@ MLRT_INLINE void add_lanes(vm lanes, const vf term[MLRT_RAY_TERMS], const vf to_
     for (int i = 0; i < MLRT_RAY_TERMS; ++i) add_to_extremes(v_select(lanes, term[i], nothing), &of->term[i]);
     const vf other = v_max(v_abs(to_waist[1]), v_abs(to_waist[2]));
     const vf away = v_max(v_abs(to_waist[0]), v_mul(other, v_set1(2)));
-    of->first = v_min(v_select(lanes, v_sub(begin, to_waist[0]), nothing), of->first);
+    const vf first = v_select(lanes, v_sub(begin, to_waist[0]), nothing);
+    of->first = v_min(first, of->first);
+    of->negated_core_first = v_min(v_sub(v_set1(0), first), of->negated_core_first);
+    of->core_last = v_min(v_select(lanes, v_sub(lo, to_waist[0]), nothing), of->core_last);
     of->negated_last = v_min(v_select(lanes, v_sub(to_waist[0], hi), nothing), of->negated_last);
     of->negated_away = v_min(v_select(lanes, v_sub(v_set1(0), away), nothing), of->negated_away);
 }
@@ -262,7 +271,10 @@ MLRT_INLINE void keep_extremes(const struct packet_extremes *of, uint32_t place,
     }
     hulls->term[MLRT_MOMENT].lo[place] = least[8];
     hulls->term[MLRT_MOMENT].hi[place] = -least[9];
-    hulls->away[place] = -v_hmin(of->negated_away);
+    f4_store(least + 12, v_hmin4(of->negated_away, of->negated_core_first, of->core_last, of->core_last));
+    hulls->away[place] = -least[12];
+    hulls->core_first[place] = -least[13];
+    hulls->core_last[place] = least[14];
     hulls->first[place] = least[10];
     hulls->last[place] = -least[11];
 }
@@ -272,19 +284,45 @@ static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
 {
     const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
+    const vf zero = v_set1(0);
     struct packet_extremes of;
     begin_extremes(&of);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf term[MLRT_RAY_TERMS], to_waist[3];
-        for (int i = 0; i < MLRT_RAY_TERMS; ++i) term[i] = v_load(rays->term[i] + v);
-        for (int i = 0; i < 3; ++i) to_waist[i] = v_load(rays->to_waist[i] + v);
-        add_lanes(m_from_bits(active >> v), term, to_waist, v_load(rays->begin + v), v_load(rays->hi + v), &of);
+        vf term[MLRT_RAY_TERMS] = {v_load(rays->term[0] + v), v_load(rays->term[1] + v), zero, zero, zero};
+        vf to_waist[3] = {zero, zero, zero};
+        for (int i = 2; bundle->has_places && i < MLRT_RAY_TERMS; ++i) term[i] = v_load(rays->term[i] + v);
+        for (int i = 0; bundle->has_places && i < 3; ++i) to_waist[i] = v_load(rays->to_waist[i] + v);
+        add_lanes(m_from_bits(active >> v), term, to_waist, v_load(rays->begin + v), v_load(rays->lo + v),
+                  v_load(rays->hi + v), &of);
     }
     keep_extremes(&of, place, bundle);
 }
 
-/* Sets what a bundle needs to know of a packet's rays. Returns the lanes of rays that can go with it. */
-MLRT_INLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
+/* Do all rays of a packet start at the waist? Says so in the packet, too. */
+MLRT_INLINE int starts_at_waist(const struct mlrt_waist *waist, struct mlrt_packet *packet)
+{
+    vm same = m_from_bits(ALL_LANES);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(origin_component(packet, k, v), v_set1(waist->point[k])));
+    }
+    if (m_bits(same) != ALL_LANES) return 0;
+    packet->has_apex = 1;
+    memcpy(packet->apex, waist->point, sizeof packet->apex);
+    return 1;
+}
+
+/* Sets what a bundle needs of the places of rays that start at the waist. */
+static void set_no_places(struct mlrt_bundle_rays *rays)
+{
+    memset(rays->term[MLRT_PLACE_J], 0, 3 * sizeof rays->term[0]);
+    memset(rays->to_waist, 0, sizeof rays->to_waist);
+}
+
+/*
+ * Sets what a bundle needs to know of a packet's rays; those of rays that start at the waist have no places yet. Returns
+ * the lanes of rays that can go with it.
+ */
+MLRT_INLINE uint32_t set_bundle_rays_by(struct bundle *bundle, uint32_t place, int has_places)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->rays[place];
@@ -294,43 +332,56 @@ MLRT_INLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
     struct packet_extremes of;
     begin_extremes(&of);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf term[MLRT_RAY_TERMS], to_waist[3], far = zero;
+        vf term[MLRT_RAY_TERMS] = {zero, zero, zero, zero, zero}, to_waist[3] = {zero, zero, zero};
         const vf pace = v_flip(v_load(packet->direction[a] + v), sign), t_max = v_load(packet->t_max + v);
         const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero); /* zero where it is no number */
         vm fits = m_and(v_ge(pace, v_set1(MLRT_SAFE_MIN)), v_le(pace, v_set1(MLRT_SAFE_MAX)));
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; has_places && k < 3; ++k) {
             const vf origin = origin_component(packet, axis[k], v);
             const vf difference = v_sub(v_set1(bundle->waist.point[axis[k]]), origin);
             to_waist[k] = k == 0 ? v_flip(difference, sign) : difference;
-            far = v_max(v_abs(difference), far);
             fits = m_and(fits, v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)));
             v_store(rays->to_waist[k] + v, to_waist[k]);
         }
+        if (!has_places) v_store(rays->to_waist[0] + v, zero);
         for (int side = 0; side < 2; ++side) {
             const vf across = v_load(packet->direction[axis[1 + side]] + v), slope = v_div(across, pace);
             fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
             fits = m_and(fits, m_or(v_eq(across, zero), v_ge(v_abs(across), v_set1(MLRT_SAFE_MIN))));
             term[MLRT_SLOPE_J + side] = slope;
-            term[MLRT_PLACE_J + side] = v_mul_sub(slope, to_waist[0], to_waist[1 + side]);
+            if (has_places) term[MLRT_PLACE_J + side] = v_mul_sub(slope, to_waist[0], to_waist[1 + side]);
         }
-        term[MLRT_MOMENT] = v_mul_sub(term[MLRT_SLOPE_L], term[MLRT_PLACE_J],
-                                      v_mul(term[MLRT_SLOPE_J], term[MLRT_PLACE_L]));
-        for (int i = 0; i < MLRT_RAY_TERMS; ++i) v_store(rays->term[i] + v, term[i]);
-        const vf begin = v_mul(t_min, pace), end = v_mul(t_max, pace), hi = v_mul(end, v_set1(1 + SLOPE_SLACK));
+        if (has_places) {
+            term[MLRT_MOMENT] = v_mul_sub(term[MLRT_SLOPE_L], term[MLRT_PLACE_J],
+                                          v_mul(term[MLRT_SLOPE_J], term[MLRT_PLACE_L]));
+        }
+        for (int i = 0; i < (has_places ? MLRT_RAY_TERMS : 2); ++i) v_store(rays->term[i] + v, term[i]);
+        const vf begin = v_mul(t_min, pace), end = v_mul(t_max, pace);
+        const vf lo = v_mul(end, v_set1(1 - SLOPE_SLACK)), hi = v_mul(end, v_set1(1 + SLOPE_SLACK));
         fits = m_and(fits, m_and(v_eq(given, given), v_lt(t_min, t_max)));
         v_store(rays->pace + v, pace);
         v_store(rays->begin + v, begin);
-        v_store(rays->lo + v, v_mul(end, v_set1(1 - SLOPE_SLACK)));
+        v_store(rays->lo + v, lo);
         v_store(rays->hi + v, hi);
         v_store(packet->t_min + v, v_select(v_eq(given, given), t_min, given));
         i_store(packet->triangle + v, i_set1(MLRT_NONE));
-        add_lanes(m_from_bits(packet->active >> v), term, to_waist, begin, hi, &of);
+        add_lanes(m_from_bits(packet->active >> v), term, to_waist, begin, lo, hi, &of);
         fit |= m_bits(fits) << v;
         begins |= m_bits(v_gt(begin, zero)) << v;
     }
     keep_extremes(&of, place, bundle);
     bundle->has_begins |= (begins & packet->active) != 0;
     return fit;
+}
+
+static MLRT_NOINLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
+{
+    return set_bundle_rays_by(bundle, place, 1);
+}
+
+static MLRT_NOINLINE uint32_t set_apex_rays(struct bundle *bundle, uint32_t place)
+{
+    return set_bundle_rays_by(bundle, place, 0);
 }
 
 /* Moves the depths that bound_packet found apart by what rounding may change, and cuts them to where there is something:
@@ -345,6 +396,11 @@ MLRT_INLINE void finish_depths(struct bundle *bundle, uint32_t places, int v)
     const vf to = v_add(last, v_mul_add(v_add(v_abs(last), away), slack, floor));
     v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene_first)), first));
     v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene_last)), last));
+    const vf core_first = v_load(hulls->core_first + v), core_last = v_load(hulls->core_last + v);
+    const vf core_from = v_add(core_first, v_mul_add(v_add(v_abs(core_first), away), slack, floor));
+    const vf core_to = v_sub(core_last, v_mul_add(v_add(v_abs(core_last), away), slack, floor));
+    v_store(hulls->core_first + v, v_select(these, core_from, core_first));
+    v_store(hulls->core_last + v, v_select(these, core_to, core_last));
 }
 
 /* Makes hulls of what bound_packet found, for the vector of packets from `v` on. */
@@ -535,7 +591,8 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct bundle *bundle, uint32_t p
         const vf to = v_min(v_min(v_set1(box->to), v_set1(hulls->last[place])), moved);
         vm may = v_le(from, to);
         for (int i = 0; i < 2; ++i) {
-            const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v), x = v_load(rays->term[MLRT_PLACE_J + i] + v);
+            const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v);
+            const vf x = bundle->has_places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
             const vf one = v_mul_add(slope, from, x), other = v_mul_add(slope, to, x);
             may = m_and(may, v_le(v_set1(box->lo[i]), v_add(v_max(one, other), slack)));
             may = m_and(may, v_ge(v_set1(box->hi[i]), v_sub(v_min(one, other), slack)));

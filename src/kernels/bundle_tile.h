@@ -15,9 +15,6 @@
 /* Packets so many times as wide as most of their tile go lane by lane: they lie across an edge of what the tile sees. */
 #define WIDE_PACKET MLRT_WIDE_FACTOR
 
-/* So few triangles of a leaf are tested against packets as they are: to cut them costs more than to test them. */
-#define UNCUT_TRIANGLES 2
-
 /* After hits of a packet in these lanes. */
 static MLRT_NOINLINE void update_bundle(struct bundle *bundle, uint32_t place, uint32_t changed, int any)
 {
@@ -116,6 +113,18 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, uint32_t 
     return cache->children[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits)] == child;
 }
 
+static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+                                          const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
+                                          int has_places)
+{
+    const uint32_t changed = has_places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
+                                        : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
+    if (changed) update_bundle(bundle, place, changed, job->any);
+    if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS) && bundle->going >> place & 1) {
+        give_up_packet(bundle, place);
+    }
+}
+
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
                                       uint32_t child, uint32_t met, int has_places)
 {
@@ -125,15 +134,22 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     const uint32_t seen = triangles_met(leaf, whole->first, whole->last, whole->slope_lo, whole->slope_hi, whole->place_lo,
                                         whole->place_hi, has_places, leaf->there);
     if (!seen) return;
-    const int is_cut = mlrt_count_bits(seen) > UNCUT_TRIANGLES;
-    for (; met; met &= met - 1) {
-        const uint32_t place = mlrt_lowest_bit(met);
-        const uint32_t triangles = is_cut ? cut_triangles(bundle, leaf, place, has_places, seen) : seen;
-        if (!triangles) continue;
-        const uint32_t changed = test_bundle_packet(job, worker, bundle, leaf, triangles, place, has_places);
-        if (changed) update_bundle(bundle, place, changed, job->any);
-        if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS) && bundle->going >> place & 1) {
-            give_up_packet(bundle, place);
+    if (met & bundle->closed || mlrt_count_bits(seen) <= mlrt_count_bits(met)) {
+        uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;
+        for (uint32_t left = seen; left && met; left &= left - 1) {
+            const uint32_t among = met & bundle->going, bit = left & (0u - left);
+            uint32_t may = offer_to_packets(job, bundle, leaf, mlrt_lowest_bit(left), among, has_places);
+            for (listed |= may; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= bit;
+        }
+        for (; listed; listed &= listed - 1) {
+            const uint32_t place = mlrt_lowest_bit(listed);
+            visit_by_packet(job, worker, bundle, leaf, lists[place], place, has_places);
+        }
+    } else {
+        for (; met; met &= met - 1) {
+            const uint32_t place = mlrt_lowest_bit(met);
+            const uint32_t triangles = cut_triangles(bundle, leaf, place, has_places, seen);
+            if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place, has_places);
         }
     }
     settle_bundle(bundle);
@@ -165,7 +181,7 @@ MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_work
             see_bundle_box(&bundle->waist, parent, place, &box);
             const uint32_t met = packets_met(bundle, &box, has_places);
             if (!met) continue;
-            if (mlrt_count_bits(met) <= few && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(cache, child)) &&
+            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(cache, child)) &&
                 trace_few_of_bundle(job, worker, bundle, &box, child, met)) {
                 continue;
             }
@@ -270,11 +286,14 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
             leave_bundle(bundle, place);
             continue;
         }
-        const uint32_t fit = set_bundle_rays(bundle, place);
+        const int is_apex = bundle->is_apex && starts_at_waist(&bundle->waist, packet);
+        const uint32_t fit = is_apex ? set_apex_rays(bundle, place) : set_bundle_rays(bundle, place);
+        bundle->apexes |= (uint32_t)is_apex << place;
         bundle->going |= 1u << place;
         if (MLRT_LIKELY(!(packet->active & ~fit))) continue;
         check_odd_packet(packet);
         if (packet->active && !(packet->active & ~fit)) {
+            if (is_apex) set_no_places(&bundle->rays[place]);
             bound_packet(bundle, place);
         } else {
             leave_bundle(bundle, place);
@@ -282,23 +301,6 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
         }
     }
     return others;
-}
-
-/* Do all rays start at the waist? Says so in the packets of which it is true, too. */
-static int start_at_waist(struct bundle *bundle)
-{
-    int all = 1;
-    for (uint32_t left = bundle->going; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        struct mlrt_packet *packet = &bundle->tile->packets[place];
-        if (bundle->hulls.away[place] != 0) {
-            all = 0;
-        } else if (!packet->single) {
-            packet->has_apex = 1;
-            memcpy(packet->apex, bundle->waist.point, sizeof packet->apex);
-        }
-    }
-    return all;
 }
 
 /*
@@ -311,7 +313,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t sample_count = take_samples(bundle->tile, places, samples);
-    bundle->going = bundle->given_up = bundle->nearer = bundle->has_reciprocals = 0;
+    bundle->going = bundle->given_up = bundle->nearer = bundle->covered = bundle->has_reciprocals = 0;
     bundle->has_begins = 0;
     if (!choose_waist(&job->tree->bounds, samples, sample_count, &cache->waist, &bundle->waist)) {
         uint32_t others = 0;
@@ -323,12 +325,26 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
         return others;
     }
     look_at_scene(&job->tree->bounds, bundle);
+    bundle->is_apex = memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
+                      mlrt_are_float_safe(samples[0].origin);
+    bundle->apexes = 0;
+    bundle->has_places = 1;
     uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
-    bundle->has_places = !start_at_waist(bundle);
+    bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
+    for (uint32_t left = bundle->has_places ? bundle->apexes : 0; left; left &= left - 1) {
+        set_no_places(&bundle->rays[mlrt_lowest_bit(left)]);
+    }
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         finish_depths(bundle, bundle->going, v);
         finish_hulls(bundle, v);
+        v_store(bundle->hulls.cover_near + v, v_set1(INFINITY));
+        i_store(bundle->hulls.cover + v, i_set1(MLRT_NONE));
+    }
+    bundle->closed = worker->open_bundles[job->any] ? 0 : bundle->going;
+    if (worker->open_bundles[job->any]) --worker->open_bundles[job->any];
+    for (uint32_t left = bundle->closed; left; left &= left - 1) {
+        if (bundle->tile->packets[mlrt_lowest_bit(left)].has_masks) bundle->closed &= ~(left & (0u - left));
     }
     const uint32_t wide = find_wide_bundles(bundle);
     others |= wide;
@@ -371,6 +387,8 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         --worker->lane_tiles[job->any];
     } else if (bundle.going) {
         traverse_bundle(job, worker, &bundle);
+        if (!(bundle.closed & bundle.going) && !bundle.covered) worker->open_bundles[job->any] = MLRT_TILE_RUN;
+        keep_covers(&bundle, bundle.closed & bundle.going);
         if (mlrt_count_bits(bundle.given_up) > MLRT_MOST_GIVEN_UP) {
             worker->lane_tiles[job->any] = MLRT_LANE_TILES;
         } else {

@@ -23,6 +23,7 @@
 #include "bvh_single.h"
 #include "bundle.h"
 #include "bundle_leaf.h"
+#include "bundle_cover.h"
 #include "lanes.h"
 #include "bundle_tile.h"
 

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Triangles against the hulls of all packets of a bundle at once. As long as all that a packet met was one triangle that
+ * all of its rays hit, and what is surely behind that, the packet is closed: no ray of it is tested, and all that is known
+ * is the triangle and how near and far its hits are. A packet that meets anything else is opened.
+ *
+ * WHAT IS COMPUTED. Edge functions and D over the hull of a packet lie within middle -+ radius, as in bundle_leaf.h, with
+ * the same doubled bounds. At depth z = N / D a ray at x + s z meets the plane, N = n . (a - w) - n_j x_j - n_l x_l. A place
+ * as computed is off by no more than blur (bundle.h), and |n_j|, |n_l| <= 2 in units of its size: so N over the hull is off
+ * by DISTANCE_ERROR F + 4 blur, and twice that is taken, which pays for the roundings of middle and radius. D has W as
+ * there. z lies between the least and the greatest of the quotients of these ends, whatever their signs; each quotient has
+ * one rounding, and is moved by SLOPE_SLACK of itself.
+ *
+ * Based on: Reshetov et al. 2005, section 4.1 (an object that every possible ray hits ends the search).
+ */
+
+/* One triangle as the packets of a vector meet it. */
+struct triangle_of_packets {
+    vm out;    /* no ray hits it */
+    vm inside; /* all rays pass inside its edges */
+    vm sure;   /* D has one sign */
+    vf near;   /* where `sure`: depths between which the rays cross its plane */
+    vf far;
+};
+
+/* An edge function, or D, over the hulls of a vector of packets. */
+MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant,
+                                    const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], uint32_t triangle, int term_count,
+                                    vf *least, vf *greatest)
+{
+    vf middle = v_set1(constant), radius = v_set1(0);
+    MLRT_UNROLL
+    for (int i = 0; i < term_count; ++i) {
+        const vf c = v_set1(coefficient[i][triangle]);
+        middle = v_mul_add(c, v_load(hulls->middle[i] + v), middle);
+        radius = v_mul_add(v_abs(c), v_load(hulls->radius[i] + v), radius);
+    }
+    *least = v_sub(middle, radius);
+    *greatest = v_add(middle, radius);
+}
+
+/* N over the hulls, and from it the depths. */
+MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int v,
+                              int has_places, vm backward, vf least_d, vf greatest_d, struct triangle_of_packets *of)
+{
+    vf middle = v_set1(leaf->distance[triangle]), radius = v_set1(0), error = v_set1(0);
+    if (!MLRT_GUESS) {
+        error = v_set1(2 * DISTANCE_ERROR * leaf->away[triangle] + 2 * DISTANCE_FLOOR);
+        error = v_mul_add(v_load(hulls->blur + v), v_set1(has_places ? 8 : 0), error);
+    }
+    for (int i = 0; has_places && i < 2; ++i) {
+        const vf n = v_set1(leaf->normal[1 + i][triangle]);
+        middle = v_sub(middle, v_mul(n, v_load(hulls->middle[MLRT_PLACE_J + i] + v)));
+        radius = v_mul_add(v_abs(n), v_load(hulls->radius[MLRT_PLACE_J + i] + v), radius);
+    }
+    const vf width = v_mul(v_load(hulls->reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
+    const vf n = v_select(backward, v_sub(zero, middle), middle), room = v_add(radius, error);
+    const vf least_n = v_sub(n, room), greatest_n = v_add(n, room);
+    const vf from = v_sub(v_select(backward, v_sub(zero, greatest_d), least_d), width);
+    const vf to = v_add(v_select(backward, v_sub(zero, least_d), greatest_d), width);
+    const vf near = v_min(v_div(least_n, from), v_div(least_n, to));
+    const vf far = v_max(v_div(greatest_n, from), v_div(greatest_n, to));
+    const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
+    of->near = v_sub(near, v_mul_add(v_abs(near), slack, floor));
+    of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
+}
+
+MLRT_INLINE void see_triangle(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int v,
+                              int has_places, struct triangle_of_packets *of)
+{
+    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
+    const vf reach = v_load(hulls->reach + v), zero = v_set1(0);
+    vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least, greatest;
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], leaf->edge[i], triangle, term_count, &least,
+                           &greatest);
+        lowest = v_min(greatest, lowest);
+        highest = v_max(least, highest);
+        inner_low = v_min(least, inner_low);
+        inner_high = v_max(greatest, inner_high);
+    }
+    vf bound = v_mul(reach, v_set1(2 * EDGE_ERROR));
+    if (has_places && !MLRT_GUESS) {
+        bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * leaf->steepness[triangle]), bound);
+    }
+    const vf width = v_mul(reach, v_set1(2 * PLANE_BOUND));
+    bound_over_packets(hulls, v, leaf->normal[0][triangle], leaf->normal + 1, triangle, 2, &least, &greatest);
+    const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
+    const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
+    of->out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
+    of->inside = m_or(m_and(forward, v_gt(inner_low, bound)), m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
+    of->sure = m_or(forward, backward);
+    bound_depths(hulls, leaf, triangle, v, has_places, backward, least, greatest, of);
+}
+
+/* Has an open packet's rays hit what covers them: at distances between those of the cover over all rays. */
+static MLRT_NOINLINE void open_bundle_packet(struct bundle *bundle, uint32_t place)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    bundle->closed &= ~(1u << place);
+    if (hulls->cover[place] == MLRT_NONE) return;
+    const vf near = v_set1(hulls->cover_near[place]), far = v_set1(hulls->last[place]), away = v_set1(hulls->away[place]);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm active = m_from_bits(packet->active >> v);
+        const vf z = v_load(rays->to_waist[0] + v), slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
+        const vf lo = v_sub(v_add(near, z), v_mul_add(v_add(v_abs(near), away), slack, floor));
+        const vf hi = v_add(v_add(far, z), v_mul_add(v_add(v_abs(far), away), slack, floor));
+        v_store(rays->lo + v, v_select(active, v_max(lo, v_set1(0)), v_load(rays->lo + v)));
+        v_store(rays->hi + v, v_select(active, hi, v_load(rays->hi + v)));
+        i_store(packet->triangle + v, i_select(active, i_set1(hulls->cover[place]), i_load(packet->triangle + v)));
+    }
+}
+
+/* Has packets be done, or what is left of them closed: all their rays hit what covers them. */
+static void keep_covers(struct bundle *bundle, uint32_t places)
+{
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places);
+        if (bundle->hulls.cover[place] != MLRT_NONE) open_bundle_packet(bundle, place);
+    }
+}
+
+/* The rays of a packet that pass the triangle. */
+MLRT_INLINE uint32_t passing_lanes(const struct mlrt_packet *packet, uint32_t number)
+{
+    uint32_t passing = 0;
+    for (int v = 0; packet->has_skip && v < MLRT_PACKET_RAYS; v += VW) {
+        passing |= m_bits(i_eq(i_load(packet->skip + v), i_set1(number))) << v;
+    }
+    return passing & packet->active;
+}
+
+/*
+ * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
+ * which all rays are done, as any hit will do, leave the bundle.
+ */
+MLRT_INLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct bundle *bundle,
+                                      const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among,
+                                      int has_places)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const uint32_t number = leaf->numbers[triangle];
+    uint32_t may = 0, covered = 0, left_alone = 0;
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        if (!(among >> v & ALL_LANES)) continue;
+        struct triangle_of_packets of;
+        see_triangle(hulls, leaf, triangle, v, has_places, &of);
+        const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
+        const vm behind = m_and(of.sure, v_gt(of.near, last));
+        const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));
+        const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
+        const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
+        uint32_t met = among >> v & ~m_bits(m_or(of.out, behind)) & ALL_LANES, passing = 0;
+        for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
+            const struct mlrt_packet *packet = &bundle->tile->packets[(uint32_t)v + mlrt_lowest_bit(left)];
+            const uint32_t lanes = passing_lanes(packet, number), bit = left & (0u - left);
+            if (lanes == packet->active) met &= ~bit;
+            if (lanes) passing |= bit;
+        }
+        may |= met << v;
+        left_alone |= m_bits(known) << v;
+        uint32_t these = m_bits(covers) & met & bundle->closed >> v & ~(m_bits(known) | passing);
+        if (!these) continue;
+        const vm kept = m_from_bits(these);
+        covered |= these << v;
+        v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
+        v_store(hulls->cover_near + v, v_select(kept, of.near, cover_near));
+        i_store(hulls->cover + v, i_select(kept, i_set1(number), i_load(hulls->cover + v)));
+    }
+    may &= among & ~covered & ~(left_alone & bundle->closed);
+    for (uint32_t left = may & bundle->closed; left; left &= left - 1) open_bundle_packet(bundle, mlrt_lowest_bit(left));
+    if (job->any) bundle->covered |= covered;
+    for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        open_bundle_packet(bundle, place);
+        bundle->tile->packets[place].active = 0;
+        leave_bundle(bundle, place);
+    }
+    return may;
+}
