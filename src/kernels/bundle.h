@@ -396,7 +396,8 @@ MLRT_INLINE void finish_depths(struct bundle *bundle, uint32_t places, int v)
     const vf to = v_add(last, v_mul_add(v_add(v_abs(last), away), slack, floor));
     v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene_first)), first));
     v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene_last)), last));
-    const vf core_first = v_load(hulls->core_first + v), core_last = v_load(hulls->core_last + v);
+    const vf core_first = v_load(hulls->core_first + v);
+    const vf core_last = v_min(v_load(hulls->core_last + v), v_set1(FLT_MAX)); /* inf - inf is no number */
     const vf core_from = v_add(core_first, v_mul_add(v_add(v_abs(core_first), away), slack, floor));
     const vf core_to = v_sub(core_last, v_mul_add(v_add(v_abs(core_last), away), slack, floor));
     v_store(hulls->core_first + v, v_select(these, core_from, core_first));
