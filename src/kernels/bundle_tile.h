@@ -386,8 +386,11 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     if (worker->lane_tiles[job->any]) {
         --worker->lane_tiles[job->any];
     } else if (bundle.going) {
+        const uint32_t closed = bundle.closed;
         traverse_bundle(job, worker, &bundle);
-        if (!(bundle.closed & bundle.going) && !bundle.covered) worker->open_bundles[job->any] = MLRT_TILE_RUN;
+        if (closed && !(bundle.closed & bundle.going) && !bundle.covered) {
+            worker->open_bundles[job->any] = MLRT_TILE_RUN;
+        }
         keep_covers(&bundle, bundle.closed & bundle.going);
         if (mlrt_count_bits(bundle.given_up) > MLRT_MOST_GIVEN_UP) {
             worker->lane_tiles[job->any] = MLRT_LANE_TILES;
