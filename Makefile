@@ -24,6 +24,7 @@
 #   make check-abi       exported names, layouts and types against tests/abi; size and needs of the shared object
 #   make update-abi      writes tests/abi anew, after a change that is meant
 #   make check-header    mlrt.h alone, in every C and C++ that there is
+#   make check-lemmas    the bounds of bundles (docs/accuracy.md), proven by Gappa if it is installed
 #   make check-tables    the tables of README.md and docs/ are what docs/data says
 #   make check-copies    three copies of the library in one process
 #   make check-churn     10,000 trees and pools made and destroyed under valgrind
@@ -103,7 +104,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: deps deps-study deps-docs deps-bindings
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn test-wheel test-trimesh
 .PHONY: install install-strip uninstall
-.PHONY: bench charts charts-accuracy charts-speed check-tables sweep
+.PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
 .SECONDARY:
 
 all: library examples
@@ -381,6 +382,11 @@ check-churn: $(BUILD)/tests/test_churn
 
 check-header:
 	@CC='$(CC)' sh tests/check_header.sh
+
+check-lemmas:
+	@if ! command -v gappa >/dev/null; then echo "check-lemmas: no gappa: nothing proven"; \
+	else for lemma in tests/lemmas/*.g; do gappa $$lemma || { echo "check-lemmas: $$lemma: not proven"; exit 1; }; done; \
+	    echo "check-lemmas: all proven"; fi
 
 # ---- one file, other machines --------------------------------------------------------------------------------------
 

@@ -2,11 +2,50 @@
 /*
  * Bundles whose numbers are near the ends of what floats are: places and depths that are denormal, directions of which
  * a component is tiny, whose slopes or reciprocals float does not carry. Every way of tracing against the reference.
+ *
+ * And searches for the ray and triangle whose place, edge function, D or N comes closest to its bound (docs/accuracy.md,
+ * "Bundles"), as in test_bounds.c. `test_bundle_bounds 100` searches 100 times as long.
  */
+#include <gmp.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "support.h"
+#include "search.h"
+
+/* The kernels, one lane wide; they multiply and add with one rounding or two. */
+#include "kernels/simd_scalar.h"
+
+static int is_fused;
+static int divisor_count;
+static float divisors[4];
+
+static float multiply_add(float a, float b, float c)
+{
+    return is_fused ? fmaf(a, b, c) : v_mul_add(a, b, c);
+}
+
+static float multiply_subtract(float a, float b, float c)
+{
+    return is_fused ? fmaf(a, b, -c) : v_mul_sub(a, b, c);
+}
+
+/* Keeps what the last terms were divided by: true values are in the same units. */
+static float remembering_divide(float a, float b)
+{
+    divisors[divisor_count++ % 4] = b;
+    return v_div(a, b);
+}
+
+#define v_mul_add multiply_add
+#define v_mul_sub multiply_subtract
+#define v_div     remembering_divide
+#define KERNELS   bundle_bounds_kernels
+#define PICTURE   bundle_bounds_picture
+#include "kernels/bvh_body.h"
+#undef v_mul_add
+#undef v_mul_sub
+#undef v_div
 
 enum { SIDE = 16, RAY_COUNT = SIDE * SIDE };
 
@@ -149,7 +188,249 @@ static void reciprocals_may_overflow(void **state)
     }
 }
 
-int main(void)
+/* ---- searches ---------------------------------------------------------------------------------------------------- */
+
+/* Inputs: three corners, the waist, an origin, a direction, and one whose sign says whether products are fused. */
+enum { WAIST = 9, ORIGIN = 12, DIRECTION = 15, FUSED = 18, INPUT_COUNT = 19 };
+#define DIRECTION_IS_SAFE 0x38000u
+
+static struct mlrt_ray_tile tile;
+static struct bundle bundle;
+static struct mlrt_bundle_leaf leaf;
+
+/* Numbers without rounding: of these inputs none has more than 800 bits. */
+#define EXACT_BITS 1280
+
+struct vector {
+    mpf_t x[3];
+};
+
+static mpf_t product, truth, value, scale;
+static struct vector corner[3], edge[3], origin, direction, cross; /* by axis of the bundle, relative to the waist */
+
+static void init_vector(struct vector *a)
+{
+    for (int k = 0; k < 3; k++) mpf_init2(a->x[k], EXACT_BITS);
+}
+
+static void init_numbers(void)
+{
+    mpf_set_default_prec(EXACT_BITS);
+    mpf_inits(product, truth, value, scale, NULL);
+    for (int i = 0; i < 3; i++) {
+        init_vector(&corner[i]);
+        init_vector(&edge[i]);
+    }
+    init_vector(&origin);
+    init_vector(&direction);
+    init_vector(&cross);
+}
+
+static void subtract_vectors(const struct vector *a, const struct vector *b, struct vector *result)
+{
+    for (int k = 0; k < 3; k++) mpf_sub(result->x[k], a->x[k], b->x[k]);
+}
+
+static void find_cross(const struct vector *a, const struct vector *b)
+{
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        mpf_mul(cross.x[k], a->x[i], b->x[j]);
+        mpf_mul(product, a->x[j], b->x[i]);
+        mpf_sub(cross.x[k], cross.x[k], product);
+    }
+}
+
+/* Sets `truth` to a . cross. */
+static void find_dot(const struct vector *a)
+{
+    mpf_set_ui(truth, 0);
+    for (int k = 0; k < 3; k++) {
+        mpf_mul(product, a->x[k], cross.x[k]);
+        mpf_add(truth, truth, product);
+    }
+}
+
+/* |truth - computed scale| / (bound scale) */
+static double error_over(double computed, double bound)
+{
+    long top, bottom;
+    mpf_set_d(value, computed);
+    mpf_mul(value, value, scale);
+    mpf_sub(value, value, truth);
+    const double error = fabs(mpf_get_d_2exp(&top, value));
+    mpf_set_d(value, bound);
+    mpf_mul(value, value, scale);
+    const double most = mpf_get_d_2exp(&bottom, value);
+    return error == 0 ? 0 : ldexp(error / most, (int)(top - bottom));
+}
+
+/* As error_over, where bounds of a number are known: 1 is at one of them. */
+static double place_between(double lo, double hi)
+{
+    return error_over(0.5 * (lo + hi), 0.5 * (hi - lo));
+}
+
+static void set_scale(double a, double b)
+{
+    mpf_set_d(scale, a);
+    mpf_set_d(product, b);
+    mpf_mul(scale, scale, product);
+}
+
+/* Relative to the waist, with the sign of the main axis, which is the first one. */
+static void load_exactly(const float *point, struct vector *result)
+{
+    for (int k = 0; k < 3; k++) {
+        mpf_set_d(result->x[k], point[k]);
+        mpf_set_d(product, bundle.waist.point[k]);
+        mpf_sub(result->x[k], result->x[k], product);
+    }
+    if (bundle.waist.sign < 0) mpf_neg(result->x[0], result->x[0]);
+}
+
+/* Makes a bundle of one ray, and the hull of its packet. Returns whether it is one. */
+static int bundle_one_ray(const float *input)
+{
+    struct mlrt_packet *packet = &tile.packets[0];
+    is_fused = input[FUSED] < 0;
+    bundle.tile = &tile;
+    bundle.going = 1;
+    bundle.waist.main_axis = 0;
+    bundle.waist.sign = input[DIRECTION] < 0 ? -1.0f : 1.0f;
+    memcpy(bundle.waist.point, input + WAIST, sizeof bundle.waist.point);
+    packet->active = 1;
+    packet->t_max[0] = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        packet->origin[k][0] = input[ORIGIN + k];
+        packet->direction[k][0] = input[DIRECTION + k];
+    }
+    if (!(set_bundle_rays(&bundle, 0) & 1)) return 0;
+    finish_hulls(&bundle, 0);
+    load_exactly(input + ORIGIN, &origin);
+    for (int k = 0; k < 3; k++) mpf_set_d(direction.x[k], k ? input[DIRECTION + k] : fabsf(input[DIRECTION]));
+    return 1;
+}
+
+static void set_up_triangle(const float *input)
+{
+    struct bundle_corners corners;
+    load_bundle_corners(&bundle.waist, input, 1, 0, &corners);
+    divisor_count = 0;
+    set_up_bundle_vector(&corners, 0, &leaf); /* divisors: of edges ab, bc, ca, of n */
+    for (int i = 0; i < 3; i++) load_exactly(input + 3 * i, &corner[i]);
+    for (int i = 0; i < 3; i++) subtract_vectors(&corner[(i + 1) % 3], &corner[i], &edge[i]);
+}
+
+/* In units of 1 / |d_main|. */
+static double attack_place(const float *input)
+{
+    double worst = 0;
+    if (!bundle_one_ray(input)) return -1;
+    const float bound = PLACE_ERROR * (bundle.hulls.reach[0] * bundle.hulls.away[0]) + PLACE_FLOOR;
+    set_scale(bundle.rays[0].pace[0], 1);
+    for (int side = 0; side < 2; side++) {
+        mpf_mul(truth, origin.x[1 + side], direction.x[0]);
+        mpf_mul(product, origin.x[0], direction.x[1 + side]);
+        mpf_sub(truth, truth, product);
+        worst = fmax(worst, error_over(bundle.rays[0].term[MLRT_PLACE_J + side][0], bound));
+    }
+    return worst;
+}
+
+/* In units of size / |d_main|. An edge is put in the place of the others, since only the least of all three is kept. */
+static double attack_edge(const float *input)
+{
+    double worst = 0;
+    float term[MLRT_RAY_TERMS];
+    if (!bundle_one_ray(input)) return -1;
+    set_up_triangle(input);
+    const float bound = edge_bounds(&bundle.hulls, 0, leaf.steepness[0], 1);
+    for (int i = 0; i < MLRT_RAY_TERMS; i++) term[i] = bundle.rays[0].term[i][0];
+    for (int i = 0; i < 3; i++) {
+        struct edge_values found;
+        struct mlrt_bundle_leaf one = leaf;
+        for (int j = 0; j < 3; j++) {
+            one.edge_constant[j][0] = leaf.edge_constant[i][0];
+            memcpy(one.edge[j], leaf.edge[i], sizeof one.edge[j]);
+        }
+        find_edge_values(&one, 0, term, MLRT_RAY_TERMS, bound, &found);
+        subtract_vectors(&corner[i], &origin, &corner[i]);
+        find_cross(&corner[i], &edge[i]);
+        find_dot(&direction);
+        set_scale(divisors[i], bundle.rays[0].pace[0]);
+        worst = fmax(worst, error_over(found.least, bound));
+    }
+    return worst;
+}
+
+/* Bounds of D or of N as they are kept of a hit, in units of size / |d_main| or of size. */
+static double attack_ends(const float *input, int is_distance)
+{
+    if (!bundle_one_ray(input)) return -1;
+    set_up_triangle(input);
+    const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.reach[0], bundle.hulls.away[0], 0};
+    const uint32_t number = 7;
+    struct bundle_vector of = {.least_n = INFINITY, .greatest_n = INFINITY, .least_d = 1, .greatest_d = 1};
+    leaf.numbers = &number;
+    of.triangle = MLRT_NONE;
+    for (int i = 0; i < 2; i++) of.slope[i] = bundle.rays[0].term[i][0];
+    for (int i = 0; i < 3; i++) of.to_waist[i] = bundle.rays[0].to_waist[i][0];
+    test_distances(&leaf, 0, &bounds, bundle.rays[0].begin, 1, 0xFFFFFFFFu, 0xFFFFFFFFu, &of);
+    if (of.triangle != number) return -1;
+    find_cross(&edge[2], &edge[0]); /* (a - c) x (b - a) */
+    if (is_distance) subtract_vectors(&corner[0], &origin, &corner[0]);
+    find_dot(is_distance ? &corner[0] : &direction);
+    mpf_abs(truth, truth);
+    set_scale(divisors[3], is_distance ? 1 : bundle.rays[0].pace[0]);
+    return is_distance ? place_between(of.least_n, of.greatest_n) : place_between(of.least_d, of.greatest_d);
+}
+
+static double attack_d(const float *input)
+{
+    return attack_ends(input, 0);
+}
+
+static double attack_n(const float *input)
+{
+    return attack_ends(input, 1);
+}
+
+/* Numbers of one size, of sizes 2^-24 .. 2^24, of any size, or denormal; slopes of up to 2. */
+static void draw_bundle(struct random *random, const struct bound *bound, float *input)
+{
+    static const int spread[] = {0, 4, 24, 60};
+    const uint32_t kind = draw_below(random, 5), alike = draw_below(random, 3);
+    float base = 1;
+    for (int i = 0; i < bound->input_count; i++) {
+        const float a = draw_below(random, 3) ? draw_range(random, -2, 2) : draw_below(random, 2) ? -1 : 1;
+        const int exponent = kind < 4 ? (int)draw_below(random, 2 * (uint32_t)spread[kind] + 1) - spread[kind]
+                                      : -100 - (int)draw_below(random, 49);
+        input[i] = ldexpf(a, exponent);
+        if (alike == 0 && draw_below(random, 2)) input[i] = next_float(base, (int)draw_below(random, 17) - 8);
+        if (draw_below(random, 4) == 0) base = input[i];
+    }
+    if (kind == 4) input[DIRECTION] = ldexpf(input[DIRECTION], 100);
+    for (int side = 0; side < 2; side++) {
+        const float slope = draw_below(random, 3) ? draw_range(random, -2, 2) : 0;
+        input[DIRECTION + 1 + side] = slope * input[DIRECTION];
+    }
+    for (int i = 0; i < bound->input_count; i++) input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
+}
+
+static void bounds_of_bundles_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"place of a bundle's ray", INPUT_COUNT, DIRECTION_IS_SAFE, attack_place, 0.5, NULL},
+        {"edge function of a bundle", INPUT_COUNT, DIRECTION_IS_SAFE, attack_edge, 0.2, NULL},
+        {"bounds of D of a bundle", INPUT_COUNT, DIRECTION_IS_SAFE, attack_d, 0.2, NULL},
+        {"bounds of N of a bundle", INPUT_COUNT, DIRECTION_IS_SAFE, attack_n, 0.2, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 6, 8000);
+}
+
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slopes_may_underflow),
@@ -157,6 +438,9 @@ int main(void)
         cmocka_unit_test(depths_of_few_rays_may_underflow),
         cmocka_unit_test(places_may_underflow),
         cmocka_unit_test(reciprocals_may_overflow),
+        cmocka_unit_test(bounds_of_bundles_hold),
     };
+    if (argc > 1 && atoi(argv[1]) > 0) search_effort = (size_t)atoi(argv[1]);
+    init_numbers();
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

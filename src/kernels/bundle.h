@@ -404,7 +404,13 @@ MLRT_INLINE void finish_depths(struct bundle *bundle, uint32_t places, int v)
     v_store(hulls->core_last + v, v_select(these, core_to, core_last));
 }
 
-/* Makes hulls of what bound_packet found, for the vector of packets from `v` on. */
+/*
+ * Makes hulls of what bound_packet found, for the vector of packets from `v` on.
+ *
+ * Middles and radii need no floor: underflow takes less than 2^-148 of a term, whose coefficients are at most 2^21, and the
+ * bound of an edge function has 0.9 u R to spare. Ends of slopes and places do: they are compared with boxes, which may be as
+ * near as a denormal.
+ */
 static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;

@@ -30,12 +30,15 @@
  * DISTANCE_ERROR, 16 u (F + A), leave 5.9 u R and 2.9 u (F + A) for the roundings of N -+ E, D -+ W and the products that
  * compare them, as in triangle_filter.h.
  *
- * UNDERFLOW AND RANGE as there: coordinates are 0 or of magnitude 2^-60 .. 2^60, sizes at least 2^-100; a coefficient so
- * loses no more than 2^-49, which is nothing beside u R; and since size >= |g| 2^-20, no edge function exceeds 2^82.
+ * UNDERFLOW AND RANGE. Corners and origins are at most 2^60 and may be denormal; only components of directions are 0 or of
+ * magnitude 2^-60 .. 2^60. Sums and differences of denormals are exact. A product of C or n may lose 2^-150, but is divided
+ * by a size of at least 2^-100, and a coefficient is multiplied by a term of at most 2^65: so an edge function and D lose less
+ * than 2^-48 R, which is nothing beside u R. N loses 2^-48 (F + A) so, and 2^-147 in products with places, for which
+ * DISTANCE_FLOOR pays. Sizes are at most 2^124, so 1 / size is normal; and as size >= |g| 2^-20, no edge function exceeds 2^87.
  *
- * CUTS. Over a hull an edge function lies within its value at the middles of the terms and the sum of |coefficient| radius:
- * both as computed are off by less than half of the bound of the edge function for rays of the hull, whose terms are no
- * larger; so twice the bound is enough.
+ * CUTS. Over a hull an edge function lies within its value at the middles of the terms and the sum of |coefficient| radius.
+ * Middles and radii have 7 roundings of |coefficient| |term|, and the coefficients are off as above, without sums: together
+ * 14.002 u R + (13.2 u X + E) R rho, so twice the bound is enough. docs/accuracy.md, "Bundles", has all of this as lemmas.
  */
 
 #if MLRT_GUESS
