@@ -16,14 +16,25 @@ static int is_list(const struct mlrt_source *source)
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
+/* Shears bear no units, and no boxes without bounds. */
+static int may_be_sheared(const struct mlrt_bvh *bvh)
+{
+    for (int k = 0; k < 3; ++k) {
+        if (bvh->whole.lo[k] < -MLRT_SAFE_MAX || bvh->whole.hi[k] > MLRT_SAFE_MAX) return 0;
+    }
+    return bvh->unit == 1;
+}
+
 /* Closed cells of a picture's tiles or packets; 0 if there are none to be made. */
 static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                 struct mlrt_cells *cells)
 {
     int is_done = 0;
-    if (job->tree->bvh.float_safe && job->source.kind == MLRT_SOURCE_CAMERA) {
-        is_done = job->kernels->gather_camera_cells(job, area, side, cells);
-    } else if (job->tree->bvh.float_safe && side == 16) {
+    if (job->source.kind == MLRT_SOURCE_CAMERA) {
+        if (mlrt_is_pinhole(&job->source) || may_be_sheared(&job->tree->bvh)) {
+            is_done = job->kernels->gather_camera_cells(job, area, side, cells);
+        }
+    } else if (job->tree->bvh.unit == 1 && side == 16) {
         is_done = job->kernels->gather_packed_cells(job, area, cells);
     }
     if (!is_done) cells->closed = 0;
@@ -55,6 +66,17 @@ static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
     for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
         job->kernels->open_packet(job, worker, tile, mlrt_lowest_bit(left));
     }
+}
+
+/* Packets that have rays by now. */
+static uint32_t opened(const struct mlrt_ray_tile *tile)
+{
+    uint32_t places = 0;
+    for (uint32_t left = tile->made; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        places |= ((tile->packets[place].active | tile->packets[place].single) != 0u) << place;
+    }
+    return places;
 }
 
 /* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
@@ -102,6 +124,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         } else {
             if (worker->open_tiles) open_packets(job, worker, &tile);
             job->kernels->traverse(job, worker, &tile.cells);
+            if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) job->kernels->trace_bundle(job, worker, &tile, opened(&tile));
             worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? MLRT_TILE_RUN : 0;
         }
     } else {

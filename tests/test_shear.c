@@ -86,6 +86,7 @@ static int see(const float *input, struct seen *seen)
     memcpy(seen->triangle.v, input, sizeof seen->triangle.v);
     seen->tree.triangles = &seen->triangle;
     seen->job.tree = &seen->tree;
+    seen->tree.bvh.unit = 1;
     seen->job.source.kind = MLRT_SOURCE_RAYS;
     seen->job.any = (int)(bits_of(input[0]) & 1);
     for (int k = 0; k < 3; ++k) {
@@ -314,6 +315,7 @@ static double attack_camera_cell(const float *input)
     }
     if (view.direction[0] == 0 && view.direction[1] == 0 && view.direction[2] == 0) return -1;
     seen.job.tree = &seen.tree;
+    seen.tree.bvh.unit = 1;
     seen.job.source.kind = MLRT_SOURCE_CAMERA;
     seen.job.source.view = view;
     seen.job.any = (int)(bits_of(input[0]) & 1);

@@ -29,7 +29,9 @@ struct bundle {
     int has_places; /* 0: all rays start at the waist, and all places are 0 */
     int has_begins; /* some t_min is not 0 */
     int far_first;  /* boxes that the rays come to last are opened first */
+    float unit;     /* brings rays into units (../bvh_unit.h), where all of this is */
     float scene_first, scene_last;
+    float core_first, core_last; /* where most triangles are, as a guess */
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
     uint32_t going; /* packets with a hull */
@@ -46,6 +48,13 @@ MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
     return packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
 }
 
+/* Paces, |d_main| in units, that t is divided and multiplied by. */
+#define LEAST_PACE    0x1p-125f
+#define GREATEST_PACE 0x1p125f
+
+/* A distance that is finite is kept as no more than this, and so can be multiplied. */
+#define GREATEST_DISTANCE 0x1p126f
+
 /* A few rays of a tile, from which its waist is guessed: no answer depends on it. */
 #define SAMPLE_LIMIT 6
 
@@ -55,20 +64,21 @@ struct ray_sample {
 };
 
 /* Takes a ray of a packet as a sample; 0 if float does not carry it. */
-static int take_sample(const struct mlrt_packet *packet, uint32_t lane, struct ray_sample *sample)
+static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float unit, struct ray_sample *sample)
 {
     float largest = 0;
     for (int k = 0; k < 3; ++k) {
-        sample->origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        sample->origin[k] = (packet->has_apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
         sample->direction[k] = packet->direction[k][lane];
-        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= MLRT_SAFE_MAX)) return 0;
+        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= GREATEST_PACE)) return 0;
         largest = larger_of(fabsf(sample->direction[k]), largest);
     }
-    return largest >= MLRT_SAFE_MIN;
+    return largest >= LEAST_PACE;
 }
 
 /* Samples from corners and middle of a tile. Returns how many there are. */
-static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, struct ray_sample samples[SAMPLE_LIMIT])
+static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, float unit,
+                             struct ray_sample samples[SAMPLE_LIMIT])
 {
     static const uint8_t order[MLRT_BUNDLE_PACKETS] = {5, 15, 0, 3, 12, 10, 6, 9, 1, 2, 4, 7, 8, 11, 13, 14};
     uint32_t count = 0;
@@ -77,7 +87,7 @@ static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, 
         if (!(places >> order[i] & 1) || !packet->active) continue;
         uint32_t lane = mlrt_lowest_bit(packet->active);
         if (i & 1 && packet->active >> 15) lane = 15;
-        count += (uint32_t)take_sample(packet, lane, &samples[count]);
+        count += (uint32_t)take_sample(packet, lane, unit, &samples[count]);
     }
     return count;
 }
@@ -265,25 +275,28 @@ MLRT_INLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
-    const vf sign = v_set1(bundle->waist.sign), zero = v_set1(0);
+    const vf sign = v_set1(bundle->waist.sign), zero = v_set1(0), unit = v_set1(bundle->unit);
+    const vf inverse_unit = v_set1(1 / bundle->unit);
     uint32_t fit = 0, begins = 0;
     struct packet_extremes of;
     begin_extremes(&of);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf term[MLRT_RAY_TERMS], to_waist[3], far = zero;
-        const vf pace = v_flip(v_load(packet->direction[a] + v), sign), t_max = v_load(packet->t_max + v);
+        const vf given_pace = v_flip(v_load(packet->direction[a] + v), sign), pace = v_mul(given_pace, unit);
+        const vf t_max = v_load(packet->t_max + v);
         const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero); /* zero where it is no number */
-        vm fits = m_and(v_ge(pace, v_set1(MLRT_SAFE_MIN)), v_le(pace, v_set1(MLRT_SAFE_MAX)));
+        vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
         for (int k = 0; k < 3; ++k) {
-            const vf origin = origin_component(packet, axis[k], v);
+            const vf given_origin = origin_component(packet, axis[k], v), origin = v_mul(given_origin, unit);
             const vf difference = v_sub(v_set1(bundle->waist.point[axis[k]]), origin);
             to_waist[k] = k == 0 ? v_flip(difference, sign) : difference;
             far = v_max(v_abs(difference), far);
             fits = m_and(fits, v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)));
+            if (MLRT_UNLIKELY(bundle->unit < 1)) fits = m_and(fits, v_eq(v_mul(origin, inverse_unit), given_origin));
             v_store(rays->to_waist[k] + v, to_waist[k]);
         }
         for (int side = 0; side < 2; ++side) {
-            const vf slope = v_div(v_load(packet->direction[axis[1 + side]] + v), pace);
+            const vf slope = v_div(v_load(packet->direction[axis[1 + side]] + v), given_pace);
             fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
             term[MLRT_SLOPE_J + side] = slope;
             term[MLRT_PLACE_J + side] = v_mul_sub(slope, to_waist[0], to_waist[1 + side]);
@@ -293,9 +306,10 @@ MLRT_INLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
         for (int i = 0; i < MLRT_RAY_TERMS; ++i) v_store(rays->term[i] + v, term[i]);
         const vf begin = v_mul(t_min, pace), end = v_mul(t_max, pace), hi = v_mul(end, v_set1(1 + SLOPE_SLACK));
         fits = m_and(fits, m_and(v_eq(given, given), v_lt(t_min, t_max)));
+        fits = m_and(fits, v_le(begin, v_set1(MLRT_BVH_FAR)));
         v_store(rays->pace + v, pace);
         v_store(rays->begin + v, begin);
-        v_store(rays->lo + v, v_mul(end, v_set1(1 - SLOPE_SLACK)));
+        v_store(rays->lo + v, v_min(v_mul(end, v_set1(1 - SLOPE_SLACK)), v_set1(GREATEST_DISTANCE)));
         v_store(rays->hi + v, hi);
         v_store(packet->t_min + v, v_select(v_eq(given, given), t_min, given));
         i_store(packet->triangle + v, i_set1(MLRT_NONE));
@@ -389,19 +403,20 @@ static void leave_bundle(struct bundle *bundle, uint32_t place)
 
 /* ---- boxes ---- */
 
-/* Of what is at depths `from` to `to`: where rays with these slopes and places can be, over one axis. */
+/* Of what is at depths `from` to `to`: where rays with these slopes and places can be, over one axis. `to` may be
+ * infinite, and its product with a slope 0 no number: as the first operand it is dropped. */
 MLRT_INLINE vf upper_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_hi, int has_places)
 {
-    if (!has_places) return v_max(v_mul(slope_hi, from), v_mul(slope_hi, to));
-    return v_add(place_hi, v_max(v_max(v_mul(slope_hi, from), v_mul(slope_hi, to)),
-                                 v_max(v_mul(slope_lo, from), v_mul(slope_lo, to))));
+    if (!has_places) return v_max(v_mul(slope_hi, to), v_mul(slope_hi, from));
+    return v_add(place_hi, v_max(v_max(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                 v_max(v_mul(slope_lo, to), v_mul(slope_lo, from))));
 }
 
 MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo, int has_places)
 {
-    if (!has_places) return v_min(v_mul(slope_lo, from), v_mul(slope_lo, to));
-    return v_add(place_lo, v_min(v_min(v_mul(slope_hi, from), v_mul(slope_hi, to)),
-                                 v_min(v_mul(slope_lo, from), v_mul(slope_lo, to))));
+    if (!has_places) return v_min(v_mul(slope_lo, to), v_mul(slope_lo, from));
+    return v_add(place_lo, v_min(v_min(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                 v_min(v_mul(slope_lo, to), v_mul(slope_lo, from))));
 }
 
 /* The children of a node whose boxes the bundle may meet; the least depths go to `near`. */

@@ -119,13 +119,19 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
 
 /* ---- tiles ---- */
 
-static void look_at_scene(const struct mlrt_box *bounds, struct bundle *bundle)
+/* Between which depths a box lies. */
+static void find_depths(const struct mlrt_box *box, const struct mlrt_waist *waist, float *first, float *last)
 {
-    const struct mlrt_waist *waist = &bundle->waist;
-    const float below = bounds->lo[waist->main_axis] - waist->point[waist->main_axis];
-    const float above = bounds->hi[waist->main_axis] - waist->point[waist->main_axis];
-    bundle->scene_first = waist->sign > 0 ? below : -above;
-    bundle->scene_last = waist->sign > 0 ? above : -below;
+    const float below = box->lo[waist->main_axis] - waist->point[waist->main_axis];
+    const float above = box->hi[waist->main_axis] - waist->point[waist->main_axis];
+    *first = waist->sign > 0 ? below : -above;
+    *last = waist->sign > 0 ? above : -below;
+}
+
+static void look_at_scene(const struct mlrt_bvh *bvh, struct bundle *bundle)
+{
+    find_depths(&bvh->whole, &bundle->waist, &bundle->scene_first, &bundle->scene_last);
+    find_depths(&bvh->core, &bundle->waist, &bundle->core_first, &bundle->core_last);
 }
 
 /* Of the packets that go, those far wider than most. */
@@ -136,7 +142,9 @@ static MLRT_NOINLINE uint32_t find_wide_bundles(const struct bundle *bundle)
     vf least = v_set1(INFINITY), greatest = v_set1(0);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vm going = m_from_bits(bundle->going >> v);
-        const vf depth = v_max(v_abs(v_load(hulls->first + v)), v_abs(v_load(hulls->last + v)));
+        const vf first = v_max(v_load(hulls->first + v), v_set1(bundle->core_first));
+        const vf last = v_min(v_load(hulls->last + v), v_set1(bundle->core_last));
+        const vf depth = v_max(v_abs(first), v_abs(last));
         vf width = v_set1(0);
         for (int i = 0; i < 2; ++i) {
             width = v_mul_add(v_load(hulls->radius[i] + v), depth, width);
@@ -171,20 +179,24 @@ static MLRT_NOINLINE uint32_t find_wide_bundles(const struct bundle *bundle)
 static int ends_closer(const struct bundle *bundle)
 {
     const struct mlrt_hull *whole = &bundle->whole;
+    const float first = whole->first > bundle->core_first ? whole->first : bundle->core_first;
+    const float last = whole->last < bundle->core_last ? whole->last : bundle->core_last;
     float spread = 0, width = 0;
     for (int i = 0; i < 2; ++i) {
         spread += whole->slope_hi[i] - whole->slope_lo[i];
         width += whole->place_hi[i] - whole->place_lo[i];
     }
-    return spread * (whole->last - whole->first) < width || fabsf(whole->last) < fabsf(whole->first);
+    return spread * (last - first) < width || fabsf(last) < fabsf(first);
 }
 
 /* Checks the rays of a packet of which some cannot go with a bundle: rule R1, and which rays float can carry. */
-static MLRT_NOINLINE void check_odd_packet(struct mlrt_packet *packet)
+static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packet)
 {
-    const uint32_t single = packet->single;
-    check_packet(packet->active, packet);
-    packet->single |= single;
+    if (MLRT_LIKELY(unit == 1)) {
+        check_packet(packet->active, packet);
+    } else {
+        check_packet_in_units(packet->active, unit, packet);
+    }
 }
 
 /* Has packets with a hull go with the bundle; returns the others that have rays. */
@@ -201,7 +213,7 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
         const uint32_t fit = set_bundle_rays(bundle, place);
         bundle->going |= 1u << place;
         if (MLRT_LIKELY(!(packet->active & ~fit))) continue;
-        check_odd_packet(packet);
+        check_odd_packet(bundle->unit, packet);
         if (packet->active && !(packet->active & ~fit)) {
             bound_packet(bundle, place);
         } else {
@@ -222,8 +234,9 @@ static int start_at_waist(struct bundle *bundle)
         if (bundle->hulls.away[place] != 0) {
             all = 0;
         } else if (!packet->single) {
+            const uint32_t lane = mlrt_lowest_bit(packet->active);
+            for (int k = 0; k < 3 && !packet->has_apex; ++k) packet->apex[k] = packet->origin[k][lane];
             packet->has_apex = 1;
-            memcpy(packet->apex, bundle->waist.point, sizeof packet->apex);
         }
     }
     return all;
@@ -238,19 +251,19 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
 {
     struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
-    const uint32_t sample_count = take_samples(bundle->tile, places, samples);
+    const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
     bundle->going = 0;
     bundle->has_begins = 0;
-    if (!choose_waist(&job->tree->bounds, samples, sample_count, &cache->waist, &bundle->waist)) {
+    if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &cache->waist, &bundle->waist)) {
         uint32_t others = 0;
         for (; places; places &= places - 1) {
             struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(places)];
-            check_odd_packet(packet);
+            check_odd_packet(bundle->unit, packet);
             others |= packet->active ? places & (0u - places) : 0;
         }
         return others;
     }
-    look_at_scene(&job->tree->bounds, bundle);
+    look_at_scene(&job->tree->bvh, bundle);
     uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
     bundle->has_places = !start_at_waist(bundle);
@@ -268,28 +281,19 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     return others;
 }
 
-/* In a hierarchy that float does not carry all rays go alone, in double: what is left of a packet is to be finished. */
-static MLRT_NOINLINE void leave_to_doubles(struct mlrt_ray_tile *tile, uint32_t places)
-{
-    for (; places; places &= places - 1) {
-        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(places)];
-        check_odd_packet(packet);
-        packet->single |= packet->active;
-        packet->active = 0;
-    }
-}
-
-/* Traces the rays of packets of a tile that are active: those that exist, as their source gives them. */
+/* Traces the rays of packets of a tile that are active or single: those that exist, as their source gives them. */
 static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                                        uint32_t places)
 {
     struct bundle bundle;
-    if (MLRT_UNLIKELY(!job->tree->bvh.float_safe)) {
-        leave_to_doubles(tile, places);
-        return;
-    }
     if (!places) return;
     bundle.tile = tile;
+    bundle.unit = job->tree->bvh.unit;
+    for (uint32_t left = places; left; left &= left - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
+        packet->active |= packet->single;
+        packet->single = 0;
+    }
     uint32_t others = make_bundle(job, worker, places, &bundle);
     if (job->tree->bvh.node_count == 0) return;
     if (bundle.going) traverse_bundle(job, worker, &bundle);

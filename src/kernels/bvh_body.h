@@ -23,6 +23,7 @@
 #include "packed_cells.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
+#include "units.h"
 #include "bvh_single.h"
 #include "bundle.h"
 #include "bundle_leaf.h"
