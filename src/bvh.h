@@ -13,7 +13,10 @@
  *       without spatial splits has each triangle in one leaf, all of it in the box.)
  *   B4. No path has more than MLRT_BVH_DEPTH_LIMIT nodes.
  *   B5. A leaf holds triangles by their numbers, each once, and 1 to 16 of them. It takes whole groups of four places
- *       ("quads"); places behind the last triangle have number MLRT_NONE and corners that are NaN.
+ *       ("quads"); places behind the last triangle have number MLRT_NONE and corners that are NaN. So are those of odd
+ *       triangles.
+ *
+ * Boxes and corners are in units (bvh_unit.h).
  */
 #ifndef MLRT_BVH_H
 #define MLRT_BVH_H
@@ -26,6 +29,12 @@
 #define MLRT_BVH_DEPTH_LIMIT 32
 #define MLRT_BVH_LEAF_LIMIT  16 /* triangles */
 
+struct mlrt_box {
+    float lo[3];
+    float hi[3];
+};
+
+/* Boxes are in units (bvh_unit.h). */
 struct mlrt_bvh_node {
     MLRT_ALIGNED(64) float lo[3][MLRT_BVH_WIDTH];
     MLRT_ALIGNED(64) float hi[3][MLRT_BVH_WIDTH];
@@ -52,9 +61,11 @@ struct mlrt_bvh {
     struct mlrt_bvh_node *nodes;
     uint32_t node_count;
     uint32_t quad_count;
-    float *corners;    /* 36 * quad_count + 16 */
-    uint32_t *numbers; /* 4 * quad_count + 16 */
-    int float_safe;    /* 1 = no bound exceeds MLRT_SAFE_MAX */
+    float *corners;        /* 36 * quad_count + 16 */
+    uint32_t *numbers;     /* 4 * quad_count + 16 */
+    float unit;            /* what coordinates of boxes and corners were multiplied with: bvh_unit.h */
+    struct mlrt_box whole; /* of all triangles, in units */
+    struct mlrt_box core;  /* where most are, as a guess: no answer depends on it */
 };
 
 #endif

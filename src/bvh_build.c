@@ -28,6 +28,7 @@
 #include "bvh_collapse.h"
 #include "bvh_spatial.h"
 #include "bvh_split.h"
+#include "bvh_unit.h"
 #include "platform.h"
 #include "predicate.h"
 #include "scheduler.h"
@@ -128,6 +129,7 @@ struct share {
 
 /* References made of a chunk of triangles, and those that are left out. */
 struct chunk {
+    struct mlrt_box bounds; /* as given */
     uint32_t count;
     uint32_t non_finite_count;
     uint32_t zero_area_count;
@@ -151,8 +153,7 @@ struct build {
     uint32_t task_size; /* sets up to this are tasks */
     uint32_t chunk_count;
     uint32_t depth_limit;
-    int may_cut; /* 0 = coordinates are too large for bvh_spatial.c */
-    double scene_area;
+    double scene_area; /* of the core: a few large boxes are as large as that */
     const struct portion *together; /* the set that the pool is looking at */
     struct mlrt_progress *progress;
     double cut_work; /* per reference of a set that is cut */
@@ -160,10 +161,28 @@ struct build {
 
 static float relative_area(const struct build *build, const struct mlrt_quad_box *box)
 {
-    return build->scene_area > 0 ? (float)(mlrt_quad_box_area(box) / build->scene_area) : 1;
+    const double area = mlrt_quad_box_area(box);
+    return area < build->scene_area ? (float)(area / build->scene_area) : 1;
 }
 
 /* ---- references ---------------------------------------------------------------------------------------------- */
+
+/* Beyond MLRT_BVH_FAR, where boxes have no bounds: here they have this one, to have an area. */
+#define REFERENCE_LIMIT (2 * MLRT_BVH_FAR)
+
+static float limit_reference(float bound)
+{
+    return bound < -REFERENCE_LIMIT ? -REFERENCE_LIMIT : bound > REFERENCE_LIMIT ? REFERENCE_LIMIT : bound;
+}
+
+/* Brings a reference into units. */
+static void scale_reference(float unit, struct mlrt_quad_box *reference)
+{
+    for (int k = 0; k < 3; k++) {
+        reference->lo[k] = limit_reference(mlrt_low_in_units(reference->lo[k], unit));
+        reference->hi[k] = limit_reference(mlrt_high_in_units(reference->hi[k], unit));
+    }
+}
 
 /* + 0 turns -0 into 0. */
 static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_triangle *triangle, uint32_t number)
@@ -185,7 +204,9 @@ static MLRT_NOINLINE void refer_to_chunk(struct build *build, uint32_t number)
     struct chunk *chunk = &build->chunks[number];
     uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
     uint32_t last = first + (left < CHUNK_SIZE ? left : CHUNK_SIZE);
+    const struct mlrt_box no_bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     memset(chunk, 0, sizeof *chunk);
+    chunk->bounds = no_bounds;
     for (uint32_t i = first; i < last; i++) {
         const struct mlrt_triangle *triangle = &build->tree->triangles[i];
         if (!mlrt_triangle_is_finite(triangle))
@@ -194,6 +215,17 @@ static MLRT_NOINLINE void refer_to_chunk(struct build *build, uint32_t number)
             chunk->zero_area_count++;
         else
             set_reference(&build->references[first + chunk->count++], triangle, i);
+    }
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        struct mlrt_quad_box *reference = &build->references[first + i];
+        int is_far = 0;
+        for (int k = 0; k < 3; k++) {
+            const float lo = reference->lo[k], hi = reference->hi[k];
+            chunk->bounds.lo[k] = lo < chunk->bounds.lo[k] ? lo : chunk->bounds.lo[k];
+            chunk->bounds.hi[k] = hi > chunk->bounds.hi[k] ? hi : chunk->bounds.hi[k];
+            is_far |= lo < -MLRT_BVH_FAR || hi > MLRT_BVH_FAR;
+        }
+        if (build->tree->bvh.unit != 1 || is_far) scale_reference(build->tree->bvh.unit, reference);
     }
 }
 
@@ -207,9 +239,18 @@ static int32_t run_chunk(void *work, uint32_t item, uint32_t worker)
     return mlrt_advance(build->progress, CHUNK_SIZE * FIRST_WORK);
 }
 
-/* References to all triangles, without gaps. Those left out are counted. */
+static void extend_bounds(const struct mlrt_box *bounds, struct mlrt_box *all)
+{
+    for (int k = 0; k < 3; k++) {
+        if (bounds->lo[k] < all->lo[k]) all->lo[k] = bounds->lo[k];
+        if (bounds->hi[k] > all->hi[k]) all->hi[k] = bounds->hi[k];
+    }
+}
+
+/* References to all triangles, without gaps, and the bounds of all. Those left out are counted. */
 static int32_t refer_to_all(struct build *build)
 {
+    struct mlrt_box bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
     build->reference_count = 0;
@@ -220,9 +261,12 @@ static int32_t refer_to_all(struct build *build)
             memmove(&build->references[build->reference_count], &build->references[i * CHUNK_SIZE],
                     chunk->count * sizeof *build->references);
         build->reference_count += chunk->count;
+        extend_bounds(&chunk->bounds, &bounds);
         info->non_finite_count += chunk->non_finite_count;
         info->zero_area_count += chunk->zero_area_count;
     }
+    if (build->reference_count > 0) build->tree->bounds = bounds;
+    mlrt_set_bvh_extent(build->tree);
     return MLRT_OK;
 }
 
@@ -303,8 +347,9 @@ static int32_t fill_slabs_item(void *work, uint32_t item, uint32_t worker)
     struct build *build = work;
     const struct portion *portion = build->together;
     const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_fill_spatial_bins(build->tree->triangles, build->references, portion->set.first + item * CHUNK_SIZE,
-                           chunk_end(portion, item), &portion->set.box, &build->shares[worker].slabs);
+    mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
+                           portion->set.first + item * CHUNK_SIZE, chunk_end(portion, item), &portion->set.box,
+                           &build->shares[worker].slabs);
     mlrt_leave_fp_environment(environment);
     return mlrt_is_cancelled(build->progress);
 }
@@ -342,8 +387,8 @@ static void fill_slabs(struct build *build, const struct portion *portion, struc
     mlrt_clear_spatial_bins(slabs);
     if (build->together != portion) {
         for (uint32_t i = 0; goes_on(build, set->count, i); i++)
-            mlrt_fill_spatial_bins(build->tree->triangles, build->references, set->first + i * CHUNK_SIZE,
-                                   chunk_end(portion, i), &set->box, slabs);
+            mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
+                                   set->first + i * CHUNK_SIZE, chunk_end(portion, i), &set->box, slabs);
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -388,11 +433,20 @@ static int overlaps(const struct build *build, const struct mlrt_bvh_split *spli
     return mlrt_quad_box_area(&common) > build->preset->overlap_limit * build->scene_area;
 }
 
+/* Coordinates must not be too large for bvh_spatial.c. */
+static int may_be_cut(const struct mlrt_quad_box *box)
+{
+    for (int k = 0; k < 3; k++)
+        if (box->lo[k] < -MLRT_SAFE_MAX || box->hi[k] > MLRT_SAFE_MAX) return 0;
+    return 1;
+}
+
 static void choose(struct build *build, const struct portion *portion, struct choice *choice)
 {
     look_for_split(build, portion, &choice->split);
     choice->spatial = 0;
-    if (!build->may_cut || portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
+    if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
+    if (!may_be_cut(&portion->set.box)) return;
     if (choice->split.cost < HUGE_VAL && !choice->split.sorted && !overlaps(build, &choice->split)) return;
     look_for_plane(build, portion, &choice->plane);
     choice->spatial = choice->plane.cost < PLANE_GAIN * choice->split.cost;
@@ -437,8 +491,8 @@ static int apply(struct build *build, const struct portion *portion, const struc
 {
     struct mlrt_bvh_set sets[2];
     if (choice->spatial)
-        mlrt_apply_spatial_split(build->tree->triangles, build->references, &portion->set, &choice->plane,
-                                 build->progress, sets);
+        mlrt_apply_spatial_split(build->tree->triangles, build->tree->bvh.unit, build->references, &portion->set,
+                                 &choice->plane, build->progress, sets);
     else
         mlrt_apply_bvh_split(build->references, &portion->set, &choice->split, build->progress, sets);
     if (mlrt_is_cancelled(build->progress)) return 0;
@@ -711,15 +765,16 @@ static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_siz
 
 /* ---- the whole hierarchy ------------------------------------------------------------------------------------- */
 
+/* The area of what a box shares with the core of the scene. */
 static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 {
-    struct mlrt_tree *tree = build->tree;
-    memcpy(tree->bounds.lo, box->lo, sizeof tree->bounds.lo);
-    memcpy(tree->bounds.hi, box->hi, sizeof tree->bounds.hi);
-    build->scene_area = mlrt_quad_box_area(box);
-    build->may_cut = 1;
-    for (int k = 0; k < 3; k++)
-        if (box->lo[k] < -MLRT_SAFE_MAX || box->hi[k] > MLRT_SAFE_MAX) build->may_cut = 0;
+    const struct mlrt_box *core = &build->tree->bvh.core;
+    struct mlrt_quad_box part = *box;
+    for (int k = 0; k < 3; k++) {
+        if (core->lo[k] > part.lo[k]) part.lo[k] = core->lo[k];
+        if (core->hi[k] < part.hi[k]) part.hi[k] = core->hi[k];
+    }
+    build->scene_area = mlrt_quad_box_area(&part);
 }
 
 /* Sets *size, unless the call is to end. */
@@ -747,6 +802,7 @@ static int32_t build_hierarchy(struct build *build)
     struct mlrt_bvh_size size;
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
     memset(&tree->bounds, 0, sizeof tree->bounds);
+    mlrt_set_bvh_unit(tree);
     int32_t status = refer_to_all(build);
     if (status != MLRT_OK || build->reference_count == 0) return status;
     status = build_binary(build, BINARY_DEPTH, &size);

@@ -5,6 +5,7 @@
  */
 #include "bvh_check.h"
 
+#include "bvh_unit.h"
 #include "check_point.h"
 
 #include <math.h>
@@ -69,11 +70,22 @@ static double half_area(const float lo[3], const float hi[3])
     return x * y + y * z + z * x;
 }
 
+/* In units, where boxes end as far out as they have bounds. */
+static double half_area_of_box(const float lo[3], const float hi[3])
+{
+    float finite_lo[3], finite_hi[3];
+    for (int k = 0; k < 3; k++) {
+        finite_lo[k] = lo[k] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k];
+        finite_hi[k] = hi[k] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k];
+    }
+    return half_area(finite_lo, finite_hi);
+}
+
 static double slot_area(const struct mlrt_bvh_node *node, int slot)
 {
     float lo[3] = {node->lo[0][slot], node->lo[1][slot], node->lo[2][slot]};
     float hi[3] = {node->hi[0][slot], node->hi[1][slot], node->hi[2][slot]};
-    return half_area(lo, hi);
+    return half_area_of_box(lo, hi);
 }
 
 struct totals {
@@ -108,7 +120,7 @@ static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, s
 {
     mlrt_tree_info *info = &tree->info;
     struct totals totals = {0, 0, 0, 0, 0, progress};
-    double area = half_area(tree->bounds.lo, tree->bounds.hi);
+    double area = half_area_of_box(tree->bvh.whole.lo, tree->bvh.whole.hi);
     if (tree->bvh.node_count > 0) add_up(&tree->bvh, 0, 1, costs, &totals);
     info->depth = totals.depth;
     info->node_count = tree->bvh.node_count;
@@ -131,24 +143,26 @@ void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
 
-/* Whether a place holds the very bits of the triangle. `row` is how many places the leaf has. */
-static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle)
+static int holds_nothing(const float *corners, uint32_t row)
 {
+    for (uint32_t i = 0; i < 9; i++)
+        if (corners[i * row] == corners[i * row]) return 0;
+    return 1;
+}
+
+/* Whether a place holds the very bits of the triangle in units. `row` is how many places the leaf has. */
+static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle, float unit)
+{
+    struct mlrt_triangle in_units;
     uint32_t difference = 0, expected[9];
-    memcpy(expected, triangle, sizeof expected);
+    if (!mlrt_triangle_in_units(triangle, unit, &in_units)) return holds_nothing(corners, row);
+    memcpy(expected, &in_units, sizeof expected);
     for (uint32_t i = 0; i < 9; i++) {
         uint32_t bits;
         memcpy(&bits, &corners[i * row], sizeof bits);
         difference |= bits ^ expected[i];
     }
     return difference == 0;
-}
-
-static int holds_nothing(const float *corners, uint32_t row)
-{
-    for (uint32_t i = 0; i < 9; i++)
-        if (corners[i * row] == corners[i * row]) return 0;
-    return 1;
 }
 
 static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
@@ -170,7 +184,7 @@ static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
             continue;
         }
         if (mlrt_is_left_out(tree, numbers[place])) return "a leaf holds a triangle that was to be left out";
-        if (!holds_corners(corners + place, place_count, &tree->triangles[numbers[place]]))
+        if (!holds_corners(corners + place, place_count, &tree->triangles[numbers[place]], tree->bvh.unit))
             return "B5: corners are not those of the triangle";
     }
     return NULL;
@@ -236,8 +250,8 @@ const char *mlrt_check_boxes(const struct mlrt_tree *tree)
         int slot = walk.slot[walk.depth]++;
         const char *wrong = NULL;
         if (slot < MLRT_BVH_WIDTH && node->child[slot] != 0) {
-            wrong = is_box_within(node, slot, &tree->bounds) ? check_slot(tree, &walk, node->child[slot])
-                                                             : "B3: a box is not one, or not within the bounds";
+            wrong = is_box_within(node, slot, &tree->bvh.whole) ? check_slot(tree, &walk, node->child[slot])
+                                                                : "B3: a box is not one, or not within the bounds";
         } else {
             wrong = check_empty_slots(node, slot);
             if (wrong == NULL && walk.depth-- == 0) break;
@@ -277,12 +291,15 @@ static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
                                      {4, 4, 8},  {4, 8, 4},  {8, 4, 4},  {1, 15, 0}, {3, 0, 13}, {0, 11, 5}};
     const struct mlrt_triangle *triangle = &tree->triangles[number];
     for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
-        double point[3];
+        double point[3], in_units[3];
         if (!mlrt_find_check_point(triangle, WEIGHTS[i], point)) continue;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; k++) {
+            in_units[k] = point[k] * tree->bvh.unit;
             if (!(tree->bounds.lo[k] <= point[k] && point[k] <= tree->bounds.hi[k]))
                 return "a triangle is outside of the bounds";
-        if (!is_found_at(&tree->bvh, 0, number, point)) return "B3: a point of a triangle is in no leaf that holds it";
+        }
+        if (!is_found_at(&tree->bvh, 0, number, in_units))
+            return "B3: a point of a triangle is in no leaf that holds it";
     }
     return NULL;
 }

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "bvh_unit.h"
 #include "platform.h"
 
 void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlrt_binary_node *node,
@@ -120,8 +121,10 @@ static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_
     for (uint32_t place = node->count; place < place_count; place++) numbers[place] = MLRT_NONE;
     float *row = tree->bvh.corners + 36 * (size_t)quad;
     for (uint32_t place = 0; place < place_count; place++) {
-        const float *corners = place < node->count ? tree->triangles[numbers[place]].v[0] : NULL;
-        for (uint32_t i = 0; i < 9; i++) row[i * place_count + place] = corners != NULL ? corners[i] : NAN;
+        struct mlrt_triangle triangle;
+        const int has_corners =
+            place < node->count && mlrt_triangle_in_units(&tree->triangles[numbers[place]], tree->bvh.unit, &triangle);
+        for (uint32_t i = 0; i < 9; i++) row[i * place_count + place] = has_corners ? triangle.v[i / 3][i % 3] : NAN;
     }
 }
 
@@ -138,11 +141,17 @@ void mlrt_clear_node(struct mlrt_bvh_node *node)
     }
 }
 
+/* Beyond MLRT_BVH_FAR boxes have no bounds. */
+static float low_bound(float lo)
+{
+    return lo < -MLRT_BVH_FAR ? -INFINITY : lo;
+}
+
 static void write_child(struct mlrt_bvh_cursor *cursor, const struct mlrt_binary_node *node, uint32_t child)
 {
     for (int k = 0; k < 3; k++) {
-        cursor->parent->lo[k][cursor->slot] = node->lo[k];
-        cursor->parent->hi[k][cursor->slot] = node->hi[k];
+        cursor->parent->lo[k][cursor->slot] = low_bound(node->lo[k]);
+        cursor->parent->hi[k][cursor->slot] = 0 - low_bound(-node->hi[k]);
     }
     cursor->parent->child[cursor->slot++] = child;
 }

@@ -4,7 +4,9 @@
  * a stack; the nearest hit so far cuts all of them short.
  *
  * Box tests are in double (ray_interval.h), so a box is left out only if the ray surely passes it or comes to it surely
- * behind the nearest hit. Where d_k is 0 the ray keeps its coordinate, and the comparison with the box is exact.
+ * behind the nearest hit. Where d_k is 0 the ray keeps its coordinate, and the comparison with the box is exact. Boxes
+ * are taken out of their units (bvh_unit.h), which is exact in double too; bounds may be infinite, but never the one that
+ * the ray comes to first on the side that it comes from.
  */
 #include "bvh_ray.h"
 
@@ -23,6 +25,7 @@ struct search {
     const struct mlrt_tree *tree;
     const struct mlrt_ray_segment *ray;
     double reciprocal[3];
+    double inverse_unit; /* out of units */
     struct mlrt_nearest nearest;
     struct pending stack[PENDING_LIMIT];
     uint32_t pending_count;
@@ -38,17 +41,18 @@ struct parts {
  */
 static void clip_to_slabs(const struct search *search, const struct mlrt_bvh_node *node, int k, struct parts *parts)
 {
-    const double o = search->ray->origin[k], r = search->reciprocal[k];
+    const double o = search->ray->origin[k], r = search->reciprocal[k], scale = search->inverse_unit;
     const float d = search->ray->direction[k];
     const float *near = d < 0 ? node->hi[k] : node->lo[k], *far = d < 0 ? node->lo[k] : node->hi[k];
     if (d == 0) {
         for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
-            if (o < near[i] || o > far[i]) parts->exit[i] = -1;
+            if (o < near[i] * scale || o > far[i] * scale) parts->exit[i] = -1;
         }
         return;
     }
     for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
-        const double enter = mlrt_plane_distance(near[i], o, r).enter, exit = mlrt_plane_distance(far[i], o, r).exit;
+        const double enter = mlrt_plane_distance(near[i] * scale, o, r).enter;
+        const double exit = mlrt_plane_distance(far[i] * scale, o, r).exit;
         parts->enter[i] = enter > parts->enter[i] ? enter : parts->enter[i];
         parts->exit[i] = exit < parts->exit[i] ? exit : parts->exit[i];
     }
@@ -101,6 +105,7 @@ uint32_t mlrt_trace_boxes(const struct mlrt_tree *tree, const struct mlrt_ray_se
     search.ray = ray;
     search.nearest = (struct mlrt_nearest){MLRT_NONE, ray->t_max, ray->t_max};
     search.pending_count = 0;
+    search.inverse_unit = 1 / (double)tree->bvh.unit;
     mlrt_reciprocal_direction(ray, search.reciprocal);
     if (counters) ++counters->cell_count;
     push_children(&tree->bvh.nodes[0], &search);

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "bvh_box.h"
+#include "bvh_unit.h"
 #include "clip.h"
 
 /* ---- slabs --------------------------------------------------------------------------------------------------- */
@@ -123,7 +124,7 @@ void mlrt_clear_spatial_bins(struct mlrt_spatial_bins *bins)
         for (int slab = 0; slab < MLRT_SPATIAL_BINS; slab++) clear_box(&bins->box[axis][slab]);
 }
 
-void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, const struct mlrt_quad_box *references,
+void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
                             uint32_t first, uint32_t count, const struct mlrt_quad_box *box,
                             struct mlrt_spatial_bins *bins)
 {
@@ -139,11 +140,13 @@ void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, const struct 
             uint32_t first_slab = (uint32_t)(int32_t)low[axis], last_slab = (uint32_t)(int32_t)high[axis];
             bins->first_count[axis][first_slab]++;
             bins->last_count[axis][last_slab]++;
-            if (first_slab == last_slab)
+            if (first_slab == last_slab) {
                 extend_box(&bins->box[axis][first_slab], lo, hi);
-            else
-                fill_axis(&triangles[mlrt_reference_triangle(reference)], reference, &slabs, axis, first_slab,
-                          last_slab, bins);
+            } else {
+                struct mlrt_triangle triangle;
+                mlrt_triangle_in_units(&triangles[mlrt_reference_triangle(reference)], unit, &triangle);
+                fill_axis(&triangle, reference, &slabs, axis, first_slab, last_slab, bins);
+            }
         }
     }
 }
@@ -255,18 +258,24 @@ static void set_part(const struct mlrt_box *part, struct mlrt_quad_box *referenc
     }
 }
 
-/* Cuts a reference. Returns which of the two parts there are, as bits; there is always one. */
-static int cut_reference(const struct mlrt_triangle *triangles, const struct mlrt_quad_box *reference, uint32_t axis,
-                         float position, struct mlrt_quad_box parts[2])
+/* Cuts a reference. Returns which of the two parts there are, as bits; there is always one. Of an odd triangle only the
+ * box is cut. */
+static int cut_reference(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *reference,
+                         uint32_t axis, float position, struct mlrt_quad_box parts[2])
 {
+    struct mlrt_triangle triangle;
     struct mlrt_box box;
     struct mlrt_halves halves;
     memcpy(box.lo, reference->lo, sizeof box.lo);
     memcpy(box.hi, reference->hi, sizeof box.hi);
     if (position < box.lo[axis]) position = box.lo[axis];
     if (position > box.hi[axis]) position = box.hi[axis];
-    mlrt_clip_halves(&triangles[mlrt_reference_triangle(reference)], &box, axis, position, 0, &halves);
     parts[0] = parts[1] = *reference;
+    if (!mlrt_triangle_in_units(&triangles[mlrt_reference_triangle(reference)], unit, &triangle)) {
+        parts[0].hi[axis] = parts[1].lo[axis] = position;
+        return 3;
+    }
+    mlrt_clip_halves(&triangle, &box, axis, position, 0, &halves);
     for (int side = 0; side < 2; side++)
         if (halves.touched[side]) set_part(&halves.box[side], &parts[side]);
     int touched = halves.touched[0] | halves.touched[1] << 1;
@@ -280,7 +289,7 @@ static int cut_reference(const struct mlrt_triangle *triangles, const struct mlr
  * First, lower ones change places with upper ones, so that those on both sides lie between them. Then these are dealt
  * out in turn: lower parts right behind the lower ones, upper parts behind everything.
  */
-void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt_quad_box *references,
+void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
                               const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
                               struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
@@ -308,7 +317,7 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt
         if ((next - first) % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
         struct mlrt_quad_box reference = references[next], parts[2];
         int side = choose_side(&dealing, &reference);
-        int touched = side == 2 ? cut_reference(triangles, &reference, axis, position, parts) : 0;
+        int touched = side == 2 ? cut_reference(triangles, unit, &reference, axis, position, parts) : 0;
         if (side < 2) {
             deal_whole(&dealing, side, &reference);
             parts[side] = reference;

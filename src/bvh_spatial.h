@@ -32,7 +32,7 @@ struct mlrt_spatial_split {
 void mlrt_clear_spatial_bins(struct mlrt_spatial_bins *bins);
 
 /* Adds `count` references, from `first` on, of a set that lies in `box`. */
-void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, const struct mlrt_quad_box *references,
+void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
                             uint32_t first, uint32_t count, const struct mlrt_quad_box *box,
                             struct mlrt_spatial_bins *bins);
 
@@ -48,7 +48,7 @@ void mlrt_choose_spatial_split(const struct mlrt_bvh_costs *costs, const struct 
  * them from set->first on. References that would better be in one side as a whole are. Sides lie one behind the other,
  * maybe with a gap; one can be empty. If the call is cancelled meanwhile, they hold anything.
  */
-void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, struct mlrt_quad_box *references,
+void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
                               const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
                               struct mlrt_progress *progress, struct mlrt_bvh_set sides[2]);
 

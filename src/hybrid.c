@@ -39,8 +39,8 @@ static uint32_t rays_met(struct mlrt_ray_tile *tile, uint32_t place, const struc
         for (int side = 0; side < 2; ++side) {
             const f4 lo = f4_load(slopes[side].lo + lane), hi = f4_load(slopes[side].hi + lane);
             const f4 first = f4_set1(box->first), last = f4_set1(box->last);
-            const f4 greatest = f4_max(f4_mul(hi, first), f4_mul(hi, last));
-            const f4 least = f4_min(f4_mul(lo, first), f4_mul(lo, last));
+            const f4 greatest = f4_max(f4_mul(hi, last), f4_mul(hi, first));
+            const f4 least = f4_min(f4_mul(lo, last), f4_mul(lo, first));
             room = f4_min(f4_sub(greatest, f4_set1(box->begin[side])), room);
             room = f4_min(f4_sub(f4_set1(box->end[side]), least), room);
         }

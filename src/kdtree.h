@@ -65,11 +65,6 @@ static inline int mlrt_is_float_safe(float a)
     return a == 0 || (magnitude >= MLRT_SAFE_MIN && magnitude <= MLRT_SAFE_MAX);
 }
 
-struct mlrt_box {
-    float lo[3];
-    float hi[3];
-};
-
 /* A triangle as stored: the coordinates of a, b, c in turn, bit for bit as given. */
 struct mlrt_triangle {
     float v[3][3];

@@ -80,11 +80,10 @@ static double half_area(const struct mlrt_box *box)
 
 void mlrt_find_float_safety(struct mlrt_tree *tree)
 {
-    tree->float_safe = tree->bvh.float_safe = 1;
+    tree->float_safe = 1;
     for (int k = 0; k < 3; k++) {
         const float lo = tree->bounds.lo[k], hi = tree->bounds.hi[k];
         if (!mlrt_is_float_safe(lo) || !mlrt_is_float_safe(hi)) tree->float_safe = 0;
-        if (lo < -MLRT_SAFE_MAX || hi > MLRT_SAFE_MAX) tree->bvh.float_safe = 0;
     }
     for (uint32_t i = 0; i < tree->node_count; i++) {
         const struct mlrt_node *node = &tree->nodes[i];

@@ -16,7 +16,7 @@
 void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
                        struct mlrt_progress *progress);
 
-/* Sets float_safe, of the tree and of the hierarchy of boxes, from planes and bounds. */
+/* Sets float_safe, from planes and bounds. */
 void mlrt_find_float_safety(struct mlrt_tree *tree);
 
 /* 1 if no leaf may name the triangle. The counts of those left out, in tree->info, must be right. */

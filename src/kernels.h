@@ -121,6 +121,8 @@ struct mlrt_known_plane {
 #define MLRT_FEW_PAIR_BITS    4
 
 /* What one worker has to itself, in cache lines of its own. */
+struct scaled_packet; /* kernels/units.h */
+
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
     struct mlrt_triangle_pair *pairs;                    /* entry (first ^ second) & pair_mask */
@@ -148,6 +150,7 @@ struct mlrt_worker {
     uint64_t environment;           /* floating-point environment of the caller */
     double pixels_told;             /* of the current item */
     uint32_t slow_steps;
+    struct scaled_packet *scaled;   /* whose rays go alone, in units; else NULL */
     int stopped; /* the call is to end */
 };
 
@@ -179,7 +182,7 @@ struct mlrt_kernels {
     /* What follows is there for the hierarchy of boxes only. */
 
     /*
-     * As mlrt_trace_segment, for a ray that float can carry and a hierarchy of boxes that is float_safe. Of the job,
+     * As mlrt_trace_segment, for a ray that float can carry, unless the unit of the hierarchy is not 1. Of the job,
      * tree and `any` count. It does not count: the ones that do have NULL.
      */
     uint32_t (*trace_ray)(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t skip);

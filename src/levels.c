@@ -21,7 +21,7 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_re
                                 struct mlrt_cells *cells)
 {
     int is_done = 0;
-    if (job->tree->bvh.float_safe && job->source.kind == MLRT_SOURCE_CAMERA) {
+    if (mlrt_is_pinhole(&job->source)) {
         is_done = job->kernels->gather_camera_cells(job, area, side, cells);
     }
     if (!is_done) cells->closed = 0;
@@ -53,6 +53,17 @@ static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
     for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
         job->kernels->open_packet(job, worker, tile, mlrt_lowest_bit(left));
     }
+}
+
+/* Packets that have rays by now. */
+static uint32_t opened(const struct mlrt_ray_tile *tile)
+{
+    uint32_t places = 0;
+    for (uint32_t left = tile->made; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        places |= ((tile->packets[place].active | tile->packets[place].single) != 0u) << place;
+    }
+    return places;
 }
 
 /* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
@@ -100,6 +111,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         } else {
             if (worker->open_tiles) open_packets(job, worker, &tile);
             job->kernels->traverse(job, worker, &tile.cells);
+            if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) job->kernels->trace_bundle(job, worker, &tile, opened(&tile));
             worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? MLRT_TILE_RUN : 0;
         }
     } else {

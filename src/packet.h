@@ -5,9 +5,10 @@
  * Lanes 4q .. 4q + 3 are a square of 2x2 pixels, and the four squares make one of 4x4: lane l is the pixel
  * (mlrt_lane_x[l], mlrt_lane_y[l]) of its block. So one layout serves packets of both sizes.
  *
- * Only rays whose numbers float arithmetic carries without overflow or loss are `active`: their direction components,
- * origin coordinates (and those of the tree, kdtree.h's float_safe) are 0 or of magnitude 2^-60 .. 2^60. Other rays
- * that can hit something are `single`, and go through the tree one by one in double.
+ * Only rays whose numbers float arithmetic carries without overflow or loss are `active`: on the kd-tree, their direction
+ * components, origin coordinates (and those of the tree, kdtree.h's float_safe) are 0 or of magnitude 2^-60 .. 2^60; in
+ * boxes that is asked in their units (kernels/units.h). Other rays that can hit something are `single`, and go through the
+ * tree one by one in double.
  */
 #ifndef MLRT_PACKET_H
 #define MLRT_PACKET_H

@@ -191,6 +191,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     worker->leaves_not_asked = 0;
     worker->progress = NULL;
     worker->slow_steps = 0;
+    worker->scaled = NULL;
     worker->stopped = 0;
 }
 

@@ -2,7 +2,7 @@
 /*
  * Trees as bytes, to be written to a file and used again: saving, loading, and the hash of a geometry.
  *
- * THE FORMAT, version 1
+ * THE FORMAT, version 2
  *
  * A file is a header and ten sections, each at a multiple of 64 bytes from the start of the file, in the order below.
  * What lies between is zero, and so is the end, up to a multiple of 64. Numbers are in the byte order of the machine
@@ -20,11 +20,12 @@
  *     4          4 mask_count               the mask of each triangle (mask_count = triangle_count), or none
  *     5          8 node_count               kd-tree: nodes, see kdtree.h
  *     6          4 reference_count          kd-tree: entries of leaves
- *     7        448 box_node_count           hierarchy of boxes: nodes, see bvh.h
- *     8        144 quad_count + 64          hierarchy of boxes: corners
+ *     7        448 box_node_count           hierarchy of boxes: nodes in units, see bvh.h
+ *     8        144 quad_count + 64          hierarchy of boxes: corners in units, see bvh_unit.h
  *     9         16 quad_count + 64          hierarchy of boxes: numbers
  *
  * Sections 8 and 9 end with 16 elements that may be read and mean nothing. Without box_node_count both are empty.
+ * The unit follows from the triangles.
  *
  * Both hashes are those of hash.h over 32-bit words. That of the file is over all of it, with 0 in place of the hash.
  * That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its mask
@@ -49,6 +50,7 @@
 #include <string.h>
 
 #include "bvh_check.h"
+#include "bvh_unit.h"
 #include "hash.h"
 #include "host.h"
 #include "kdtree_check.h"
@@ -64,7 +66,7 @@
 static const unsigned char magic[8] = {0x89, 'M', 'L', 'R', 'T', '\r', '\n', 0x1A};
 
 #define BYTE_ORDER_MARK 0x01020304u
-#define FORMAT_VERSION  1
+#define FORMAT_VERSION  2
 
 /* What sections consist of so many of. The first is MLRT_STRUCTURE_*, which is never 0 and so stands for "always". */
 enum { STRUCTURES, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, COUNT_COUNT };
@@ -381,6 +383,10 @@ static const char *check_contents(struct mlrt_tree *tree)
 {
     const char *wrong = check_meshes(tree);
     if (!wrong) wrong = check_report(tree);
+    if (!wrong && tree->structures & MLRT_STRUCTURE_BVH) {
+        mlrt_set_bvh_unit(tree);
+        mlrt_set_bvh_extent(tree);
+    }
     if (!wrong && tree->node_count > 0) wrong = mlrt_check_nodes(tree);
     if (!wrong) wrong = mlrt_check_boxes(tree);
     return wrong;

@@ -62,7 +62,7 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_c
 /* Do closed cells of a picture have what a light's cells are made of? */
 static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
-    return !job->kernels->counts && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+    return job->tree->bvh.unit == 1 && !job->kernels->counts && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT;
 }
 
 /* Cells with a cover. */
@@ -141,7 +141,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     for (uint32_t left = tile.blocks & ~(dark | lit | missed | made); left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         mlrt_make_rays_to_light(light, &tile, place);
-        waiting |= (tile.packets[place].active != 0u) << place;
+        waiting |= ((tile.packets[place].active | tile.packets[place].single) != 0u) << place;
         made |= 1u << place;
     }
     tile.made = 0xFFFF;

@@ -24,7 +24,7 @@ uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *til
     job->kernels->picture->read_packets(&job->source, tile);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        waiting |= (tile->packets[place].active != 0u) << place;
+        waiting |= ((tile->packets[place].active | tile->packets[place].single) != 0u) << place;
     }
     return waiting;
 }

@@ -239,8 +239,8 @@ static void set_hit(const mlrt_tree *tree, const struct mlrt_ray_segment *segmen
 static uint32_t trace_segment(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip,
                               mlrt_counters *counters)
 {
-    if (job->method == MLRT_METHOD_TILE && job->kernels->trace_ray && job->tree->bvh.float_safe &&
-        mlrt_is_safe_ray(segment)) {
+    if (job->method == MLRT_METHOD_TILE && job->kernels->trace_ray &&
+        (job->tree->bvh.unit != 1 || mlrt_is_safe_ray(segment))) {
         return job->kernels->trace_ray(job, segment, skip);
     }
     return mlrt_trace_segment(job->tree, segment, skip, job->any, counters);

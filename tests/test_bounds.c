@@ -940,7 +940,7 @@ struct seen_triangle {
 static int see_triangle(const float *input, int slopes, struct seen_triangle *seen)
 {
     static struct mlrt_triangle triangle;
-    struct mlrt_tree tree = {.triangles = &triangle};
+    struct mlrt_tree tree = {.triangles = &triangle, .bvh.unit = 1};
     struct ray_group group;
     double direction[3];
     if (!has_direction(input)) return 0;
@@ -1296,7 +1296,8 @@ static double attack_cell_box(const float *input)
  */
 static double attack_camera_cell(const float *input)
 {
-    static struct mlrt_job job; /* all 0 but for the view */
+    static const struct mlrt_tree tree = {.bvh.unit = 1};
+    static struct mlrt_job job = {.tree = &tree}; /* all 0 but for the view */
     struct mlrt_view view;
     struct mlrt_cells cells;
     uint32_t x, y;
@@ -1863,7 +1864,7 @@ static void stacks_hold_what_waits(void **state)
     static struct mlrt_packet packet;
     static struct mlrt_triangle triangle;
     static struct mlrt_cells cells;
-    struct mlrt_tree tree = {.triangles = &triangle};
+    struct mlrt_tree tree = {.triangles = &triangle, .bvh.unit = 1};
     const struct mlrt_job job = {.tree = &tree};
     (void)state;
     assert_true(TILE_STACK_SIZE >= (MLRT_BVH_DEPTH_LIMIT - 1) * (MLRT_BVH_WIDTH - 1) + MLRT_BVH_WIDTH);
@@ -1886,7 +1887,12 @@ static void stacks_hold_what_waits(void **state)
         }
     }
     for (int place = 1; place < 4; ++place) numbers[4 * QUAD + place] = MLRT_NONE;
-    tree.bvh = (struct mlrt_bvh){nodes, MLRT_BVH_DEPTH_LIMIT, QUAD + 1, corners, numbers, 1};
+    tree.bvh = (struct mlrt_bvh){.nodes = nodes,
+                                 .node_count = MLRT_BVH_DEPTH_LIMIT,
+                                 .quad_count = QUAD + 1,
+                                 .corners = corners,
+                                 .numbers = numbers,
+                                 .unit = 1};
 
     const float direction[3] = {0, 0, 1};
     mlrt_set_main_axis(direction, &cells);

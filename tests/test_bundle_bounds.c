@@ -296,6 +296,8 @@ static int bundle_one_ray(const float *input)
     is_fused = input[FUSED] < 0;
     bundle.tile = &tile;
     bundle.going = 1;
+    bundle.unit = 1;
+    bundle.has_places = 1;
     bundle.waist.main_axis = 0;
     bundle.waist.sign = input[DIRECTION] < 0 ? -1.0f : 1.0f;
     memcpy(bundle.waist.point, input + WAIST, sizeof bundle.waist.point);

@@ -97,7 +97,7 @@ static void test_no_triangles_make_no_nodes(void **state)
     assert_int_equal(tree.info.node_count, 0);
     assert_int_equal(tree.info.leaf_count, 0);
     assert_true(tree.bounds.lo[0] == 0 && tree.bounds.hi[2] == 0);
-    assert_true(tree.float_safe && tree.bvh.float_safe);
+    assert_true(tree.float_safe && tree.bvh.unit == 1);
     free_hierarchy(&tree);
 }
 
@@ -224,7 +224,7 @@ static void test_any_finite_coordinates(void **state)
     assert_true(isfinite(info.sah_cost) && info.sah_cost > 0);
 }
 
-static void check_scaled(float scale, int is_safe)
+static void check_scaled(float scale, float unit)
 {
     struct random random = {5};
     struct soup soup = {0};
@@ -232,7 +232,7 @@ static void check_scaled(float scale, int is_safe)
     soup_add_random(&soup, &random, 1000, 1, 0.1f);
     move_soup(&soup, scale, offset);
     struct mlrt_tree tree = build_with(triangles_of(&soup), (uint32_t)soup.count, NULL);
-    assert_int_equal(tree.bvh.float_safe, is_safe);
+    if (tree.bvh.unit != unit) fail_msg("times %a: unit %a, not %a", (double)scale, (double)tree.bvh.unit, (double)unit);
     free_hierarchy(&tree);
     check_soup(&soup);
 }
@@ -240,12 +240,14 @@ static void check_scaled(float scale, int is_safe)
 static void test_huge_and_tiny_coordinates(void **state)
 {
     (void)state;
-    check_scaled(0x1p126f, 0);
-    check_scaled(0x1p62f, 0);
-    check_scaled(0x1p50f, 1);
-    check_scaled(0x1p-70f, 1);
-    check_scaled(0x1p-130f, 1);
-    check_scaled(0x1p-140f, 1);
+    check_scaled(0x1p126f, 0x1p-120f);
+    check_scaled(0x1p62f, 0x1p-62f);
+    check_scaled(0x1p22f, 0x1p-22f);
+    check_scaled(0x1p18f, 1);
+    check_scaled(0x1p-18f, 1);
+    check_scaled(0x1p-70f, 0x1p70f);
+    check_scaled(0x1p-130f, 0x1p120f);
+    check_scaled(0x1p-140f, 0x1p120f);
 }
 
 /* A wall of two triangles through a cloud of small ones: parts of it may be cut off. */

@@ -39,7 +39,9 @@ struct bundle {
     uint32_t apexes; /* packets whose rays all start at the waist */
     int has_begins; /* some t_min is not 0 */
     int far_first;  /* boxes that the rays come to last are opened first */
+    float unit;     /* brings rays into units (../bvh_unit.h), where all of this is */
     float scene_first, scene_last;
+    float core_first, core_last; /* where most triangles are, as a guess */
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
     uint32_t going; /* packets with a hull */
@@ -62,6 +64,16 @@ MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
     return packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
 }
 
+/* Paces, |d_main| in units, that t is divided and multiplied by. */
+#define LEAST_PACE    0x1p-125f
+#define GREATEST_PACE 0x1p125f
+
+/* The least slope but 0: smaller ones are denormal, or close to it, and SLOPE_SLACK of them is nothing. */
+#define LEAST_SLOPE 0x1p-100f
+
+/* A distance that is finite is kept as no more than this, and so can be multiplied. */
+#define GREATEST_DISTANCE 0x1p126f
+
 /* A few rays of a tile, from which its waist is guessed: no answer depends on it. */
 #define SAMPLE_LIMIT 6
 
@@ -71,20 +83,21 @@ struct ray_sample {
 };
 
 /* Takes a ray of a packet as a sample; 0 if float does not carry it. */
-static int take_sample(const struct mlrt_packet *packet, uint32_t lane, struct ray_sample *sample)
+static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float unit, struct ray_sample *sample)
 {
     float largest = 0;
     for (int k = 0; k < 3; ++k) {
-        sample->origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        sample->origin[k] = (packet->has_apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
         sample->direction[k] = packet->direction[k][lane];
-        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= MLRT_SAFE_MAX)) return 0;
+        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= GREATEST_PACE)) return 0;
         largest = larger_of(fabsf(sample->direction[k]), largest);
     }
-    return largest >= MLRT_SAFE_MIN;
+    return largest >= LEAST_PACE;
 }
 
 /* Samples from corners and middle of a tile. Returns how many there are. */
-static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, struct ray_sample samples[SAMPLE_LIMIT])
+static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, float unit,
+                             struct ray_sample samples[SAMPLE_LIMIT])
 {
     static const uint8_t order[MLRT_BUNDLE_PACKETS] = {5, 15, 0, 3, 12, 10, 6, 9, 1, 2, 4, 7, 8, 11, 13, 14};
     uint32_t count = 0;
@@ -93,7 +106,7 @@ static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, 
         if (!(places >> order[i] & 1) || !packet->active) continue;
         uint32_t lane = mlrt_lowest_bit(packet->active);
         if (i & 1 && packet->active >> 15) lane = 15;
-        count += (uint32_t)take_sample(packet, lane, &samples[count]);
+        count += (uint32_t)take_sample(packet, lane, unit, &samples[count]);
     }
     return count;
 }
@@ -298,16 +311,21 @@ static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
     keep_extremes(&of, place, bundle);
 }
 
-/* Do all rays of a packet start at the waist? Says so in the packet, too. */
-MLRT_INLINE int starts_at_waist(const struct mlrt_waist *waist, struct mlrt_packet *packet)
+/* Do all rays of a packet start at the waist? Says so in the packet, too. A unit that is not exact for it is none. */
+MLRT_INLINE int starts_at_waist(const struct bundle *bundle, struct mlrt_packet *packet)
 {
+    float apex[3];
     vm same = m_from_bits(ALL_LANES);
+    for (int k = 0; k < 3; ++k) {
+        apex[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][0];
+        if (apex[k] * bundle->unit != bundle->waist.point[k] || bundle->waist.point[k] / bundle->unit != apex[k]) return 0;
+    }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(origin_component(packet, k, v), v_set1(waist->point[k])));
+        for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(origin_component(packet, k, v), v_set1(apex[k])));
     }
     if (m_bits(same) != ALL_LANES) return 0;
     packet->has_apex = 1;
-    memcpy(packet->apex, waist->point, sizeof packet->apex);
+    memcpy(packet->apex, apex, sizeof packet->apex);
     return 1;
 }
 
@@ -327,27 +345,30 @@ MLRT_INLINE uint32_t set_bundle_rays_by(struct bundle *bundle, uint32_t place, i
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
-    const vf sign = v_set1(bundle->waist.sign), zero = v_set1(0);
+    const vf sign = v_set1(bundle->waist.sign), zero = v_set1(0), unit = v_set1(bundle->unit);
+    const vf inverse_unit = v_set1(1 / bundle->unit);
     uint32_t fit = 0, begins = 0;
     struct packet_extremes of;
     begin_extremes(&of);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf term[MLRT_RAY_TERMS] = {zero, zero, zero, zero, zero}, to_waist[3] = {zero, zero, zero};
-        const vf pace = v_flip(v_load(packet->direction[a] + v), sign), t_max = v_load(packet->t_max + v);
+        const vf given_pace = v_flip(v_load(packet->direction[a] + v), sign), pace = v_mul(given_pace, unit);
+        const vf t_max = v_load(packet->t_max + v);
         const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero); /* zero where it is no number */
-        vm fits = m_and(v_ge(pace, v_set1(MLRT_SAFE_MIN)), v_le(pace, v_set1(MLRT_SAFE_MAX)));
+        vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
         for (int k = 0; has_places && k < 3; ++k) {
-            const vf origin = origin_component(packet, axis[k], v);
+            const vf given_origin = origin_component(packet, axis[k], v), origin = v_mul(given_origin, unit);
             const vf difference = v_sub(v_set1(bundle->waist.point[axis[k]]), origin);
             to_waist[k] = k == 0 ? v_flip(difference, sign) : difference;
             fits = m_and(fits, v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)));
+            if (MLRT_UNLIKELY(bundle->unit < 1)) fits = m_and(fits, v_eq(v_mul(origin, inverse_unit), given_origin));
             v_store(rays->to_waist[k] + v, to_waist[k]);
         }
         if (!has_places) v_store(rays->to_waist[0] + v, zero);
         for (int side = 0; side < 2; ++side) {
-            const vf across = v_load(packet->direction[axis[1 + side]] + v), slope = v_div(across, pace);
+            const vf across = v_load(packet->direction[axis[1 + side]] + v), slope = v_div(across, given_pace);
             fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
-            fits = m_and(fits, m_or(v_eq(across, zero), v_ge(v_abs(across), v_set1(MLRT_SAFE_MIN))));
+            fits = m_and(fits, m_or(v_eq(across, zero), v_ge(v_abs(slope), v_set1(LEAST_SLOPE))));
             term[MLRT_SLOPE_J + side] = slope;
             if (has_places) term[MLRT_PLACE_J + side] = v_mul_sub(slope, to_waist[0], to_waist[1 + side]);
         }
@@ -359,9 +380,10 @@ MLRT_INLINE uint32_t set_bundle_rays_by(struct bundle *bundle, uint32_t place, i
         const vf begin = v_mul(t_min, pace), end = v_mul(t_max, pace);
         const vf lo = v_mul(end, v_set1(1 - SLOPE_SLACK)), hi = v_mul(end, v_set1(1 + SLOPE_SLACK));
         fits = m_and(fits, m_and(v_eq(given, given), v_lt(t_min, t_max)));
+        fits = m_and(fits, v_le(begin, v_set1(MLRT_BVH_FAR)));
         v_store(rays->pace + v, pace);
         v_store(rays->begin + v, begin);
-        v_store(rays->lo + v, lo);
+        v_store(rays->lo + v, v_min(lo, v_set1(GREATEST_DISTANCE)));
         v_store(rays->hi + v, hi);
         v_store(packet->t_min + v, v_select(v_eq(given, given), t_min, given));
         i_store(packet->triangle + v, i_set1(MLRT_NONE));
@@ -492,19 +514,20 @@ static void leave_bundle(struct bundle *bundle, uint32_t place)
 
 /* ---- boxes ---- */
 
-/* Of what is at depths `from` to `to`: where rays with these slopes and places can be, over one axis. */
+/* Of what is at depths `from` to `to`: where rays with these slopes and places can be, over one axis. `to` may be
+ * infinite, and its product with a slope 0 no number: as the first operand it is dropped. */
 MLRT_INLINE vf upper_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_hi, int has_places)
 {
-    if (!has_places) return v_max(v_mul(slope_hi, from), v_mul(slope_hi, to));
-    return v_add(place_hi, v_max(v_max(v_mul(slope_hi, from), v_mul(slope_hi, to)),
-                                 v_max(v_mul(slope_lo, from), v_mul(slope_lo, to))));
+    if (!has_places) return v_max(v_mul(slope_hi, to), v_mul(slope_hi, from));
+    return v_add(place_hi, v_max(v_max(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                 v_max(v_mul(slope_lo, to), v_mul(slope_lo, from))));
 }
 
 MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo, int has_places)
 {
-    if (!has_places) return v_min(v_mul(slope_lo, from), v_mul(slope_lo, to));
-    return v_add(place_lo, v_min(v_min(v_mul(slope_hi, from), v_mul(slope_hi, to)),
-                                 v_min(v_mul(slope_lo, from), v_mul(slope_lo, to))));
+    if (!has_places) return v_min(v_mul(slope_lo, to), v_mul(slope_lo, from));
+    return v_add(place_lo, v_min(v_min(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                 v_min(v_mul(slope_lo, to), v_mul(slope_lo, from))));
 }
 
 /* The children of a node whose boxes the bundle may meet; the least depths go to `near`. */

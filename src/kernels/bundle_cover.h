@@ -65,7 +65,7 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
     of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
 }
 
-MLRT_INLINE void see_triangle(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int v,
+MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int v,
                               int has_places, struct triangle_of_packets *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
@@ -147,7 +147,7 @@ MLRT_INLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct bundle 
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         if (!(among >> v & ALL_LANES)) continue;
         struct triangle_of_packets of;
-        see_triangle(hulls, leaf, triangle, v, has_places, &of);
+        see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
         const vm behind = m_and(of.sure, v_gt(of.near, last));
         const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));

@@ -123,6 +123,66 @@ static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corn
     v_store(leaf->away + v, v_max(v_abs(corners->to[0][0]), v_mul(other, v_set1(2))));
 }
 
+MLRT_INLINE float float_or_infinity(double a)
+{
+    return fabs(a) <= FLT_MAX ? (float)a : a < 0 ? -INFINITY : INFINITY;
+}
+
+/* A cross product, and the size it is divided by, as above. */
+static double cross_doubles_with_size(const double p[3], const double q[3], double least, double cross[3], double size[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = p[i] * q[j] - p[j] * q[i];
+        size[k] = fabs(p[i] * q[j]) + fabs(p[j] * q[i]);
+    }
+    const double all = size[0] + (size[1] + size[2]) * 0.5;
+    return all > least ? all : least;
+}
+
+/*
+ * Sets what an odd triangle (../bvh_unit.h) is: the same in double, where nothing overflows or underflows, from its corners
+ * as they were given. Coefficients have one rounding to float then; where the distance of its plane is no float, all rays
+ * that it may hit are left undecided. That distance is off by 2^-49 of the sum of its products (covering.h) and one rounding
+ * of itself, of which `away` is made instead of F: corners far away are not what it is off by in float.
+ */
+static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
+                                              struct mlrt_bundle_leaf *leaf)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
+    double to[3][3], g[3][3], cross[3], size[3], steepness = 0, distance = 0, error = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int axis = (waist->main_axis + k) % 3;
+        const double flip = k == 0 ? (double)waist->sign : 1, unit = tree->bvh.unit * flip;
+        for (int i = 0; i < 3; ++i) {
+            to[i][k] = triangle->v[i][axis] * unit - flip * waist->point[axis];
+            g[i][k] = ((double)triangle->v[(i + 1) % 3][axis] - triangle->v[i][axis]) * unit;
+        }
+        leaf->lo[k][place] = mlrt_low_bound(fmin(fmin(to[0][k], to[1][k]), to[2][k]));
+        leaf->hi[k][place] = -mlrt_low_bound(-fmax(fmax(to[0][k], to[1][k]), to[2][k]));
+    }
+    for (int i = 0; i < 3; ++i) {
+        const double length = fabs(g[i][0]) + fabs(g[i][1]) + fabs(g[i][2]);
+        const double scale = 1 / cross_doubles_with_size(to[i], g[i], length * 0x1p-20, cross, size);
+        leaf->edge_constant[i][place] = (float)(cross[0] * scale);
+        leaf->edge[i][MLRT_SLOPE_J][place] = (float)(cross[1] * scale);
+        leaf->edge[i][MLRT_SLOPE_L][place] = (float)(cross[2] * scale);
+        leaf->edge[i][MLRT_PLACE_J][place] = (float)(-g[i][2] * scale);
+        leaf->edge[i][MLRT_PLACE_L][place] = (float)(g[i][1] * scale);
+        leaf->edge[i][MLRT_MOMENT][place] = (float)(g[i][0] * scale);
+        steepness = fmax(length * scale, steepness);
+    }
+    leaf->steepness[place] = (float)(steepness * (1 + 0x1p-22));
+    const double scale = 1 / cross_doubles_with_size(g[2], g[0], 0, cross, size);
+    for (int k = 0; k < 3; ++k) {
+        leaf->normal[k][place] = (float)(cross[k] * scale);
+        distance += to[0][k] * (cross[k] * scale);
+        error += fabs(to[0][k]) * (size[k] * scale) * 0x1p-49;
+    }
+    leaf->distance[place] = float_or_infinity(distance);
+    leaf->away[place] = float_or_infinity(fabs(distance) + error * 0x1p20);
+}
+
 static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
                                              uint32_t child, uint32_t mask, struct mlrt_bundle_leaf *leaf)
 {
@@ -131,13 +191,18 @@ static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
     leaf->there = 0;
+    uint32_t odd = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct bundle_corners of;
         load_bundle_corners(waist, corners, row, v, &of);
         set_up_bundle_vector(&of, v, leaf);
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
+        odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
     }
     leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
+    for (odd &= leaf->there; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+        set_up_odd_triangle(tree, waist, mlrt_lowest_bit(odd), leaf);
+    }
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
 }
 
@@ -296,7 +361,8 @@ MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, 
     const vm same = i_eq(of->triangle, i_load(packet->triangle + v));
     const uint32_t changed = ~m_bits(same) & ALL_LANES;
     if (!changed) return 0;
-    const vf lo = v_mul(v_div(of->least_n, of->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
+    const vf quotient = v_mul(v_div(of->least_n, of->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
+    const vf lo = v_min(quotient, v_set1(GREATEST_DISTANCE));
     const vf hi = v_mul(v_div(of->greatest_n, of->least_d), v_set1(1 + RECIPROCAL_SLACK));
     v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), lo));
     v_store(rays->hi + v, v_select(same, v_load(rays->hi + v), hi));
@@ -317,10 +383,13 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf pace = v_load(rays->pace + v), t_max = v_load(packet->t_max + v);
         const vm none = i_eq(i_load(packet->triangle + v), i_set1(MLRT_NONE));
-        const vf lo = v_mul(v_div(v_load(rays->lo + v), pace), v_set1(1 - RECIPROCAL_SLACK));
-        const vf hi = v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK));
-        v_store(packet->lo + v, v_select(none, t_max, v_sub(lo, v_set1(CONVERSION_FLOOR))));
-        v_store(packet->hi + v, v_select(none, t_max, v_add(hi, v_set1(CONVERSION_FLOOR))));
+        /* Where t is small it may be denormal, and that much is much in depth. */
+        const vf floor = v_select(v_gt(pace, v_set1(MLRT_SAFE_MAX)), v_set1(0x1p-147f), v_set1(CONVERSION_FLOOR));
+        const vf near = v_sub(v_mul(v_div(v_load(rays->lo + v), pace), v_set1(1 - RECIPROCAL_SLACK)), floor);
+        const vf lo = v_max(v_min(near, v_set1(FLT_MAX)), v_set1(0));
+        const vf hi = v_add(v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK)), floor);
+        v_store(packet->lo + v, v_select(none, t_max, lo));
+        v_store(packet->hi + v, v_select(none, t_max, hi));
         for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
     }
 }
@@ -329,7 +398,8 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
 MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_bundle_rays *rays)
 {
     const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
-    rays->lo[lane] = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
+    const float near = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
+    rays->lo[lane] = near < GREATEST_DISTANCE ? near : GREATEST_DISTANCE;
     rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
 }
 

@@ -81,7 +81,10 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
     uint32_t lanes[MLRT_BUNDLE_PACKETS], count = 0;
     for (uint32_t left = met; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
+        struct checked_lanes directions;
         lanes[place] = lanes_of_packet_met(bundle, place, box);
+        check_lanes(bundle->tile->packets[place].direction, &directions);
+        if (MLRT_UNLIKELY(lanes[place] & ~directions.safe)) return 0;
         count += mlrt_count_bits(lanes[place]);
         if (count > most) return 0;
     }
@@ -162,7 +165,8 @@ MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_work
     struct pending_box stack[TILE_STACK_SIZE];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
     const struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
-    const uint32_t few = mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS ? MLRT_FEW_PACKETS : 0;
+    const int is_many = mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS && bundle->unit == 1;
+    const uint32_t few = is_many ? MLRT_FEW_PACKETS : 0;
     uint32_t node = 0, count = 0;
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
@@ -207,13 +211,19 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
 
 /* ---- tiles ---- */
 
-static void look_at_scene(const struct mlrt_box *bounds, struct bundle *bundle)
+/* Between which depths a box lies. */
+static void find_depths(const struct mlrt_box *box, const struct mlrt_waist *waist, float *first, float *last)
 {
-    const struct mlrt_waist *waist = &bundle->waist;
-    const float below = bounds->lo[waist->main_axis] - waist->point[waist->main_axis];
-    const float above = bounds->hi[waist->main_axis] - waist->point[waist->main_axis];
-    bundle->scene_first = waist->sign > 0 ? below : -above;
-    bundle->scene_last = waist->sign > 0 ? above : -below;
+    const float below = box->lo[waist->main_axis] - waist->point[waist->main_axis];
+    const float above = box->hi[waist->main_axis] - waist->point[waist->main_axis];
+    *first = waist->sign > 0 ? below : -above;
+    *last = waist->sign > 0 ? above : -below;
+}
+
+static void look_at_scene(const struct mlrt_bvh *bvh, struct bundle *bundle)
+{
+    find_depths(&bvh->whole, &bundle->waist, &bundle->scene_first, &bundle->scene_last);
+    find_depths(&bvh->core, &bundle->waist, &bundle->core_first, &bundle->core_last);
 }
 
 /* Of the packets that go, those far wider than most. */
@@ -224,7 +234,9 @@ static MLRT_NOINLINE uint32_t find_wide_bundles(const struct bundle *bundle)
     vf least = v_set1(INFINITY), greatest = v_set1(0);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vm going = m_from_bits(bundle->going >> v);
-        const vf depth = v_max(v_abs(v_load(hulls->first + v)), v_abs(v_load(hulls->last + v)));
+        const vf first = v_max(v_load(hulls->first + v), v_set1(bundle->core_first));
+        const vf last = v_min(v_load(hulls->last + v), v_set1(bundle->core_last));
+        const vf depth = v_max(v_abs(first), v_abs(last));
         vf width = v_set1(0);
         for (int i = 0; i < 2; ++i) {
             width = v_mul_add(v_load(hulls->radius[i] + v), depth, width);
@@ -259,20 +271,24 @@ static MLRT_NOINLINE uint32_t find_wide_bundles(const struct bundle *bundle)
 static int ends_closer(const struct bundle *bundle)
 {
     const struct mlrt_hull *whole = &bundle->whole;
+    const float first = whole->first > bundle->core_first ? whole->first : bundle->core_first;
+    const float last = whole->last < bundle->core_last ? whole->last : bundle->core_last;
     float spread = 0, width = 0;
     for (int i = 0; i < 2; ++i) {
         spread += whole->slope_hi[i] - whole->slope_lo[i];
         width += whole->place_hi[i] - whole->place_lo[i];
     }
-    return spread * (whole->last - whole->first) < width || fabsf(whole->last) < fabsf(whole->first);
+    return spread * (last - first) < width || fabsf(last) < fabsf(first);
 }
 
 /* Checks the rays of a packet of which some cannot go with a bundle: rule R1, and which rays float can carry. */
-static MLRT_NOINLINE void check_odd_packet(struct mlrt_packet *packet)
+static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packet)
 {
-    const uint32_t single = packet->single;
-    check_packet(packet->active, packet);
-    packet->single |= single;
+    if (MLRT_LIKELY(unit == 1)) {
+        check_packet(packet->active, packet);
+    } else {
+        check_packet_in_units(packet->active, unit, packet);
+    }
 }
 
 /* Has packets with a hull go with the bundle; returns the others that have rays. */
@@ -286,12 +302,12 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
             leave_bundle(bundle, place);
             continue;
         }
-        const int is_apex = bundle->is_apex && starts_at_waist(&bundle->waist, packet);
+        const int is_apex = bundle->is_apex && starts_at_waist(bundle, packet);
         const uint32_t fit = is_apex ? set_apex_rays(bundle, place) : set_bundle_rays(bundle, place);
         bundle->apexes |= (uint32_t)is_apex << place;
         bundle->going |= 1u << place;
         if (MLRT_LIKELY(!(packet->active & ~fit))) continue;
-        check_odd_packet(packet);
+        check_odd_packet(bundle->unit, packet);
         if (packet->active && !(packet->active & ~fit)) {
             if (is_apex) set_no_places(&bundle->rays[place]);
             bound_packet(bundle, place);
@@ -312,19 +328,19 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
 {
     struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
-    const uint32_t sample_count = take_samples(bundle->tile, places, samples);
+    const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
     bundle->going = bundle->given_up = bundle->nearer = bundle->covered = bundle->has_reciprocals = 0;
     bundle->has_begins = 0;
-    if (!choose_waist(&job->tree->bounds, samples, sample_count, &cache->waist, &bundle->waist)) {
+    if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &cache->waist, &bundle->waist)) {
         uint32_t others = 0;
         for (; places; places &= places - 1) {
             struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(places)];
-            check_odd_packet(packet);
+            check_odd_packet(bundle->unit, packet);
             others |= packet->active ? places & (0u - places) : 0;
         }
         return others;
     }
-    look_at_scene(&job->tree->bounds, bundle);
+    look_at_scene(&job->tree->bvh, bundle);
     bundle->is_apex = memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
                       mlrt_are_float_safe(samples[0].origin);
     bundle->apexes = 0;
@@ -359,28 +375,19 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     return others;
 }
 
-/* In a hierarchy that float does not carry all rays go alone, in double: what is left of a packet is to be finished. */
-static MLRT_NOINLINE void leave_to_doubles(struct mlrt_ray_tile *tile, uint32_t places)
-{
-    for (; places; places &= places - 1) {
-        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(places)];
-        check_odd_packet(packet);
-        packet->single |= packet->active;
-        packet->active = 0;
-    }
-}
-
-/* Traces the rays of packets of a tile that are active: those that exist, as their source gives them. */
+/* Traces the rays of packets of a tile that are active or single: those that exist, as their source gives them. */
 static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                                        uint32_t places)
 {
     struct bundle bundle;
-    if (MLRT_UNLIKELY(!job->tree->bvh.float_safe)) {
-        leave_to_doubles(tile, places);
-        return;
-    }
     if (!places) return;
     bundle.tile = tile;
+    bundle.unit = job->tree->bvh.unit;
+    for (uint32_t left = places; left; left &= left - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
+        packet->active |= packet->single;
+        packet->single = 0;
+    }
     uint32_t others = make_bundle(job, worker, places, &bundle);
     if (job->tree->bvh.node_count == 0) return;
     if (worker->lane_tiles[job->any]) {

@@ -20,6 +20,7 @@
 #include "ray_tile.h"
 #include "bvh_leaf.h"
 #include "bvh_tile.h"
+#include "units.h"
 #include "bvh_single.h"
 #include "bundle.h"
 #include "bundle_leaf.h"

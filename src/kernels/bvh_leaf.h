@@ -84,6 +84,12 @@ MLRT_INLINE uint32_t set_leaf_terms(const struct mlrt_cells *cells, const struct
     return m_bits(v_le(size, bound));
 }
 
+/* The apex as it was given: it is exact in units. */
+MLRT_INLINE void find_eye(const struct mlrt_tree *tree, const struct mlrt_cells *cells, float eye[3])
+{
+    for (int k = 0; k < 3; ++k) eye[k] = cells->apex[k] / tree->bvh.unit;
+}
+
 /*
  * Decides the sign of N for a triangle of which float does not know it. Returns 0 if it is 0: no ray from the apex hits
  * the triangle.
@@ -92,7 +98,9 @@ static int settle_sign(const struct mlrt_tree *tree, const struct mlrt_cells *ce
                        struct mlrt_leaf_setup *leaf)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
-    const int side = mlrt_side_of_plane(triangle, cells->apex); /* that of -N */
+    float eye[3];
+    find_eye(tree, cells, eye);
+    const int side = mlrt_side_of_plane(triangle, eye); /* that of -N */
     if (side == 0) return 0;
     if ((leaf->negative >> place & 1) != (side > 0)) {
         for (int i = 0; i < 4; ++i) {
@@ -102,17 +110,114 @@ static int settle_sign(const struct mlrt_tree *tree, const struct mlrt_cells *ce
     return 1;
 }
 
+/* An odd triangle (../bvh_unit.h) relative to the apex, in double: there nothing overflows or underflows. */
+struct odd_triangle {
+    double to[3][3];
+    double edge[3][3];
+};
+
+static void see_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t number,
+                             struct odd_triangle *odd)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            odd->to[i][k] = triangle->v[i][k] * (double)tree->bvh.unit - cells->apex[k];
+            odd->edge[i][k] = ((double)triangle->v[(i + 1) % 3][k] - triangle->v[i][k]) * tree->bvh.unit;
+        }
+    }
+}
+
+/* As set_leaf_outline. */
+static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t place,
+                                          struct mlrt_leaf_setup *leaf)
+{
+    const int a = cells->main_axis;
+    struct odd_triangle odd;
+    see_odd_triangle(tree, cells, leaf->numbers[place], &odd);
+    double least = INFINITY, greatest = -INFINITY;
+    for (int i = 0; i < 3; ++i) {
+        least = fmin(odd.to[i][a] * cells->sign, least);
+        greatest = fmax(odd.to[i][a] * cells->sign, greatest);
+    }
+    /* Not -inf: that is where cells that are done look. */
+    leaf->least_depth[place] = greatest >= 0 ? mlrt_float_down(fmin(fmax(least, -FLT_MAX), MLRT_BVH_FAR)) : INFINITY;
+    for (int side = 0; side < 2; ++side) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (int i = 0; i < 3; ++i) {
+            const double slope = odd.to[i][mlrt_slope_axis(a, side)] / (odd.to[i][a] * cells->sign);
+            lo = fmin(slope, lo);
+            hi = fmax(slope, hi);
+        }
+        const int in_front = least > 0x1p-300;
+        leaf->slope_lo[side][place] = in_front ? mlrt_low_bound(lo - fabs(lo) * SLOPE_SLACK) : -INFINITY;
+        leaf->slope_hi[side][place] = in_front ? -mlrt_low_bound(-(hi + fabs(hi) * SLOPE_SLACK)) : INFINITY;
+    }
+}
+
+/* As scaled_cross_product; *error receives what its product with `point` may be off by. */
+static void scaled_cross_of_doubles(const double sum[3], const double edge[3], int main_axis, const double point[3],
+                                    double cross[3], double *error)
+{
+    double reach[3], size = 0;
+    *error = 0;
+    for (int k = 0; k < 3; ++k) reach[k] = fmax(fabs(sum[k]), fabs(edge[k]));
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = sum[i] * edge[j] - sum[j] * edge[i];
+        size += (reach[i] * fabs(edge[j]) + reach[j] * fabs(edge[i])) * (k == main_axis ? 1 : 0.5);
+        *error += fabs(point[k]) * (fabs(sum[i] * edge[j]) + fabs(sum[j] * edge[i])) * 0x1p-49;
+    }
+    for (int k = 0; k < 3; ++k) cross[k] /= size;
+    *error /= size;
+}
+
+/* As set_leaf_terms, but for the bound of N, which is that of doubles. Corners far away are not what N is off by. */
+static MLRT_NOINLINE uint32_t set_odd_terms(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t place,
+                                            struct mlrt_leaf_setup *leaf)
+{
+    const int a = cells->main_axis;
+    struct odd_triangle odd;
+    double cross[4][3], error, distance = 0;
+    see_odd_triangle(tree, cells, leaf->numbers[place], &odd);
+    for (int i = 0; i < 3; ++i) {
+        double sum[3];
+        for (int k = 0; k < 3; ++k) sum[k] = odd.to[i][k] + odd.to[(i + 1) % 3][k];
+        scaled_cross_of_doubles(sum, odd.edge[i], a, sum, cross[i], &error);
+    }
+    scaled_cross_of_doubles(odd.edge[2], odd.edge[0], a, odd.to[0], cross[3], &error);
+    for (int k = 0; k < 3; ++k) distance += odd.to[0][k] * cross[3][k];
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 3; ++k) leaf->cross[i][k][place] = (float)(distance < 0 ? -cross[i][k] : cross[i][k]);
+    }
+    const double bound = fabs(distance) * DISTANCE_BOUND + 2 * error + DISTANCE_FLOOR;
+    leaf->negative = (leaf->negative & ~(1u << place)) | (uint32_t)(distance < 0) << place;
+    leaf->least_n[place] = mlrt_float_down(fabs(distance) - bound);
+    leaf->greatest_n[place] = mlrt_float_up(fabs(distance) + bound);
+    return (uint32_t)(fabs(distance) <= bound) << place;
+}
+
+/* Lanes of odd triangles, or empty ones. */
+MLRT_INLINE uint32_t lanes_without_corners(const struct leaf_corners *corners)
+{
+    return ~m_bits(v_eq(corners->from[0][0], corners->from[0][0])) & ALL_LANES;
+}
+
 /* Sets the terms of triangles whose vectors have some of `wanted`. */
 static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_cells *cells,
                                            uint32_t wanted, struct mlrt_leaf_setup *leaf)
 {
-    uint32_t doubtful = 0;
+    uint32_t doubtful = 0, odd = 0;
     for (uint32_t v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
         struct leaf_corners corners;
         load_leaf_corners(cells, leaf, v, &corners);
         doubtful |= set_leaf_terms(cells, &corners, v, leaf) << v;
+        odd |= lanes_without_corners(&corners) << v;
         leaf->ready |= (ALL_LANES & 0xFFFF) << v;
+    }
+    for (odd &= leaf->there; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+        doubtful |= set_odd_terms(tree, cells, mlrt_lowest_bit(odd), leaf);
     }
     for (uint32_t rest = doubtful & leaf->there; rest; rest &= rest - 1) {
         const uint32_t place = mlrt_lowest_bit(rest);
@@ -130,13 +235,18 @@ static MLRT_NOINLINE void begin_leaf(const struct mlrt_tree *tree, const struct 
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
     leaf->ready = leaf->negative = leaf->there = 0;
+    uint32_t odd = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct leaf_corners corners;
         load_leaf_corners(cells, leaf, v, &corners);
         set_leaf_outline(cells, &corners, v, leaf);
+        odd |= lanes_without_corners(&corners) << v;
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
     }
     leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
+    for (odd &= leaf->there; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+        set_odd_outline(tree, cells, mlrt_lowest_bit(odd), leaf);
+    }
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
 }
 
@@ -305,8 +415,12 @@ struct lone_triangle {
 static void set_up_lone_triangle(const struct mlrt_tree *tree, const struct mlrt_cells *cells, uint32_t number,
                                  struct lone_triangle *lone)
 {
-    const float *corner = tree->triangles[number].v[0];
-    for (int i = 0; i < 9 * 4 + MLRT_BVH_LEAF_LIMIT; ++i) lone->corners[i] = corner[i < 36 ? i / 4 : 0];
+    struct mlrt_triangle triangle;
+    const int is_usual = mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &triangle);
+    for (int i = 0; i < 9 * 4 + MLRT_BVH_LEAF_LIMIT; ++i) {
+        const int c = i < 36 ? i / 4 : 0;
+        lone->corners[i] = is_usual ? triangle.v[c / 3][c % 3] : NAN;
+    }
     lone->number = number;
     lone->leaf.numbers = &lone->number;
     lone->leaf.corners = lone->corners;

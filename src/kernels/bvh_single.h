@@ -31,7 +31,8 @@
  * more than triangle_filter.h, which derives how distances are compared, needs (6.9 and 1.9). The bounds themselves are
  * off by a few u of themselves, which is nothing.
  *
- * Nothing here is scaled. Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S,
+ * Nothing here is scaled, but for the units (units.h). An odd triangle's corners are NaN, and so is all that is worked out
+ * of them: of that no comparison is true, and it is undecided. Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S,
  * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
  * quotients that become t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
  * Overflow: p and q are finite, magnitudes being 2^60 at most. What is more than 2^126 in the rest has a bound that
@@ -296,8 +297,7 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
             if (job->any) return 1;
         }
         if (MLRT_UNLIKELY(undecided)) {
-            changed |= mlrt_decide_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker,
-                                             COUNTERS(worker));
+            changed |= decide_scaled_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker);
             if (changed && job->any) return 1;
         }
     }
@@ -343,17 +343,34 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
     }
 }
 
-/* Traces the rays of a packet in the lanes `lanes`, which float can carry, through a hierarchy that is float_safe, from
- * `child` on. */
-static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                                        struct mlrt_worker *worker, uint32_t child)
+/* The same of rays that are in units. */
+static void trace_singles_in_units(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                                   struct mlrt_worker *worker, uint32_t child)
 {
     struct reciprocals reciprocals;
-    if (job->tree->bvh.node_count == 0) return;
     set_reciprocals(packet, &reciprocals);
     for (; lanes; lanes &= lanes - 1) {
         trace_single(job, &reciprocals, mlrt_lowest_bit(lanes), child, packet, worker);
     }
+}
+
+/* Traces the rays of a packet in the lanes `lanes`, which float can carry, from `child` on. */
+static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                                        struct mlrt_worker *worker, uint32_t child)
+{
+    const float unit = job->tree->bvh.unit;
+    if (job->tree->bvh.node_count == 0) return;
+    if (MLRT_LIKELY(unit == 1)) {
+        trace_singles_in_units(job, lanes, packet, worker, child);
+        return;
+    }
+    struct scaled_packet scaled;
+    const uint32_t carried = scale_packet(lanes, unit, packet, &scaled);
+    worker->scaled = &scaled;
+    trace_singles_in_units(job, carried, &scaled.rays, worker, child);
+    worker->scaled = NULL;
+    take_scaled_hits(&scaled, carried);
+    if (lanes & ~carried) mlrt_trace_single_rays(job, lanes & ~carried, packet, COUNTERS(worker));
 }
 
 #if !MLRT_COUNTING
@@ -366,12 +383,11 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     struct mlrt_known_plane plane;
     struct mlrt_triangle_pair pairs[4];
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
+    struct scaled_packet scaled;
+    struct mlrt_packet *rays = &packet;
     for (int k = 0; k < 3; ++k) {
-        const float r = 1 / segment->direction[k];
         packet.origin[k][0] = segment->origin[k];
         packet.direction[k][0] = segment->direction[k];
-        reciprocals.near[k][0] = r * (1 - RECIPROCAL_SLACK);
-        reciprocals.far[k][0] = r * (1 + RECIPROCAL_SLACK);
     }
     packet.t_min[0] = segment->t_min;
     packet.t_max[0] = packet.lo[0] = packet.hi[0] = segment->t_max;
@@ -384,7 +400,28 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     worker.pairs = pairs;
     mlrt_forget_planes(0, 2, &worker);
     worker.progress = NULL;
-    trace_single(job, &reciprocals, 0, 0, &packet, &worker);
-    return packet.triangle[0];
+    worker.scaled = NULL;
+    if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) {
+        for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
+            for (int k = 0; k < 3; ++k) {
+                packet.origin[k][lane] = packet.origin[k][0];
+                packet.direction[k][lane] = packet.direction[k][0];
+            }
+            packet.t_min[lane] = packet.t_min[0];
+            packet.lo[lane] = packet.hi[lane] = packet.hi[0];
+        }
+        if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) {
+            return mlrt_trace_segment(job->tree, segment, skip, job->any, NULL);
+        }
+        worker.scaled = &scaled;
+        rays = &scaled.rays;
+    }
+    for (int k = 0; k < 3; ++k) {
+        const float r = 1 / rays->direction[k][0];
+        reciprocals.near[k][0] = r * (1 - RECIPROCAL_SLACK);
+        reciprocals.far[k][0] = r * (1 + RECIPROCAL_SLACK);
+    }
+    trace_single(job, &reciprocals, 0, 0, rays, &worker);
+    return rays->triangle[0];
 }
 #endif

@@ -35,7 +35,7 @@ MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct m
             const vf least = v_sub(v_load(node->lo[j] + v), v_set1(cells->apex[j]));
             const vf greatest = v_sub(v_load(node->hi[j] + v), v_set1(cells->apex[j]));
             may = m_and(may, v_le(least, v_mul(v_set1(hi), hi > 0 ? last : first)));
-            may = m_and(may, v_ge(greatest, v_mul(v_set1(lo), lo > 0 ? first : last)));
+            may = m_and(may, v_ge(greatest, v_mul(v_set1(lo), lo >= 0 ? first : last)));
         }
         v_store(near + v, first);
         met |= m_bits(may) << v;
@@ -43,7 +43,8 @@ MLRT_INLINE uint32_t children_met(const struct mlrt_cells *cells, const struct m
     return met;
 }
 
-/* The cells that may meet a box, which is child `place` of a node. */
+/* The cells that may meet a box, which is child `place` of a node. Its last depth may be infinite, and the product of that
+ * and a slope 0 no number: as the first operand it is dropped. */
 MLRT_INLINE uint32_t cells_met(const struct mlrt_cells *cells, const struct mlrt_bvh_node *node, uint32_t place)
 {
     struct mlrt_seen_box box;
@@ -55,8 +56,8 @@ MLRT_INLINE uint32_t cells_met(const struct mlrt_cells *cells, const struct mlrt
         for (int side = 0; side < 2; ++side) {
             const vf lo = v_load(cells->slopes[side].lo + v), hi = v_load(cells->slopes[side].hi + v);
             const vf least = v_set1(box.begin[side]), greatest = v_set1(box.end[side]);
-            may = m_and(may, v_le(least, v_max(v_mul(hi, first), v_mul(hi, last))));
-            may = m_and(may, v_ge(greatest, v_min(v_mul(lo, first), v_mul(lo, last))));
+            may = m_and(may, v_le(least, v_max(v_mul(hi, last), v_mul(hi, first))));
+            may = m_and(may, v_ge(greatest, v_min(v_mul(lo, last), v_mul(lo, first))));
         }
         met |= m_bits(may) << v;
     }
@@ -310,7 +311,8 @@ static MLRT_NOINLINE void test_packet(const struct mlrt_job *job, struct mlrt_wo
     if (changed) update_cell(tile, place, job->any ? changed : 0);
 }
 
-/* Opens a closed cell: makes its rays, if they are not there, and tests them against its cover. */
+/* Opens a closed cell: makes its rays, if they are not there, and tests them against its cover. Rays that are not in units
+ * leave the cells, and go on as a bundle (levels.c). */
 static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                       struct mlrt_ray_tile *tile, uint32_t place)
 {
@@ -320,6 +322,11 @@ static MLRT_NOINLINE void open_packet(const struct mlrt_job *job, struct mlrt_wo
     if (is_new) {
         mlrt_make_rays(job, tile, place);
         tile->greatest_depth[place] = greatest_direction(packet, cells->main_axis);
+    }
+    if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) {
+        cells->closed &= ~(1u << place);
+        mlrt_leave_out_cell(cells, place);
+        return;
     }
     if (MLRT_UNLIKELY(tile->seen != NULL) && packet->active)
         add_packet(tile, place); /* closer than what was known without rays */
@@ -343,8 +350,10 @@ static int settle_cover(const struct mlrt_tree *tree, struct mlrt_worker *worker
                         uint32_t place, uint32_t number, int is_inside, float near)
 {
     const uint32_t cover = cells->cover[place];
+    float eye[3];
     if (cover == MLRT_NONE) return 0;
-    const int order = mlrt_known_order(tree, cells->apex, number, cover, worker);
+    find_eye(tree, cells, eye);
+    const int order = mlrt_known_order(tree, eye, number, cover, worker);
     if (order > 0) return 1;
     if (order == 0) {
         if (number < cover && !is_inside) return 0;
@@ -399,7 +408,7 @@ static MLRT_NOINLINE void visit_bvh_leaf(const struct mlrt_job *job, struct mlrt
     const struct mlrt_leaf_setup *leaf = set_up_leaf(job->tree, cells, child, worker, &worker->caches[job->any], &seen);
     if (!seen) return;
     if (met & cells->closed) test_closed_cells(job, worker, cells, leaf, seen, met);
-    if (cells->tile) {
+    if (cells->tile && MLRT_LIKELY(job->tree->bvh.unit == 1)) {
         for (uint32_t open = met & ~cells->closed; open; open &= open - 1) {
             const uint32_t place = mlrt_lowest_bit(open), left = seen_by_cell(cells, place, seen, leaf);
             if (!left) continue;

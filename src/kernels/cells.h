@@ -93,6 +93,24 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
     }
 }
 
+/* A view whose directions are brought near 1 by a power of two: slopes are the same. *floor receives what its rays may have
+ * lost to underflow before that, *limit what they must not exceed to be finite. */
+static MLRT_NOINLINE void scale_view(const struct mlrt_view *view, struct mlrt_view *scaled, float *floor, float *limit)
+{
+    float largest = 0;
+    int exponent;
+    *scaled = *view;
+    for (int k = 0; k < 3; ++k) largest = larger_of(fabsf(view->d00[k]), largest);
+    (void)frexp((double)largest, &exponent);
+    for (int k = 0; k < 3; ++k) {
+        scaled->d00[k] = (float)ldexp((double)view->d00[k], -exponent);
+        scaled->dx[k] = (float)ldexp((double)view->dx[k], -exponent);
+        scaled->dy[k] = (float)ldexp((double)view->dy[k], -exponent);
+    }
+    *floor = (float)(0x1p-100 + ldexp(1, -147 - exponent));
+    *limit = exponent < 66 ? MLRT_SAFE_MAX : (float)ldexp(1, 126 - exponent);
+}
+
 /*
  * Makes closed cells of `side` x `side` pixels out of a camera's picture, from (x, y) on. 0 if their rays have no
  * main axis in common, or more to them than a direction.
@@ -111,6 +129,13 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
                                struct mlrt_cells *cells)
 {
     const struct mlrt_view *view = &job->source.view;
+    const float unit = job->tree->bvh.unit;
+    float floor = 0x1p-100f, limit = MLRT_SAFE_MAX;
+    struct mlrt_view scaled;
+    if (MLRT_UNLIKELY(unit != 1)) {
+        scale_view(view, &scaled, &floor, &limit);
+        view = &scaled;
+    }
     const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
     if (view->parallel || view->t_min != 0 || !isinf(view->t_max)) return 0;
     float columns[2][4], rows[2][4], pad[3], middle[3];
@@ -122,10 +147,11 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
         larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
-        if (!(whole <= MLRT_SAFE_MAX) || !mlrt_is_float_safe(view->eye[k])) return 0;
-        pad[k] = whole * (8 * 0x1p-24f) + 0x1p-100f;
+        cells->apex[k] = view->eye[k] * unit;
+        if (!(whole <= limit) || !mlrt_is_float_safe(cells->apex[k])) return 0;
+        if (cells->apex[k] / unit != view->eye[k]) return 0;
+        pad[k] = whole * (8 * 0x1p-24f) + floor;
         middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
-        cells->apex[k] = view->eye[k];
     }
     mlrt_set_main_axis(middle, cells);
 

@@ -265,7 +265,7 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
     for (; nearer; nearer &= nearer - 1) {
         const uint32_t lane = mlrt_lowest_bit(nearer);
         packet->triangle[lane] = number;
-        packet->lo[lane] = lo[lane];
+        packet->lo[lane] = lo[lane] < FLT_MAX ? lo[lane] : FLT_MAX; /* t may be more than a float */
         packet->hi[lane] = hi[lane];
     }
 }

@@ -161,7 +161,7 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
     }
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
     return outcome.nearer |
-           decide_lanes(job->tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
+           decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
 }
 
 /* Tests lanes against the triangles of a leaf. */
@@ -211,14 +211,13 @@ static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t c
     }
 }
 
-/* Traces the rays of a packet in the lanes `lanes`, which float can carry, through a hierarchy that is float_safe. */
-static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                                      struct mlrt_worker *worker)
+/* Traces the rays of a packet in the lanes `lanes`, which are in units. */
+static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                                 struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     struct lanes_search search;
     uint32_t child = 0;
-    if (job->tree->bvh.node_count == 0 || !lanes) return;
     begin_lanes(packet, lanes, &search);
     if (mlrt_count_bits(lanes) <= FEW_LANES || (!search.agree && job->tree->bvh.node_count > SMALL_TREE)) {
         trace_few_lanes(job, 0, lanes, &search, packet, worker);
@@ -250,4 +249,26 @@ static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes
             trace_few_lanes(job, child, lanes, &search, packet, worker);
         }
     }
+}
+
+/* Traces the rays of a packet in the lanes `lanes`. A bundle bears directions that must be brought into units first even
+ * if the unit is 1. */
+static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                                      struct mlrt_worker *worker)
+{
+    const float unit = job->tree->bvh.unit;
+    if (job->tree->bvh.node_count == 0 || !lanes) return;
+    struct checked_lanes directions;
+    check_lanes(packet->direction, &directions);
+    if (MLRT_LIKELY(unit == 1 && !(lanes & ~directions.safe))) {
+        trace_lanes_in_units(job, lanes, packet, worker);
+        return;
+    }
+    struct scaled_packet scaled;
+    const uint32_t carried = scale_packet(lanes, unit, packet, &scaled);
+    worker->scaled = &scaled;
+    if (carried) trace_lanes_in_units(job, carried, &scaled.rays, worker);
+    worker->scaled = NULL;
+    take_scaled_hits(&scaled, carried);
+    if (lanes & ~carried) mlrt_trace_single_rays(job, lanes & ~carried, packet, COUNTERS(worker));
 }

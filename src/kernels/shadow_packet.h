@@ -124,10 +124,6 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     packet->has_limits = packet->has_masks = packet->has_skip = 0;
     check_block(light, hit & facing, packet);
     packet->has_skip = 1;
-    if (!job->tree->bvh.float_safe) {
-        packet->single |= packet->active;
-        packet->active = 0;
-    }
     return hit & ~facing;
 }
 #endif

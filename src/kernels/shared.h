@@ -9,11 +9,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "bvh_unit.h"
 #include "counters.h"
 #include "hit.h"
 #include "hybrid.h"
 #include "kernels.h"
 #include "levels.h"
+#include "ray_interval.h"
 #include "rounding.h"
 #include "results.h"
 #include "shadow.h"

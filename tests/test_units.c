@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Scenes anywhere among the floats, and few triangles that lie elsewhere than the others: the answers are right by
+ * every way of tracing, and by counts no ray pays for what it does not meet.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support.h"
+
+/* Odd triangles, relative to a scene in [-1, 1]^3. */
+static const struct {
+    const char *name;
+    float corners[9];
+} odd_triangles[] = {
+    {"a wall behind all", {-0x1p70f, -0x1p70f, 3, 0x1p70f, -0x1p70f, 3, 0, 0x1p71f, 3}},
+    {"a wall before all", {-0x1p70f, -0x1p70f, -3, 0x1p70f, -0x1p70f, -3, 0, 0x1p71f, -3}},
+    {"a slanted wall", {-0x1p65f, -0x1p66f, -0x1p64f, 0x1p65f, -0x1p66f, 0x1p65f, 0, 0x1p66f, 3}},
+    {"one far corner", {-0.5f, -0.5f, 0.25f, 0.5f, -0.5f, 0.5f, 0.5f, 0x1p100f, 0.125f}},
+    {"a needle through all", {-0x1p90f, 0.1f, 0, 0x1p90f, 0.125f, 0.1f, 0x1p90f, 0.15f, 0}},
+    {"far away", {0x1p70f, -0x1p70f, 0x1p70f, 0x1p70f, 0x1p70f, 0x1p70f, 0x1p70f, 0, 0x1p71f}},
+    {"at the end of floats", {-FLT_MAX, -FLT_MAX, FLT_MAX / 2, FLT_MAX, -FLT_MAX, FLT_MAX / 2, 0, FLT_MAX, FLT_MAX}},
+    {"a tiny one", {0, 0, 0, 0x1p-70f, 0, 0, 0, 0x1p-70f, 0x1p-71f}},
+    {"a tiny one beside a corner", {0.5f, 0, 0, 0.5f, 0x1p-100f, 0, 0.5f, 0, 0x1p-120f}},
+};
+
+#define ODD_COUNT (sizeof odd_triangles / sizeof odd_triangles[0])
+
+static void add_odd_triangle(struct soup *soup, size_t odd)
+{
+    const float *c = odd_triangles[odd].corners;
+    soup_add_triangle(soup, c, c + 3, c + 6);
+}
+
+static struct soup draw_scene(struct random *random, size_t count)
+{
+    struct soup soup = {0};
+    soup_add_random(&soup, random, count / 2, 1, 0.3f);
+    soup_add_random(&soup, random, count / 2, 1, 0.05f);
+    return soup;
+}
+
+static void scale_soup(struct soup *soup, int power)
+{
+    for (size_t i = 0; i < 9 * soup->count; i++) soup->corners[i] = ldexpf(soup->corners[i], power);
+}
+
+/* Scales what a camera sees, and its directions. */
+static mlrt_camera scale_camera(mlrt_camera camera, int power, int direction_power)
+{
+    const int is_parallel = camera.projection == MLRT_PROJECTION_PARALLEL;
+    const int p_power = is_parallel ? power : direction_power;
+    for (int k = 0; k < 3; k++) {
+        camera.eye[k] = ldexpf(camera.eye[k], power);
+        camera.direction[k] = ldexpf(camera.direction[k], direction_power);
+        camera.d00[k] = ldexpf(camera.d00[k], p_power);
+        camera.dx[k] = ldexpf(camera.dx[k], p_power);
+        camera.dy[k] = ldexpf(camera.dy[k], p_power);
+    }
+    return camera;
+}
+
+static void check_cameras(const struct fixture *fixture, struct random *random, int power, int direction_power)
+{
+    const float centre[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++) {
+        float eye[3], direction[3];
+        draw_point(random, -3, 3, eye);
+        for (int k = 0; k < 3; k++) direction[k] = -eye[k];
+        if (i == 0) eye[0] = eye[1] = 0, eye[2] = -3;
+        mlrt_camera camera = scale_camera(look_at(eye, centre, 1.5f, 40, 24), power, direction_power);
+        check_camera_quickly(fixture, &camera);
+        camera = scale_camera(look_along(centre, direction, 3, 20, 24), power, direction_power);
+        check_camera_quickly(fixture, &camera);
+    }
+}
+
+/* Rays of a scene in [-1, 1]^3, scaled. */
+static void add_scaled_rays(struct ray_list *list, struct random *random, const struct fixture *at_one, int power,
+                            int direction_power)
+{
+    add_mixed_rays(list, random, at_one, scaled(160), -2, 2);
+    for (size_t i = 0; i < list->count; i++) {
+        struct reference_ray *ray = &list->rays[i];
+        for (int k = 0; k < 3; k++) {
+            ray->origin[k] = ldexpf(ray->origin[k], power);
+            ray->direction[k] = ldexpf(ray->direction[k], direction_power);
+        }
+        ray->t_min = ldexpf(ray->t_min, power - direction_power);
+        ray->t_max = ldexpf(ray->t_max, power - direction_power);
+    }
+}
+
+static void check_scene(const char *name, uint64_t seed, const struct soup *scene, int power, int direction_power,
+                        int has_odd, size_t odd)
+{
+    struct random random = {seed};
+    struct soup soup = {0}, copy = {0};
+    for (size_t i = 0; i < scene->count; i++) {
+        const float *c = scene->corners + 9 * i;
+        soup_add_triangle(&soup, c, c + 3, c + 6);
+        soup_add_triangle(&copy, c, c + 3, c + 6);
+    }
+    if (has_odd) add_odd_triangle(&soup, odd);
+    scale_soup(&soup, power);
+    struct fixture at_one = fixture_of_soup(name, seed, &copy), fixture = fixture_of_soup(name, seed, &soup);
+    struct ray_list list = {0};
+    add_scaled_rays(&list, &random, &at_one, power, direction_power);
+    check_rays_quickly(&fixture, &list);
+    free_rays(&list);
+    check_cameras(&fixture, &random, power, direction_power);
+    free_fixture(&fixture);
+    free_fixture(&at_one);
+}
+
+static void test_scales(void **state)
+{
+    (void)state;
+    static const int powers[] = {-140, -120, -100, -62, -40, -21, 21, 40, 62, 100, 120, 125};
+    for (size_t i = 0; i < sizeof powers / sizeof powers[0]; i++) {
+        struct random random = {i + 1};
+        struct soup scene = draw_scene(&random, 60);
+        char name[64];
+        snprintf(name, sizeof name, "a scene times 2^%d", powers[i]);
+        check_scene(name, i, &scene, powers[i], 0, 0, 0);
+        check_scene(name, i, &scene, powers[i], powers[i] / 2, 0, 0);
+        check_scene(name, i, &scene, powers[i], powers[i] > 120 ? 120 : powers[i] < -100 ? -100 : powers[i], 0, 0);
+        free_soup(&scene);
+    }
+}
+
+static void test_odd_triangles(void **state)
+{
+    (void)state;
+    static const int powers[] = {0, 0, -50, 50};
+    for (size_t odd = 0; odd < ODD_COUNT; odd++) {
+        for (size_t i = 0; i < 4; i++) {
+            struct random random = {odd + 1};
+            struct soup scene = draw_scene(&random, i == 1 ? 20 : 60);
+            char name[96];
+            const int power = odd == 6 && powers[i] > 0 ? 0 : powers[i];
+            snprintf(name, sizeof name, "%s, all times 2^%d", odd_triangles[odd].name, power);
+            check_scene(name, odd, &scene, power, 0, 1, odd);
+            check_scene(name, odd, &scene, power, power, 1, odd);
+            free_soup(&scene);
+        }
+    }
+}
+
+/* ---- counts ------------------------------------------------------------------------------------------------------ */
+
+static mlrt_counters count_rays(const struct fixture *fixture, const struct ray_list *list, int32_t query)
+{
+    mlrt_counters counters = {.struct_size = sizeof counters};
+    const mlrt_trace_options options = {
+        .struct_size = sizeof options, .query = query, .method = MLRT_METHOD_TILE, .counters = &counters};
+    struct reference_hit *hits = allocate_or_fail(list->count, sizeof *hits);
+    uint8_t *occluded = allocate_or_fail(list->count, 1);
+    const mlrt_rays rays = public_rays(list);
+    mlrt_hits results = public_hits(hits, 0);
+    if (query == MLRT_QUERY_ANY) {
+        const mlrt_hits only_occluded = {.struct_size = sizeof results, .occluded = {occluded, 1}};
+        results = only_occluded;
+    }
+    assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &results), MLRT_OK);
+    free(occluded);
+    free(hits);
+    return counters;
+}
+
+static mlrt_counters count_camera(const struct fixture *fixture, const mlrt_camera *camera)
+{
+    mlrt_counters counters = {.struct_size = sizeof counters};
+    const mlrt_trace_options options = {
+        .struct_size = sizeof options, .method = MLRT_METHOD_TILE, .counters = &counters};
+    const size_t count = (size_t)camera->width * camera->height;
+    struct reference_hit *hits = allocate_or_fail(count, sizeof *hits);
+    const mlrt_hits results = public_hits(hits, 0);
+    assert_int_equal(mlrt_render_tiles(fixture->tree, camera, &options, &results, NULL, NULL), MLRT_OK);
+    free(hits);
+    return counters;
+}
+
+static void add_views(struct ray_list *list, struct random *random)
+{
+    const float eye[3] = {0.25f, 0.5f, -3}, centre[3] = {0, 0, 0};
+    const mlrt_camera camera = look_at(eye, centre, 1.5f, 64, 64);
+    add_camera_rays(list, &camera);
+    list->row_length = 64;
+    add_random_rays(list, random, 64 * 16, -2, 2);
+}
+
+static void assert_no_more(const char *name, const char *what, uint64_t expected, uint64_t got, uint64_t extra)
+{
+    if ((double)got > 1.05 * (double)expected + (double)extra)
+        fail_msg("%s: %s %llu, without %llu", name, what, (unsigned long long)got, (unsigned long long)expected);
+}
+
+/* Rays go together as without the odd triangle, boxes are no worse, and few rays are left to the judge. */
+static void test_odd_triangles_stay_local(void **state)
+{
+    (void)state;
+    struct random random = {77};
+    struct soup scene = draw_scene(&random, 4000), copy = {0};
+    for (size_t i = 0; i < scene.count; i++)
+        soup_add_triangle(&copy, scene.corners + 9 * i, scene.corners + 9 * i + 3, scene.corners + 9 * i + 6);
+    struct fixture without = fixture_of_soup("without", 77, &copy);
+    const float eye[3] = {0.25f, 0.5f, -4}, centre[3] = {0, 0, 0};
+    const mlrt_camera camera = look_at(eye, centre, 0.75f, 128, 128);
+    for (size_t odd = 0; odd < ODD_COUNT; odd++) {
+        struct soup soup = {0};
+        const char *name = odd_triangles[odd].name;
+        for (size_t i = 0; i < scene.count; i++)
+            soup_add_triangle(&soup, scene.corners + 9 * i, scene.corners + 9 * i + 3, scene.corners + 9 * i + 6);
+        add_odd_triangle(&soup, odd);
+        struct fixture with = fixture_of_soup(name, 77, &soup);
+        struct ray_list list = {0};
+        random.state = 5;
+        add_views(&list, &random);
+        const mlrt_counters a = count_rays(&without, &list, MLRT_QUERY_CLOSEST);
+        const mlrt_counters b = count_rays(&with, &list, MLRT_QUERY_CLOSEST);
+        const mlrt_counters c = count_camera(&without, &camera), d = count_camera(&with, &camera);
+        assert_no_more(name, "packets", a.packet_count, b.packet_count, a.packet_count / 10);
+        assert_no_more(name, "cells", a.cell_count, b.cell_count, a.cell_count / 10);
+        assert_no_more(name, "tests", a.triangle_test_count, b.triangle_test_count, a.triangle_test_count / 10);
+        assert_no_more(name, "judged lanes", a.judged_lane_count, b.judged_lane_count, list.count);
+        assert_no_more(name, "packets of a camera", c.packet_count, d.packet_count, 16);
+        assert_no_more(name, "cells of a camera", c.cell_count, d.cell_count, c.cell_count / 20);
+        assert_no_more(name, "judged lanes of a camera", c.judged_lane_count, d.judged_lane_count, 200);
+        free_rays(&list);
+        free_fixture(&with);
+    }
+    free_fixture(&without);
+    free_soup(&scene);
+}
+
+/* In its own units a scene is the same at every scale: so are the tree and all counts. */
+static void test_scales_have_one_tree(void **state)
+{
+    (void)state;
+    static const int powers[] = {-100, -70, 70, 100};
+    struct random random = {99};
+    struct soup scene = draw_scene(&random, 3000), copy = {0};
+    for (size_t i = 0; i < scene.count; i++)
+        soup_add_triangle(&copy, scene.corners + 9 * i, scene.corners + 9 * i + 3, scene.corners + 9 * i + 6);
+    struct fixture at_one = fixture_of_soup("at one", 99, &copy);
+    struct ray_list list = {0};
+    add_views(&list, &random);
+    const mlrt_counters a = count_rays(&at_one, &list, MLRT_QUERY_CLOSEST);
+    for (size_t i = 0; i < sizeof powers / sizeof powers[0]; i++) {
+        for (int scales_directions = 0; scales_directions < 2; scales_directions++) {
+            struct soup soup = {0};
+            for (size_t n = 0; n < scene.count; n++)
+                soup_add_triangle(&soup, scene.corners + 9 * n, scene.corners + 9 * n + 3, scene.corners + 9 * n + 6);
+            scale_soup(&soup, powers[i]);
+            struct fixture fixture = fixture_of_soup("scaled", 99, &soup);
+            struct ray_list scaled_list = {0};
+            for (size_t n = 0; n < list.count; n++) {
+                float origin[3], direction[3];
+                for (int k = 0; k < 3; k++) {
+                    origin[k] = ldexpf(list.rays[n].origin[k], powers[i]);
+                    direction[k] = ldexpf(list.rays[n].direction[k], scales_directions ? powers[i] : 0);
+                }
+                add_ray(&scaled_list, origin, direction);
+            }
+            scaled_list.row_length = list.row_length;
+            const mlrt_counters b = count_rays(&fixture, &scaled_list, MLRT_QUERY_CLOSEST);
+            assert_no_more("scaled", "packets", a.packet_count, b.packet_count, 0);
+            assert_no_more("scaled", "cells", a.cell_count, b.cell_count, 0);
+            assert_no_more("scaled", "tests", a.triangle_test_count, b.triangle_test_count, 0);
+            assert_no_more("scaled", "judged lanes", a.judged_lane_count, b.judged_lane_count, 10);
+            free_rays(&scaled_list);
+            free_fixture(&fixture);
+        }
+    }
+    free_rays(&list);
+    free_fixture(&at_one);
+    free_soup(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_scales),
+        cmocka_unit_test(test_odd_triangles),
+        cmocka_unit_test(test_odd_triangles_stay_local),
+        cmocka_unit_test(test_scales_have_one_tree),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
