@@ -374,6 +374,37 @@ static double attack_edge(const float *input)
     return worst;
 }
 
+/*
+ * How much of what hulls are moved apart by is used up where a ray is at the depth of a point. A corner of a box has
+ * one rounding of its own, for which a sixteenth of that is left.
+ */
+static double attack_box(const float *input)
+{
+    double worst = 0;
+    if (!bundle_rays(input, 1)) return -1;
+    const struct mlrt_hulls *hulls = &bundle.hulls;
+    const float depth = (input[0] - input[WAIST]) * bundle.waist.sign;
+    const float place_bound = PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR;
+    load_direction(input, 0);
+    load_exactly(input, &corner[0]);
+    set_scale(bundle.rays[0].pace[0], 1);
+    mpf_sub(corner[0].x[0], corner[0].x[0], origin.x[0]);
+    for (int i = 0; i < 2; i++) {
+        const double place = bundle.rays[0].term[MLRT_PLACE_J + i][0], slope = bundle.rays[0].term[MLRT_SLOPE_J + i][0];
+        const double moved = (fabs(place) + fabs(slope * depth)) * SLOPE_SLACK + place_bound + HULL_FLOOR;
+        const float upper =
+            upper_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].hi[0], 1);
+        const float lower =
+            lower_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].lo[0], 1);
+        mpf_mul(truth, origin.x[1 + i], direction.x[0]);
+        mpf_mul(product, direction.x[1 + i], corner[0].x[0]);
+        mpf_add(truth, truth, product);
+        const double used = fmax(-error_over(upper - moved, moved), error_over(lower + moved, moved));
+        worst = fmax(worst, used * 16 / 15);
+    }
+    return worst;
+}
+
 /* How far outside the bounds over their hull the edge functions of two rays are. */
 static double attack_cut(const float *input)
 {
@@ -465,6 +496,7 @@ static void bounds_of_bundles_hold(void **state)
 {
     static const struct bound bounds[] = {
         {"bundles: place", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_place, 0.5, NULL},
+        {"bundles: box", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_box, 0.2, NULL},
         {"bundles: edge function", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_edge, 0.4, NULL},
         {"bundles: edge function over a hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_cut, 0.1, NULL},
         {"bundles: D", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_d, 0.35, NULL},
