@@ -3,8 +3,8 @@
  * Bundles whose numbers are near the ends of what floats are: places and depths that are denormal, directions of which
  * a component is tiny, whose slopes or reciprocals float does not carry. Every way of tracing against the reference.
  *
- * And searches for the ray and triangle whose place, edge function, D or N comes closest to its bound (docs/accuracy.md,
- * "Bundles"), as in test_bounds.c. `test_bundle_bounds 100` searches 100 times as long.
+ * And searches for the ray and triangle whose place, edge function, D or N comes closest to its bound
+ * (docs/accuracy.md, "Bundles"), as in test_bounds.c. `test_bundle_bounds 100` searches 100 times as long.
  */
 #include <gmp.h>
 #include <math.h>
@@ -100,8 +100,8 @@ static void depths_may_underflow(void **state)
 }
 
 /*
- * Three planes like those, in different leaves, and so small that t is known to a few units in the last place. One ray of
- * a tile alone goes there: it is traced by itself, and what it finds is kept as tau until the next leaf.
+ * Three planes like those, in different leaves, and so small that t is known to a few units in the last place. One ray
+ * of a tile alone goes there: it is traced by itself, and what it finds is kept as tau until the next leaf.
  */
 static void depths_of_few_rays_may_underflow(void **state)
 {
@@ -190,9 +190,10 @@ static void reciprocals_may_overflow(void **state)
 
 /* ---- searches ---------------------------------------------------------------------------------------------------- */
 
-/* Inputs: three corners, the waist, an origin, a direction, and one whose sign says whether products are fused. */
-enum { WAIST = 9, ORIGIN = 12, DIRECTION = 15, FUSED = 18, INPUT_COUNT = 19 };
-#define DIRECTION_IS_SAFE 0x38000u
+/* Inputs: three corners, the waist, an origin, a number whose sign says whether products are fused, and a direction, of
+ * two rays two. */
+enum { WAIST = 9, ORIGIN = 12, FUSED = 15, DIRECTION = 16, INPUT_COUNT = 19, INPUT_COUNT_OF_TWO = 22 };
+#define DIRECTIONS_ARE_SAFE 0x3F0000u
 
 static struct mlrt_ray_tile tile;
 static struct bundle bundle;
@@ -251,21 +252,21 @@ static void find_dot(const struct vector *a)
     }
 }
 
-/* |truth - computed scale| / (bound scale) */
+/* (computed scale - truth) / (bound scale) */
 static double error_over(double computed, double bound)
 {
     long top, bottom;
     mpf_set_d(value, computed);
     mpf_mul(value, value, scale);
     mpf_sub(value, value, truth);
-    const double error = fabs(mpf_get_d_2exp(&top, value));
+    const double error = mpf_get_d_2exp(&top, value);
     mpf_set_d(value, bound);
     mpf_mul(value, value, scale);
     const double most = mpf_get_d_2exp(&bottom, value);
     return error == 0 ? 0 : ldexp(error / most, (int)(top - bottom));
 }
 
-/* As error_over, where bounds of a number are known: 1 is at one of them. */
+/* Of a number whose bounds are these: +-1 is at one of them. */
 static double place_between(double lo, double hi)
 {
     return error_over(0.5 * (lo + hi), 0.5 * (hi - lo));
@@ -289,8 +290,8 @@ static void load_exactly(const float *point, struct vector *result)
     if (bundle.waist.sign < 0) mpf_neg(result->x[0], result->x[0]);
 }
 
-/* Makes a bundle of one ray, and the hull of its packet. Returns whether it is one. */
-static int bundle_one_ray(const float *input)
+/* Makes a bundle of rays from one origin, and the hull of their packet. Returns whether float carries them. */
+static int bundle_rays(const float *input, int count)
 {
     struct mlrt_packet *packet = &tile.packets[0];
     is_fused = input[FUSED] < 0;
@@ -301,17 +302,24 @@ static int bundle_one_ray(const float *input)
     bundle.waist.main_axis = 0;
     bundle.waist.sign = input[DIRECTION] < 0 ? -1.0f : 1.0f;
     memcpy(bundle.waist.point, input + WAIST, sizeof bundle.waist.point);
-    packet->active = 1;
-    packet->t_max[0] = INFINITY;
-    for (int k = 0; k < 3; k++) {
-        packet->origin[k][0] = input[ORIGIN + k];
-        packet->direction[k][0] = input[DIRECTION + k];
+    packet->active = (1u << count) - 1;
+    for (int lane = 0; lane < count; lane++) {
+        packet->t_max[lane] = INFINITY;
+        for (int k = 0; k < 3; k++) {
+            packet->origin[k][lane] = input[ORIGIN + k];
+            packet->direction[k][lane] = input[DIRECTION + 3 * lane + k];
+        }
     }
-    if (!(set_bundle_rays(&bundle, 0) & 1)) return 0;
+    if ((set_bundle_rays(&bundle, 0) & packet->active) != packet->active) return 0;
     finish_hulls(&bundle, 0);
     load_exactly(input + ORIGIN, &origin);
-    for (int k = 0; k < 3; k++) mpf_set_d(direction.x[k], k ? input[DIRECTION + k] : fabsf(input[DIRECTION]));
     return 1;
+}
+
+static void load_direction(const float *input, int lane)
+{
+    const float *from = input + DIRECTION + 3 * lane;
+    for (int k = 0; k < 3; k++) mpf_set_d(direction.x[k], k ? from[k] : fabsf(from[0]));
 }
 
 static void set_up_triangle(const float *input)
@@ -328,14 +336,15 @@ static void set_up_triangle(const float *input)
 static double attack_place(const float *input)
 {
     double worst = 0;
-    if (!bundle_one_ray(input)) return -1;
+    if (!bundle_rays(input, 1)) return -1;
+    load_direction(input, 0);
     const float bound = PLACE_ERROR * (bundle.hulls.reach[0] * bundle.hulls.away[0]) + PLACE_FLOOR;
     set_scale(bundle.rays[0].pace[0], 1);
     for (int side = 0; side < 2; side++) {
         mpf_mul(truth, origin.x[1 + side], direction.x[0]);
         mpf_mul(product, origin.x[0], direction.x[1 + side]);
         mpf_sub(truth, truth, product);
-        worst = fmax(worst, error_over(bundle.rays[0].term[MLRT_PLACE_J + side][0], bound));
+        worst = fmax(worst, fabs(error_over(bundle.rays[0].term[MLRT_PLACE_J + side][0], bound)));
     }
     return worst;
 }
@@ -345,7 +354,8 @@ static double attack_edge(const float *input)
 {
     double worst = 0;
     float term[MLRT_RAY_TERMS];
-    if (!bundle_one_ray(input)) return -1;
+    if (!bundle_rays(input, 1)) return -1;
+    load_direction(input, 0);
     set_up_triangle(input);
     const float bound = edge_bounds(&bundle.hulls, 0, leaf.steepness[0], 1);
     for (int i = 0; i < MLRT_RAY_TERMS; i++) term[i] = bundle.rays[0].term[i][0];
@@ -361,7 +371,61 @@ static double attack_edge(const float *input)
         find_cross(&corner[i], &edge[i]);
         find_dot(&direction);
         set_scale(divisors[i], bundle.rays[0].pace[0]);
-        worst = fmax(worst, error_over(found.least, bound));
+        worst = fmax(worst, fabs(error_over(found.least, bound)));
+    }
+    return worst;
+}
+
+/*
+ * How much of what hulls are moved apart by is used up where a ray is at the depth of a point. A corner of a box has
+ * one rounding of its own, for which a sixteenth of that is left.
+ */
+static double attack_box(const float *input)
+{
+    double worst = 0;
+    if (!bundle_rays(input, 1)) return -1;
+    const struct mlrt_hulls *hulls = &bundle.hulls;
+    const float depth = (input[0] - input[WAIST]) * bundle.waist.sign;
+    const float place_bound = PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR;
+    load_direction(input, 0);
+    load_exactly(input, &corner[0]);
+    set_scale(bundle.rays[0].pace[0], 1);
+    mpf_sub(corner[0].x[0], corner[0].x[0], origin.x[0]);
+    for (int i = 0; i < 2; i++) {
+        const double place = bundle.rays[0].term[MLRT_PLACE_J + i][0], slope = bundle.rays[0].term[MLRT_SLOPE_J + i][0];
+        const double moved = (fabs(place) + fabs(slope * depth)) * SLOPE_SLACK + place_bound + HULL_FLOOR;
+        const float upper =
+            upper_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].hi[0], 1);
+        const float lower =
+            lower_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].lo[0], 1);
+        mpf_mul(truth, origin.x[1 + i], direction.x[0]);
+        mpf_mul(product, direction.x[1 + i], corner[0].x[0]);
+        mpf_add(truth, truth, product);
+        const double used = fmax(-error_over(upper - moved, moved), error_over(lower + moved, moved));
+        worst = fmax(worst, used * 16 / 15);
+    }
+    return worst;
+}
+
+/* How far outside the bounds over their hull the edge functions of two rays are. */
+static double attack_cut(const float *input)
+{
+    double worst = 0;
+    if (!bundle_rays(input, 2)) return -1;
+    set_up_triangle(input);
+    const float bound = 2 * edge_bounds(&bundle.hulls, 0, leaf.steepness[0], 1);
+    for (int i = 0; i < 3; i++) {
+        float least, greatest;
+        bound_over_hull(&bundle.hulls, 0, leaf.edge_constant[i], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.edge[i][0],
+                        MLRT_RAY_TERMS, &least, &greatest);
+        subtract_vectors(&corner[i], &origin, &corner[i]);
+        find_cross(&corner[i], &edge[i]);
+        for (int lane = 0; lane < 2; lane++) {
+            load_direction(input, lane);
+            find_dot(&direction);
+            set_scale(divisors[i], bundle.rays[0].pace[lane]);
+            worst = fmax(worst, fmax(error_over(least, bound), -error_over(greatest, bound)));
+        }
     }
     return worst;
 }
@@ -369,7 +433,8 @@ static double attack_edge(const float *input)
 /* Bounds of D or of N as they are kept of a hit, in units of size / |d_main| or of size. */
 static double attack_ends(const float *input, int is_distance)
 {
-    if (!bundle_one_ray(input)) return -1;
+    if (!bundle_rays(input, 1)) return -1;
+    load_direction(input, 0);
     set_up_triangle(input);
     const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.reach[0], bundle.hulls.away[0], 0};
     const uint32_t number = 7;
@@ -385,7 +450,7 @@ static double attack_ends(const float *input, int is_distance)
     find_dot(is_distance ? &corner[0] : &direction);
     mpf_abs(truth, truth);
     set_scale(divisors[3], is_distance ? 1 : bundle.rays[0].pace[0]);
-    return is_distance ? place_between(of.least_n, of.greatest_n) : place_between(of.least_d, of.greatest_d);
+    return fabs(is_distance ? place_between(of.least_n, of.greatest_n) : place_between(of.least_d, of.greatest_d));
 }
 
 static double attack_d(const float *input)
@@ -398,24 +463,33 @@ static double attack_n(const float *input)
     return attack_ends(input, 1);
 }
 
-/* Numbers of one size, of sizes 2^-24 .. 2^24, of any size, or denormal; slopes of up to 2. */
+/* Numbers of one size, of sizes 2^-4 .. 2^4, 2^-24 .. 2^24 or any, or denormal, or points of two kinds; slopes up to 2.
+ */
 static void draw_bundle(struct random *random, const struct bound *bound, float *input)
 {
-    static const int spread[] = {0, 4, 24, 60};
-    const uint32_t kind = draw_below(random, 5), alike = draw_below(random, 3);
+    static const int lowest[] = {0, -4, -24, -60, -148}, highest[] = {0, 4, 24, 60, -110};
+    const uint32_t kind = draw_below(random, 5), other = draw_below(random, 2) ? kind : draw_below(random, 5);
+    const uint32_t alike = draw_below(random, 3);
+    const uint32_t points_of_kind = draw_below(random, 0x80);
     float base = 1;
     for (int i = 0; i < bound->input_count; i++) {
+        const uint32_t one = points_of_kind >> i / 3 & 1 ? kind : other;
         const float a = draw_below(random, 3) ? draw_range(random, -2, 2) : draw_below(random, 2) ? -1 : 1;
-        const int exponent = kind < 4 ? (int)draw_below(random, 2 * (uint32_t)spread[kind] + 1) - spread[kind]
-                                      : -100 - (int)draw_below(random, 49);
-        input[i] = ldexpf(a, exponent);
+        input[i] = ldexpf(a, lowest[one] + (int)draw_below(random, (uint32_t)(highest[one] - lowest[one]) + 1));
         if (alike == 0 && draw_below(random, 2)) input[i] = next_float(base, (int)draw_below(random, 17) - 8);
         if (draw_below(random, 4) == 0) base = input[i];
     }
-    if (kind == 4) input[DIRECTION] = ldexpf(input[DIRECTION], 100);
-    for (int side = 0; side < 2; side++) {
-        const float slope = draw_below(random, 3) ? draw_range(random, -2, 2) : 0;
-        input[DIRECTION + 1 + side] = slope * input[DIRECTION];
+    if (draw_below(random, 3) == 0) { /* a corner near the waist: places weigh most in edge functions */
+        const float near = ldexpf(1, -(int)draw_below(random, 24));
+        for (int k = 0; k < 3; k++) input[WAIST + k] = input[k] + near * draw_range(random, -1, 1) * input[3 + k];
+    }
+    if (fabsf(input[DIRECTION]) < MLRT_SAFE_MIN) input[DIRECTION] = ldexpf(input[DIRECTION], 140);
+    for (int i = DIRECTION; i < bound->input_count; i += 3) {
+        const float main = input[DIRECTION], pace = draw_below(random, 2) ? copysignf(input[i], main) : main;
+        input[i] = pace;
+        for (int side = 1; side < 3; side++) {
+            input[i + side] = draw_below(random, 3) ? pace * draw_range(random, -2, 2) : 0;
+        }
     }
     for (int i = 0; i < bound->input_count; i++) input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
 }
@@ -423,13 +497,15 @@ static void draw_bundle(struct random *random, const struct bound *bound, float 
 static void bounds_of_bundles_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"place of a bundle's ray", INPUT_COUNT, DIRECTION_IS_SAFE, attack_place, 0.5, NULL},
-        {"edge function of a bundle", INPUT_COUNT, DIRECTION_IS_SAFE, attack_edge, 0.2, NULL},
-        {"bounds of D of a bundle", INPUT_COUNT, DIRECTION_IS_SAFE, attack_d, 0.2, NULL},
-        {"bounds of N of a bundle", INPUT_COUNT, DIRECTION_IS_SAFE, attack_n, 0.2, NULL},
+        {"bundles: place", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_place, 0.5, NULL},
+        {"bundles: box", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_box, 0.2, NULL},
+        {"bundles: edge function", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_edge, 0.4, NULL},
+        {"bundles: edge function over a hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_cut, 0.1, NULL},
+        {"bundles: D", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_d, 0.35, NULL},
+        {"bundles: N", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_n, 0.35, NULL},
     };
     (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 6, 8000);
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
 }
 
 int main(int argc, char **argv)
