@@ -2,6 +2,7 @@
 /* library.c - tasks done by a build of the library: see library.h */
 #include "library.h"
 
+#include <stddef.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>
@@ -123,8 +124,8 @@ static int32_t trace_shadows(const struct library *library, const mlrt_tree *tre
     return library->occluded_points(tree, &points, &light, options, &occluded);
 }
 
-// Of hemispheres every origin stands there HEMISPHERE_RAYS times; task->shared_origins has each of them once.
-static mlrt_rays rays_of(const struct task *task)
+// Rays of hemispheres share their origins, unless an old library does not know how.
+static mlrt_rays rays_of(const struct task *task, int shares_origins)
 {
     mlrt_rays rays = {.struct_size = sizeof rays, .row_length = task->row_length, .count = task->element_count};
     const struct ray_record *first = task->records;
@@ -138,13 +139,19 @@ static mlrt_rays rays_of(const struct task *task)
         rays.directions = (mlrt_const_array){task->directions, 0};
         rays.t_max = (mlrt_const_array){task->t_max, 0};
     }
+    if (shares_origins) {
+        rays.origins.data = task->shared_origins;
+        rays.rays_per_origin = HEMISPHERE_RAYS;
+    } else {
+        rays.struct_size = offsetof(mlrt_rays, rays_per_origin);
+    }
     return rays;
 }
 
 static int32_t trace_arrays(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
                             const struct task *task, const struct answers *answers)
 {
-    const mlrt_rays rays = rays_of(task);
+    mlrt_rays rays = rays_of(task, task->shared_origins != NULL);
     const mlrt_hits hits = {.struct_size = sizeof hits,
                             .t = {answers->t, 0, 0},
                             .u = {answers->u, 0, 0},
@@ -154,7 +161,12 @@ static int32_t trace_arrays(const struct library *library, const mlrt_tree *tree
                             .occluded = {answers->occluded, 0, 0}};
     mlrt_trace_options with_query = *options;
     if (is_any(task->kind)) with_query.query = MLRT_QUERY_ANY;
-    return library->trace_packet(tree, &rays, &with_query, &hits);
+    int32_t status = library->trace_packet(tree, &rays, &with_query, &hits);
+    if (status == MLRT_ERROR_STRUCT_SIZE && task->shared_origins) {
+        rays = rays_of(task, 0);
+        status = library->trace_packet(tree, &rays, &with_query, &hits);
+    }
+    return status;
 }
 
 int32_t run_library(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,

@@ -79,6 +79,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
 {
     const uint32_t most = mlrt_bvh_quad_count(child) ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
     uint32_t lanes[MLRT_BUNDLE_PACKETS], count = 0;
+    if (!(fabsf(box->from) <= MLRT_SAFE_MAX && fabsf(box->to) <= MLRT_SAFE_MAX)) return 0; /* 0 * inf is no number */
     for (uint32_t left = met; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         struct checked_lanes directions;
