@@ -40,7 +40,7 @@
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
-OPTIMIZE ?= -O3
+OPTIMIZE ?= -O2
 SAN      ?=
 RENAME   ?=
 V        ?=

@@ -50,7 +50,7 @@ HEAD = """\
 /*
  * mlrt, the whole library in one file, written by src/amalgamate.py: change the files it was made of instead.
  *
- *     cc -O3 -c mlrt.c         gcc or clang; on 32-bit x86 with -msse2 -mfpmath=sse; programs link with -lm -pthread
+ *     cc -O2 -c mlrt.c         gcc or clang; on 32-bit x86 with -msse2 -mfpmath=sse; programs link with -lm -pthread
  *
  * A DLL: -shared -DMLRT_BUILD_DLL. With a gcc for Windows that does not align the stack for AVX (GCC bug 54412; those
  * of Debian and MSYS2 do without) add -Wa,-muse-unaligned-vector-move.

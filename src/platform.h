@@ -29,7 +29,11 @@
 #endif
 
 #if defined(__GNUC__)
-#define MLRT_INLINE              static inline __attribute__((always_inline, unused))
+#if defined(MLRT_COUNTING) /* counting kernels may be slow, and should be small: 40 kB of 100 less */
+#define MLRT_INLINE static inline __attribute__((unused))
+#else
+#define MLRT_INLINE static inline __attribute__((always_inline, unused))
+#endif
 #define MLRT_NOINLINE            __attribute__((noinline))
 #define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
 #define MLRT_LIKELY(condition)   __builtin_expect(!!(condition), 1)

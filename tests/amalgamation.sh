@@ -20,7 +20,7 @@ fail() {
     exit 1
 }
 
-"$@" -O3 -Wall -Wextra -Werror -c "$folder/mlrt.c" -o "$object"
+"$@" -O2 -Wall -Wextra -Werror -c "$folder/mlrt.c" -o "$object"
 
 # The functions of the interface, and nothing else but the compiler's own.
 cat src/*.c | sed -n 's/^MLRT_API .*[ *]\(mlrt_[a-z0-9_]*\)(.*/\1/p' | sort >"$folder/$name.public"
@@ -35,7 +35,7 @@ fused_in() {
 }
 fused=$(fused_in "$object")
 if [ "$fused" != 0 ]; then
-    "$@" -O3 -ffp-contract=off -c "$folder/mlrt.c" -o "$folder/$name-off.o"
+    "$@" -O2 -ffp-contract=off -c "$folder/mlrt.c" -o "$folder/$name-off.o"
     meant=$(fused_in "$folder/$name-off.o")
     [ "$fused" = "$meant" ] || fail "$fused fused multiply-adds, of which $meant are meant"
 fi

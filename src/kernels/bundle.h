@@ -86,6 +86,7 @@ struct ray_sample {
 static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float unit, struct ray_sample *sample)
 {
     float largest = 0;
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         sample->origin[k] = (packet->has_apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
         sample->direction[k] = packet->direction[k][lane];
@@ -131,6 +132,7 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
         const float depth = (samples[i].origin[a] - from->point[a]) * from->sign;
         if (!(pace > 0)) continue;
         taken += 1;
+        MLRT_UNROLL
         for (int side = 0; side < 2; ++side) {
             const int j = mlrt_slope_axis(a, side);
             const float s = samples[i].direction[j] * scale, x = samples[i].origin[j] - from->point[j] - s * depth;
@@ -145,6 +147,7 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
     of->slope_slope *= share;
     of->slope_place *= share;
     of->place_place *= share;
+    MLRT_UNROLL
     for (int side = 0; side < 2; ++side) {
         of->slope[side] *= share;
         of->place[side] *= share;
@@ -171,6 +174,7 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     memcpy(waist->point, samples[0].origin, sizeof waist->point);
     int is_apex = 1;
     for (uint32_t i = 1; i < count; ++i) {
+        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) is_apex &= samples[i].origin[k] == waist->point[k];
     }
     if (is_apex) return 1;
@@ -193,7 +197,9 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     }
     float step[3];
     step[a] = waist->sign * depth;
+    MLRT_UNROLL
     for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.place[side] + of.slope[side] * depth;
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) { /* where odd samples overflow it is the first one's origin */
         if (fabsf(waist->point[k] + step[k]) <= MLRT_SAFE_MAX) waist->point[k] += step[k];
     }
@@ -221,6 +227,7 @@ static MLRT_NOINLINE void update_last_depths(struct bundle *bundle, uint32_t pla
     while (places) {
         uint32_t place[4];
         vf depths[4];
+        MLRT_UNROLL
         for (int i = 0; i < 4; ++i) {
             place[i] = mlrt_lowest_bit(places);
             if (places & (places - 1)) places &= places - 1;
@@ -229,6 +236,7 @@ static MLRT_NOINLINE void update_last_depths(struct bundle *bundle, uint32_t pla
         if (place[3] == mlrt_lowest_bit(places)) places = 0;
         MLRT_ALIGNED(16) float least[4];
         f4_store(least, v_hmin4(depths[0], depths[1], depths[2], depths[3]));
+        MLRT_UNROLL
         for (int i = 0; i < 4; ++i) {
             const float depth = -least[i];
             const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place[i]]) + HULL_FLOOR);
@@ -249,6 +257,7 @@ struct packet_extremes {
 
 MLRT_INLINE void begin_extremes(struct packet_extremes *of)
 {
+    MLRT_UNROLL
     for (int i = 0; i < MLRT_RAY_TERMS; ++i) of->term[i] = NO_EXTREMES;
     of->first = of->negated_last = of->negated_away = of->negated_core_first = of->core_last = v_set1(INFINITY);
 }
@@ -278,6 +287,7 @@ MLRT_INLINE void keep_extremes(const struct packet_extremes *of, uint32_t place,
     f4_store(least, v_hmin4(of->term[0].least, of->term[1].least, of->term[2].least, of->term[3].least));
     f4_store(least + 4, v_hmin4(of->term[0].negated, of->term[1].negated, of->term[2].negated, of->term[3].negated));
     f4_store(least + 8, v_hmin4(of->term[4].least, of->term[4].negated, of->first, of->negated_last));
+    MLRT_UNROLL
     for (int i = 0; i < 4; ++i) {
         hulls->term[i].lo[place] = least[i];
         hulls->term[i].hi[place] = -least[4 + i];
@@ -316,11 +326,13 @@ MLRT_INLINE int starts_at_waist(const struct bundle *bundle, struct mlrt_packet 
 {
     float apex[3];
     vm same = m_from_bits(ALL_LANES);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         apex[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][0];
         if (apex[k] * bundle->unit != bundle->waist.point[k] || bundle->waist.point[k] / bundle->unit != apex[k]) return 0;
     }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(origin_component(packet, k, v), v_set1(apex[k])));
     }
     if (m_bits(same) != ALL_LANES) return 0;
@@ -356,6 +368,7 @@ MLRT_INLINE uint32_t set_bundle_rays_by(struct bundle *bundle, uint32_t place, i
         const vf t_max = v_load(packet->t_max + v);
         const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero); /* zero where it is no number */
         vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
+        MLRT_UNROLL
         for (int k = 0; has_places && k < 3; ++k) {
             const vf given_origin = origin_component(packet, axis[k], v), origin = v_mul(given_origin, unit);
             const vf difference = v_sub(v_set1(bundle->waist.point[axis[k]]), origin);
@@ -365,6 +378,7 @@ MLRT_INLINE uint32_t set_bundle_rays_by(struct bundle *bundle, uint32_t place, i
             v_store(rays->to_waist[k] + v, to_waist[k]);
         }
         if (!has_places) v_store(rays->to_waist[0] + v, zero);
+        MLRT_UNROLL
         for (int side = 0; side < 2; ++side) {
             const vf across = v_load(packet->direction[axis[1 + side]] + v), slope = v_div(across, given_pace);
             fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
@@ -440,6 +454,7 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
     const vf away = v_load(hulls->away + v), one = v_set1(1), inf = v_set1(INFINITY), none = v_set1(-INFINITY);
     const int term_count = MLRT_RAY_TERMS;
     vf reach = one, largest = v_set1(0);
+    MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
         const vf size = v_max(v_abs(lo), v_abs(hi)), middle = v_mul(v_add(lo, hi), v_set1(0.5f));
@@ -452,6 +467,7 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
     const vf error = v_mul_add(v_mul(reach, away), v_set1(PLACE_ERROR), v_set1(PLACE_FLOOR));
     v_store(hulls->reach + v, reach);
     v_store(hulls->blur + v, v_mul_add(largest, v_set1(BLUR_OF_PLACE), error));
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
         const vf floor = v_set1(HULL_FLOOR), blur = v_add(error, floor);
@@ -471,6 +487,7 @@ static MLRT_NOINLINE void sum_up_hulls(struct bundle *bundle)
     struct extremes slope[2] = {NO_EXTREMES, NO_EXTREMES}, place[2] = {NO_EXTREMES, NO_EXTREMES};
     vf first = v_set1(INFINITY), last = v_set1(-INFINITY);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             slope[i].least = v_min(v_load(hulls->slope[i].lo + v), slope[i].least);
             slope[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->slope[i].hi + v)), slope[i].negated);
@@ -482,8 +499,10 @@ static MLRT_NOINLINE void sum_up_hulls(struct bundle *bundle)
     }
     MLRT_ALIGNED(16) float least[4];
     f4_store(least, v_hmin4(slope[0].least, slope[1].least, slope[0].negated, slope[1].negated));
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) whole->slope_lo[i] = least[i], whole->slope_hi[i] = -least[2 + i];
     f4_store(least, v_hmin4(place[0].least, place[1].least, place[0].negated, place[1].negated));
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         whole->place_lo[i] = least[i];
         whole->place_hi[i] = -least[2 + i];
@@ -506,6 +525,7 @@ static void leave_bundle(struct bundle *bundle, uint32_t place)
     bundle->going &= ~(1u << place);
     hulls->first[place] = INFINITY;
     hulls->last[place] = -INFINITY;
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         hulls->slope[i].lo[place] = hulls->place[i].lo[place] = INFINITY;
         hulls->slope[i].hi[place] = hulls->place[i].hi[place] = -INFINITY;
@@ -544,6 +564,7 @@ MLRT_INLINE uint32_t bundle_children_met(const struct bundle *bundle, const stru
         const vf from = v_max(v_flip(v_sub(v_load(enter + v), w), sign), v_set1(whole->first));
         const vf to = v_min(v_flip(v_sub(v_load(exit + v), w), sign), v_set1(whole->last));
         vm may = v_le(from, to);
+        MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const int j = mlrt_slope_axis(a, i);
             const vf lo = v_set1(whole->slope_lo[i]), hi = v_set1(whole->slope_hi[i]);
@@ -573,6 +594,7 @@ MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlr
     const float below = node->lo[a][place] - waist->point[a], above = node->hi[a][place] - waist->point[a];
     box->from = waist->sign > 0 ? below : -above;
     box->to = waist->sign > 0 ? above : -below;
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         const int j = mlrt_slope_axis(a, i);
         box->lo[i] = node->lo[j][place] - waist->point[j];
@@ -589,6 +611,7 @@ MLRT_INLINE uint32_t packets_met(const struct bundle *bundle, const struct box_o
         const vf from = v_max(v_set1(box->from), v_load(hulls->first + v));
         const vf to = v_min(v_set1(box->to), v_load(hulls->last + v));
         vm may = v_le(from, to);
+        MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_load(hulls->slope[i].lo + v), hi = v_load(hulls->slope[i].hi + v);
             const vf place_lo = has_places ? v_load(hulls->place[i].lo + v) : lo;
@@ -608,6 +631,7 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct bundle *bundle, uint32_t p
     const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const float deepest = larger_of(fabsf(hulls->first[place]), fabsf(hulls->last[place]));
     float far = 0;
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         far = larger_of(larger_of(fabsf(hulls->place[i].lo[place]), fabsf(hulls->place[i].hi[place])), far);
     }
@@ -620,6 +644,7 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct bundle *bundle, uint32_t p
         const vf from = v_max(v_set1(box->from), v_set1(hulls->first[place]));
         const vf to = v_min(v_min(v_set1(box->to), v_set1(hulls->last[place])), moved);
         vm may = v_le(from, to);
+        MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v);
             const vf x = bundle->has_places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);

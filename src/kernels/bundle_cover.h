@@ -48,6 +48,7 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
         error = v_set1(2 * DISTANCE_ERROR * leaf->away[triangle] + 2 * DISTANCE_FLOOR);
         error = v_mul_add(v_load(hulls->blur + v), v_set1(has_places ? 8 : 0), error);
     }
+    MLRT_UNROLL
     for (int i = 0; has_places && i < 2; ++i) {
         const vf n = v_set1(leaf->normal[1 + i][triangle]);
         middle = v_sub(middle, v_mul(n, v_load(hulls->middle[MLRT_PLACE_J + i] + v)));
@@ -137,7 +138,7 @@ MLRT_INLINE uint32_t passing_lanes(const struct mlrt_packet *packet, uint32_t nu
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
  */
-MLRT_INLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct bundle *bundle,
+MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct bundle *bundle,
                                       const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among,
                                       int has_places)
 {
@@ -180,4 +181,11 @@ MLRT_INLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct bundle 
         leave_bundle(bundle, place);
     }
     return may;
+}
+
+static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct bundle *bundle,
+                                               const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among)
+{
+    return bundle->has_places ? offer_to_packets_by(job, bundle, leaf, triangle, among, 1)
+                              : offer_to_packets_by(job, bundle, leaf, triangle, among, 0);
 }

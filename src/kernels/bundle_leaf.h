@@ -62,9 +62,11 @@ MLRT_INLINE void load_bundle_corners(const struct mlrt_waist *waist, const float
                                      struct bundle_corners *of)
 {
     const vf sign = v_set1(waist->sign);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int axis = (waist->main_axis + k) % 3;
         const vf w = v_set1(waist->point[axis]);
+        MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
             const vf c = v_load_any(corners + (uint32_t)(3 * i + axis) * row + v);
             of->from[i][k] = k == 0 ? v_flip(c, sign) : c;
@@ -77,6 +79,7 @@ MLRT_INLINE void load_bundle_corners(const struct mlrt_waist *waist, const float
 MLRT_INLINE vf cross_with_size(const vf p[3], const vf q[3], vf least, vf cross[3])
 {
     vf size[3];
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         const vf second = v_mul(p[j], q[i]);
@@ -91,12 +94,15 @@ static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corn
                                                struct mlrt_bundle_leaf *leaf)
 {
     vf g[3][3], steepness = v_set1(0);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vf a = corners->to[0][k], b = corners->to[1][k], c = corners->to[2][k];
         v_store(leaf->lo[k] + v, v_min(v_min(a, b), c));
         v_store(leaf->hi[k] + v, v_max(v_max(a, b), c));
+        MLRT_UNROLL
         for (int i = 0; i < 3; ++i) g[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
     }
+    MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         vf cross[3];
         const vf length = v_add(v_add(v_abs(g[i][0]), v_abs(g[i][1])), v_abs(g[i][2]));
@@ -114,6 +120,7 @@ static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corn
     v_store(leaf->steepness + v, steepness);
     vf normal[3];
     const vf scale = v_div(v_set1(1), cross_with_size(g[2], g[0], v_set1(SMALLEST_SIZE), normal));
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         normal[k] = v_mul(normal[k], scale);
         v_store(leaf->normal[k] + v, normal[k]);
@@ -131,6 +138,7 @@ MLRT_INLINE float float_or_infinity(double a)
 /* A cross product, and the size it is divided by, as above. */
 static double cross_doubles_with_size(const double p[3], const double q[3], double least, double cross[3], double size[3])
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         cross[k] = p[i] * q[j] - p[j] * q[i];
@@ -151,9 +159,11 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
 {
     const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
     double to[3][3], g[3][3], cross[3], size[3], steepness = 0, distance = 0, error = 0;
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int axis = (waist->main_axis + k) % 3;
         const double flip = k == 0 ? (double)waist->sign : 1, unit = tree->bvh.unit * flip;
+        MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
             to[i][k] = triangle->v[i][axis] * unit - flip * waist->point[axis];
             g[i][k] = ((double)triangle->v[(i + 1) % 3][axis] - triangle->v[i][axis]) * unit;
@@ -161,6 +171,7 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
         leaf->lo[k][place] = mlrt_low_bound(fmin(fmin(to[0][k], to[1][k]), to[2][k]));
         leaf->hi[k][place] = -mlrt_low_bound(-fmax(fmax(to[0][k], to[1][k]), to[2][k]));
     }
+    MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         const double length = fabs(g[i][0]) + fabs(g[i][1]) + fabs(g[i][2]);
         const double scale = 1 / cross_doubles_with_size(to[i], g[i], length * 0x1p-20, cross, size);
@@ -174,6 +185,7 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
     }
     leaf->steepness[place] = (float)(steepness * (1 + 0x1p-22));
     const double scale = 1 / cross_doubles_with_size(g[2], g[0], 0, cross, size);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         leaf->normal[k][place] = (float)(cross[k] * scale);
         distance += to[0][k] * (cross[k] * scale);
@@ -240,6 +252,7 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, float fi
         if (!(among >> v & ALL_LANES)) continue;
         const vf from = v_max(v_load(leaf->lo[0] + v), v_set1(first)), to = v_min(v_load(leaf->hi[0] + v), v_set1(last));
         vm may = v_le(from, to);
+        MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_set1(slope_lo[i]), hi = v_set1(slope_hi[i]);
             const vf upper = upper_place(from, to, lo, hi, v_set1(place_hi[i]), has_places);
@@ -287,6 +300,7 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct bundle *bundle, const s
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(among >> v & ALL_LANES)) continue;
         vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), least, greatest;
+        MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
             bound_over_hull(hulls, place, leaf->edge_constant[i] + v,
                             (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->edge[i][0] + v), term_count, &least, &greatest);
@@ -346,8 +360,10 @@ struct bundle_vector {
 MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet, int has_places,
                                     int v, struct bundle_vector *of)
 {
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) of->slope[i] = v_load(rays->term[i] + v);
-    for (int i = 0; has_places && i < 3; ++i) of->to_waist[i] = v_load(rays->to_waist[i] + v);
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) of->to_waist[i] = has_places ? v_load(rays->to_waist[i] + v) : v_set1(0);
     of->least_n = v_load(rays->lo + v);
     of->greatest_n = v_load(rays->hi + v);
     of->least_d = of->greatest_d = v_set1(1);
@@ -390,6 +406,7 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
         const vf hi = v_add(v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK)), floor);
         v_store(packet->lo + v, v_select(none, t_max, lo));
         v_store(packet->hi + v, v_select(none, t_max, hi));
+        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
     }
 }
@@ -432,7 +449,9 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
                                     struct bundle_vector *of)
 {
     vf n = v_set1(leaf->distance[triangle]), d = v_set1(leaf->normal[0][triangle]);
+    MLRT_UNROLL
     for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(leaf->normal[1 + i][triangle]), of->slope[i], d);
+    MLRT_UNROLL
     for (int i = 0; has_places && i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), of->to_waist[i], n);
     const float error = DISTANCE_ERROR * (leaf->away[triangle] + bounds->away) + DISTANCE_FLOOR;
     const vf size = v_abs(d), distance = v_flip(n, d), width = bounds->width;
@@ -473,6 +492,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     vf term[MLRT_RAY_TERMS];
     uint32_t met = 0, decided = 0;
     const vm active = m_from_bits(packet->active >> v);
+    MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) term[i] = v_select(active, v_load(rays->term[i] + v), v_set1(NAN));
     for (uint32_t left = triangles; left; left &= left - 1) {
         const uint32_t triangle = mlrt_lowest_bit(left);

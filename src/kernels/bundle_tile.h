@@ -98,7 +98,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
 }
 
 /* Of the triangles of a leaf that the bundle may hit, those that a packet may. */
-MLRT_INLINE uint32_t cut_triangles(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t place,
+MLRT_INLINE uint32_t cut_triangles_by(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t place,
                                    int has_places, uint32_t seen)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -111,6 +111,13 @@ MLRT_INLINE uint32_t cut_triangles(const struct bundle *bundle, const struct mlr
     return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
 }
 
+static MLRT_NOINLINE uint32_t cut_triangles(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                            uint32_t place, uint32_t seen)
+{
+    return bundle->has_places ? cut_triangles_by(bundle, leaf, place, 1, seen)
+                              : cut_triangles_by(bundle, leaf, place, 0, seen);
+}
+
 /* Is the set-up of a leaf there? */
 MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, uint32_t child)
 {
@@ -118,10 +125,9 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, uint32_t 
 }
 
 static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
-                                          const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
-                                          int has_places)
+                                          const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place)
 {
-    const uint32_t changed = has_places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
+    const uint32_t changed = bundle->has_places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
                                         : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
     if (changed) update_bundle(bundle, place, changed, job->any);
     if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS) && bundle->going >> place & 1) {
@@ -142,26 +148,27 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
         uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;
         for (uint32_t left = seen; left && met; left &= left - 1) {
             const uint32_t among = met & bundle->going, bit = left & (0u - left);
-            uint32_t may = offer_to_packets(job, bundle, leaf, mlrt_lowest_bit(left), among, has_places);
+            uint32_t may = offer_to_packets(job, bundle, leaf, mlrt_lowest_bit(left), among);
             for (listed |= may; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= bit;
         }
         for (; listed; listed &= listed - 1) {
             const uint32_t place = mlrt_lowest_bit(listed);
-            visit_by_packet(job, worker, bundle, leaf, lists[place], place, has_places);
+            visit_by_packet(job, worker, bundle, leaf, lists[place], place);
         }
     } else {
         for (; met; met &= met - 1) {
             const uint32_t place = mlrt_lowest_bit(met);
-            const uint32_t triangles = cut_triangles(bundle, leaf, place, has_places, seen);
-            if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place, has_places);
+            const uint32_t triangles = cut_triangles(bundle, leaf, place, seen);
+            if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
         }
     }
     settle_bundle(bundle);
 }
 
-MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
-                                    int has_places)
+/* Takes a bundle down the hierarchy. */
+static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle)
 {
+    const int has_places = bundle->has_places;
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
@@ -198,15 +205,6 @@ MLRT_INLINE void traverse_bundle_by(const struct mlrt_job *job, struct mlrt_work
             visit_leaf_of_bundle(job, worker, bundle, child, met, has_places);
             if (MLRT_UNLIKELY(mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP)) return;
         }
-    }
-}
-
-static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle)
-{
-    if (bundle->has_places) {
-        traverse_bundle_by(job, worker, bundle, 1);
-    } else {
-        traverse_bundle_by(job, worker, bundle, 0);
     }
 }
 

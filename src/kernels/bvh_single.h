@@ -77,6 +77,7 @@ struct single_ray {
 
 MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct reciprocals *reciprocals)
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             const vf r = v_div(v_set1(1), v_load(packet->direction[k] + v));
@@ -90,6 +91,7 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct r
                                 struct single_ray *ray)
 {
     float reach = 0;
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const float d = packet->direction[k][lane];
         const uint32_t lo = (uint32_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
@@ -117,6 +119,7 @@ MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         vf first = ray->t_min, last = v_set1(limit);
+        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
             const vf to_near = v_sub(v_load(planes + ray->near_row[k] + v), ray->origin[k]);
             const vf to_far = v_sub(v_load(planes + ray->far_row[k] + v), ray->origin[k]);
@@ -220,6 +223,7 @@ MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corn
                                  struct float_test *test)
 {
     vf s[3], f[3], g[3];
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vf a = v_load_any(corners + (uint32_t)k * stride);
         s[k] = v_sub(ray->origin[k], a);
@@ -385,6 +389,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
     struct scaled_packet scaled;
     struct mlrt_packet *rays = &packet;
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         packet.origin[k][0] = segment->origin[k];
         packet.direction[k][0] = segment->direction[k];
@@ -403,6 +408,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     worker.scaled = NULL;
     if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) {
         for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
+            MLRT_UNROLL
             for (int k = 0; k < 3; ++k) {
                 packet.origin[k][lane] = packet.origin[k][0];
                 packet.direction[k][lane] = packet.direction[k][0];
@@ -416,6 +422,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
         worker.scaled = &scaled;
         rays = &scaled.rays;
     }
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const float r = 1 / rays->direction[k][0];
         reciprocals.near[k][0] = r * (1 - RECIPROCAL_SLACK);

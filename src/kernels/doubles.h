@@ -7,6 +7,7 @@
 
 MLRT_INLINE void cross_product_of_doubles(const vd a[3], const vd b[3], vd cross[3])
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         cross[k] = d_sub(d_mul(a[i], b[j]), d_mul(a[j], b[i]));

@@ -47,6 +47,7 @@ static MLRT_NOINLINE void begin_lanes(const struct mlrt_packet *packet, uint32_t
     search->count = 0;
     search->agree = 1;
     search->least_t_min = lowest(packet->t_min, lanes);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         uint32_t negative = 0, zero = 0;
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -73,6 +74,7 @@ MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const str
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         vf first = v_set1(search->least_t_min), last = v_set1(farthest);
+        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
             const int down = search->negative[k] != 0;
             const vf lo = v_set1(search->reciprocal_lo[k]), hi = v_set1(search->reciprocal_hi[k]);
@@ -96,6 +98,7 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     vf nearest = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf first = v_load(packet->t_min + v), last = v_min(v_load(packet->hi + v), v_set1(FLT_MAX));
+        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
             const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
             const vm down = m_from_bits(search->negative[k] >> v);
@@ -143,6 +146,7 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
         if (!(lanes >> v & ALL_LANES)) continue;
         const vm active = concerned_rays(packet, lanes, number, v);
         vf s[3], f[3], g[3], d[3], reach = v_set1(0);
+        MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
             const float a = corners[k * row];
             s[k] = v_sub(origin_component(packet, (int)k, v), v_set1(a));

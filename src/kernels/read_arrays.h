@@ -57,6 +57,7 @@ static void read_whole_block(const struct array_reader *reader, uint32_t x, uint
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf point[3], direction[3];
         v_triples_at(points, reader->points.of + v, point);
+        MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
             const vf light = v_set1(source->light[k]);
             if (is_point) point[k] = v_sub(point[k], light);
@@ -65,6 +66,7 @@ static void read_whole_block(const struct array_reader *reader, uint32_t x, uint
         }
         if (is_rays) {
             v_triples_at(directions, reader->directions.of + v, direction);
+            MLRT_UNROLL
             for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, direction[k]);
         }
         v_store(packet->t_min + v, t_min != points ? v_floats_at(t_min, reader->t_min.of + v) : v_set1(0));

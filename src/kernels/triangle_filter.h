@@ -63,6 +63,7 @@
 
 MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3])
 {
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         cross[k] = v_mul_sub(first[i], second[j], v_mul(first[j], second[i]));
@@ -81,6 +82,7 @@ MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_
     if (MLRT_GUESS) return;
     const uint32_t a = main_axis, j = (a + 1) % 3, l = (a + 2) % 3;
     vf reach[3], length[3];
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         length[k] = v_abs(edge[k]);
         reach[k] = v_max(v_abs(sum[k]), length[k]);
@@ -89,6 +91,7 @@ MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_
     const vf others = v_add(v_mul(reach[a], v_add(length[j], length[l])), v_mul(length[a], v_add(reach[j], reach[l])));
     const vf size = v_add(main, v_mul(others, v_set1(0.5f)));
     const vf scale = v_div(v_set1(1), v_max(size, v_set1(SMALLEST_SIZE)));
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) cross[k] = v_mul(cross[k], scale);
 }
 
