@@ -121,7 +121,6 @@ struct mlrt_known_plane {
 #define MLRT_FEW_PAIR_BITS    4
 
 /* What one worker has to itself, in cache lines of its own. */
-struct scaled_packet; /* kernels/units.h */
 
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
@@ -150,7 +149,7 @@ struct mlrt_worker {
     uint64_t environment;           /* floating-point environment of the caller */
     double pixels_told;             /* of the current item */
     uint32_t slow_steps;
-    struct scaled_packet *scaled;   /* whose rays go alone, in units; else NULL */
+    struct mlrt_scaled_packet *scaled;   /* whose rays go alone, in units; else NULL */
     int stopped; /* the call is to end */
 };
 

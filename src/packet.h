@@ -40,6 +40,19 @@ struct mlrt_packet {
     int has_masks;                  /* 0 = the rays see all, or the kernel takes care of the one mask that they have */
 };
 
+/* What brings rays into the units of boxes (kernels/units.h) besides the unit, lane by lane: powers of two. */
+struct mlrt_ray_scales {
+    MLRT_ALIGNED(64) float direction[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float time[MLRT_PACKET_RAYS]; /* t in units is t as given times this */
+    MLRT_ALIGNED(64) float inverse_time[MLRT_PACKET_RAYS];
+};
+
+struct mlrt_scaled_packet {
+    struct mlrt_packet rays;   /* in units */
+    struct mlrt_packet *given; /* whose they are */
+    struct mlrt_ray_scales scales;
+};
+
 static const MLRT_ALIGNED(64) float mlrt_lane_x[MLRT_PACKET_RAYS] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
 static const MLRT_ALIGNED(64) float mlrt_lane_y[MLRT_PACKET_RAYS] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
 

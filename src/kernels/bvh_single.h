@@ -368,7 +368,7 @@ static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lan
         trace_singles_in_units(job, lanes, packet, worker, child);
         return;
     }
-    struct scaled_packet scaled;
+    struct mlrt_scaled_packet scaled;
     const uint32_t carried = scale_packet(lanes, unit, packet, &scaled);
     worker->scaled = &scaled;
     trace_singles_in_units(job, carried, &scaled.rays, worker, child);
@@ -387,7 +387,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     struct mlrt_known_plane plane;
     struct mlrt_triangle_pair pairs[4];
     if (job->tree->bvh.node_count == 0) return MLRT_NONE;
-    struct scaled_packet scaled;
+    struct mlrt_scaled_packet scaled;
     struct mlrt_packet *rays = &packet;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {

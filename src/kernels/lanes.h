@@ -268,7 +268,7 @@ static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes
         trace_lanes_in_units(job, lanes, packet, worker);
         return;
     }
-    struct scaled_packet scaled;
+    struct mlrt_scaled_packet scaled;
     const uint32_t carried = scale_packet(lanes, unit, packet, &scaled);
     worker->scaled = &scaled;
     if (carried) trace_lanes_in_units(job, carried, &scaled.rays, worker);

@@ -6,19 +6,6 @@
  * they were given.
  */
 
-/* What brings rays into units besides the unit, lane by lane: powers of two. */
-struct ray_scales {
-    MLRT_ALIGNED(64) float direction[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float time[MLRT_PACKET_RAYS]; /* t in units is t as given times this */
-    MLRT_ALIGNED(64) float inverse_time[MLRT_PACKET_RAYS];
-};
-
-struct scaled_packet {
-    struct mlrt_packet rays;   /* in units */
-    struct mlrt_packet *given; /* whose they are */
-    struct ray_scales scales;
-};
-
 MLRT_INLINE float power_of_two(uint32_t exponent_bits)
 {
     const uint32_t bits = exponent_bits << 23;
@@ -34,7 +21,7 @@ MLRT_INLINE int is_normal_exponent(uint32_t exponent_bits)
 }
 
 /* Finds the powers of two for rays of a packet; returns the lanes that have them. */
-static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, float unit, struct ray_scales *scales)
+static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, float unit, struct mlrt_ray_scales *scales)
 {
     uint32_t found = 0, unit_bits;
     memcpy(&unit_bits, &unit, sizeof unit_bits);
@@ -57,7 +44,7 @@ static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, fl
 
 /* Finds how rays of a packet are brought into units. Returns the lanes that float carries there, exactly. */
 static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, uint32_t lanes, float unit,
-                                              struct ray_scales *scales)
+                                              struct mlrt_ray_scales *scales)
 {
     const vf scale = v_set1(unit), inverse = v_set1(1 / unit), zero = v_set1(0);
     uint32_t carried = find_powers(packet, lanes, unit, scales);
@@ -79,7 +66,7 @@ static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, 
 /* Rule R1 (hit.h) says which rays of `lanes` can hit something; those that float carries in units remain active. */
 static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, struct mlrt_packet *packet)
 {
-    struct ray_scales scales;
+    struct mlrt_ray_scales scales;
     check_packet(lanes, packet);
     const uint32_t valid = packet->active | packet->single;
     packet->active = find_ray_scales(packet, valid, unit, &scales);
@@ -87,7 +74,7 @@ static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, stru
 }
 
 /* Brings the nearest hit of a lane into units. */
-static void scale_nearest(struct scaled_packet *scaled, uint32_t lane)
+static void scale_nearest(struct mlrt_scaled_packet *scaled, uint32_t lane)
 {
     scaled->rays.triangle[lane] = scaled->given->triangle[lane];
     scaled->rays.lo[lane] = mlrt_float_down(scaled->given->lo[lane] * (double)scaled->scales.time[lane]);
@@ -95,7 +82,7 @@ static void scale_nearest(struct scaled_packet *scaled, uint32_t lane)
 }
 
 /* Brings it back. */
-static void unscale_nearest(const struct scaled_packet *scaled, uint32_t lane)
+static void unscale_nearest(const struct mlrt_scaled_packet *scaled, uint32_t lane)
 {
     struct mlrt_packet *given = scaled->given;
     given->triangle[lane] = scaled->rays.triangle[lane];
@@ -106,7 +93,7 @@ static void unscale_nearest(const struct scaled_packet *scaled, uint32_t lane)
 /* Copies rays of a packet. Returns those of `lanes` that float carries in units. What underflow may change of t_min and
  * hi is less than 2^-126, and what they have to spare is nothing beside DISTANCE_FLOOR. */
 static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct mlrt_packet *packet,
-                                           struct scaled_packet *scaled)
+                                           struct mlrt_scaled_packet *scaled)
 {
     const uint32_t carried = find_ray_scales(packet, lanes, unit, &scaled->scales);
     struct mlrt_packet *rays = &scaled->rays;
@@ -128,7 +115,7 @@ static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct ml
 }
 
 /* Takes over what lanes hit nearer than before. Where nothing was, the bounds remain those that were given. */
-static MLRT_NOINLINE void take_scaled_hits(const struct scaled_packet *scaled, uint32_t lanes)
+static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scaled, uint32_t lanes)
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
@@ -137,7 +124,7 @@ static MLRT_NOINLINE void take_scaled_hits(const struct scaled_packet *scaled, u
 }
 
 /* After lanes were decided as they were given. */
-static void hear_nearest(struct scaled_packet *scaled, uint32_t lanes, uint32_t nearer)
+static void hear_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, uint32_t nearer)
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
@@ -151,7 +138,7 @@ static MLRT_NOINLINE uint32_t decide_scaled_lanes(const struct mlrt_job *job, ui
                                                   uint32_t inside, struct mlrt_packet *packet,
                                                   struct mlrt_worker *worker)
 {
-    struct scaled_packet *scaled = worker->scaled;
+    struct mlrt_scaled_packet *scaled = worker->scaled;
     if (MLRT_LIKELY(!scaled)) return decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     take_scaled_hits(scaled, lanes);
     const uint32_t nearer = decide_lanes(job->tree, number, lanes, inside, scaled->given, worker, COUNTERS(worker));
@@ -200,7 +187,7 @@ static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, con
                                                  uint32_t undecided, uint32_t inside, uint32_t lane,
                                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    struct scaled_packet *scaled = worker->scaled;
+    struct mlrt_scaled_packet *scaled = worker->scaled;
     if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, lane, packet, worker);
     take_scaled_hits(scaled, 1u << lane);
     const int changed = decide_triangles(job, numbers, undecided, inside, lane, scaled->given, worker);
