@@ -442,20 +442,6 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
     }
 }
 
-/* Two pairs are a quad. */
-int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first)
-{
-    const uint32_t *pairs = (const uint32_t *)source->skip.data + 2 * first;
-    const uint32_t repeated[4] = {pairs[0], pairs[1], pairs[0], pairs[1]};
-    const f4 quad = f4_load_any(repeated);
-    for (int row = 0; row < 16; ++row, pairs += 2 * (size_t)source->width) {
-        f4 same = f4_set1(-1);
-        MLRT_UNROLL
-        for (int i = 0; i < 32; i += 4) same = f4_and_same(same, pairs + i, quad);
-        if (f4_signs(same) != 15) return 0;
-    }
-    return 1;
-}
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {

@@ -82,14 +82,6 @@ static inline int mlrt_is_safe_ray(const struct mlrt_ray_segment *ray)
     return mlrt_are_float_safe(ray->origin) && mlrt_are_float_safe(ray->direction);
 }
 
-/* Have all rays one direction, and origins of their own? Arrays may have, too: that is not known before they are read.
- */
-static inline int mlrt_is_parallel(const struct mlrt_source *source)
-{
-    return source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT ||
-           (source->kind == MLRT_SOURCE_CAMERA && source->view.parallel);
-}
-
 static inline int mlrt_is_pinhole(const struct mlrt_source *source)
 {
     return source->kind == MLRT_SOURCE_CAMERA && !source->view.parallel;
@@ -113,10 +105,6 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 
 /* Gives all rays of a packet the mask that the source has for all. */
 void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet);
-
-/* Do all of 16 x 16 rays of packed arrays, from an element on, pass the same pair of mesh and triangle? Each ray has an
- * element of its own. */
-int mlrt_pass_one_triangle(const struct mlrt_source *source, size_t first);
 
 /* Of the lanes of a block at (x, y), which may be at the end of a list, those that exist. */
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes);

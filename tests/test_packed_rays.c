@@ -448,34 +448,6 @@ static void one_ray_of_a_tile(void **state)
     assert_true(uniform > 300);
 }
 
-/* Each of 256 pairs counts, mesh and triangle, and no other. */
-static void one_pair_of_a_tile(void **state)
-{
-    (void)state;
-    enum { WIDE = 37, HIGH = 19, LEFT = 11, ABOVE = 2, SIDE = 16 };
-    static uint32_t pairs[HIGH][WIDE][2];
-    const struct mlrt_source source = {
-        .kind = MLRT_SOURCE_POINT_LIGHT, .width = WIDE, .height = HIGH, .count = WIDE * HIGH, .skip = {pairs, 8}};
-    const size_t first = ABOVE * WIDE + LEFT;
-    for (uint32_t y = 0; y < HIGH; y++) {
-        for (uint32_t x = 0; x < WIDE; x++) {
-            const int is_inside = x >= LEFT && x < LEFT + SIDE && y >= ABOVE && y < ABOVE + SIDE;
-            pairs[y][x][0] = is_inside ? 3 : 5 + y;
-            pairs[y][x][1] = is_inside ? MLRT_NONE - 1 : x;
-        }
-    }
-    assert_true(mlrt_pass_one_triangle(&source, first));
-    for (uint32_t i = 0; i < 2 * SIDE * SIDE; i++) {
-        uint32_t *word = &pairs[ABOVE + i / 2 / SIDE][LEFT + i / 2 % SIDE][i % 2];
-        for (uint32_t bit = 0; bit < 32; bit += 31) {
-            *word ^= 1u << bit;
-            if (mlrt_pass_one_triangle(&source, first)) fail_msg("bit %u of word %u does not count", bit, i);
-            *word ^= 1u << bit;
-        }
-    }
-    assert_true(mlrt_pass_one_triangle(&source, first));
-}
-
 /* ---- packets ------------------------------------------------------------------------------------------------------
  */
 
@@ -624,7 +596,7 @@ int main(void)
         cmocka_unit_test(some_are_not_parallel),   cmocka_unit_test(directions_that_are_none),
         cmocka_unit_test(points_of_a_light),       cmocka_unit_test(triangles_of_one_place),
         cmocka_unit_test(origins_in_turn),         cmocka_unit_test(one_ray_of_a_tile),
-        cmocka_unit_test(one_pair_of_a_tile),      cmocka_unit_test(packets_are_the_same),
+        cmocka_unit_test(packets_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

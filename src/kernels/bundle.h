@@ -19,8 +19,7 @@
  * they stand for, and u |c| matters only where c is as large as that. Depths where rays begin and end, o'_main + tau,
  * are moved by SLOPE_SLACK (|z| + A).
  *
- * Based on: architecture of the waist: rays relative to the depth where their places vary least; frusta against boxes:
- * I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
+ * Based on, for frusta against boxes: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
  */
 
 #define PLACE_ERROR (4 * 0x1p-24f)

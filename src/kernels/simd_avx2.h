@@ -204,23 +204,7 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
     return _mm256_setr_ps(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7]);
 }
 
-MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
-{
-    const __m256 a = load_halves(p, p + step), b = load_halves(p + 4, p + step + 4);
-    const __m256 c = load_halves(p + 8, p + step + 8);
-    const __m256 yz = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 2, 1));
-    const __m256 xy = _mm256_shuffle_ps(b, c, _MM_SHUFFLE(2, 1, 3, 2));
-    by_axis[0] = squares_of_rows(_mm256_shuffle_ps(a, xy, _MM_SHUFFLE(2, 0, 3, 0)));
-    by_axis[1] = squares_of_rows(_mm256_shuffle_ps(yz, xy, _MM_SHUFFLE(3, 1, 2, 0)));
-    by_axis[2] = squares_of_rows(_mm256_shuffle_ps(yz, c, _MM_SHUFFLE(3, 0, 3, 1)));
-}
 
-MLRT_INLINE void i_pairs(const uint32_t *p, size_t step, vi *firsts, vi *seconds)
-{
-    const __m256 a = _mm256_castsi256_ps(i_load_any(p)), b = _mm256_castsi256_ps(i_load_any(p + step));
-    *firsts = _mm256_castps_si256(_mm256_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)));
-    *seconds = _mm256_castps_si256(_mm256_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)));
-}
 
 MLRT_INLINE vd d_set1(double a)
 {

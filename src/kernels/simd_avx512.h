@@ -201,30 +201,7 @@ MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
                           f[15]);
 }
 
-MLRT_INLINE void v_triples(const float *p, size_t step, vf by_axis[3])
-{
-    /* From two rows, squares of 2x2 lanes: columns 0, 1 of the first and of the second, and columns 2, 3. */
-    const __m512i xy = _mm512_setr_epi32(0, 3, 16, 19, 6, 9, 22, 25, 1, 4, 17, 20, 7, 10, 23, 26);
-    const __m512i z = _mm512_setr_epi32(2, 5, 18, 21, 8, 11, 24, 27, 2, 5, 18, 21, 8, 11, 24, 27);
-    const __m512 a = _mm512_maskz_loadu_ps(0xFFF, p), b = _mm512_maskz_loadu_ps(0xFFF, p + step);
-    const __m512 c = _mm512_maskz_loadu_ps(0xFFF, p + 2 * step), d = _mm512_maskz_loadu_ps(0xFFF, p + 3 * step);
-    const __m512 ab = _mm512_permutex2var_ps(a, xy, b), cd = _mm512_permutex2var_ps(c, xy, d);
-    by_axis[0] = _mm512_shuffle_f32x4(ab, cd, 0x44);
-    by_axis[1] = _mm512_shuffle_f32x4(ab, cd, 0xEE);
-    by_axis[2] = _mm512_shuffle_f32x4(_mm512_permutex2var_ps(a, z, b), _mm512_permutex2var_ps(c, z, d), 0x44);
-}
 
-MLRT_INLINE __m512 load_rows(const uint32_t *low, const uint32_t *high)
-{
-    const __m256i a = _mm256_loadu_si256((const void *)low), b = _mm256_loadu_si256((const void *)high);
-    return _mm512_castsi512_ps(_mm512_inserti64x4(_mm512_castsi256_si512(a), b, 1));
-}
-MLRT_INLINE void i_pairs(const uint32_t *p, size_t step, vi *firsts, vi *seconds)
-{
-    const __m512 a = load_rows(p, p + 2 * step), b = load_rows(p + step, p + 3 * step);
-    *firsts = _mm512_castps_si512(_mm512_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)));
-    *seconds = _mm512_castps_si512(_mm512_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)));
-}
 
 MLRT_INLINE vd d_set1(double a)
 {

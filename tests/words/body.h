@@ -66,18 +66,15 @@ static void run_blocks(const struct word_input *in, struct word_output *out)
     enum { STEP = 13 };
     float rows[3 * STEP + 12];
     for (int i = 0; i < 3 * STEP + 12; ++i) rows[i] = i % 3 == 1 ? in->b[i % 16] : in->a[i % 16] + (float)(i / 16);
-#if VW >= 8
+    size_t offset[WORD_LANES];
+    for (int lane = 0; lane < WORD_LANES; ++lane) {
+        offset[lane] = (size_t)((int)mlrt_lane_y[lane] * STEP + 3 * (int)mlrt_lane_x[lane]) * sizeof *rows;
+    }
     for (int v = 0; v < WORD_LANES; v += VW) {
         vf by_axis[3];
-        v_triples(rows + v / 4 * STEP, STEP, by_axis);
+        v_triples_at((const unsigned char *)rows, offset + v, by_axis);
         for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES + k] + v, by_axis[k]);
     }
-#else
-    for (int lane = 0; lane < WORD_LANES; ++lane) {
-        const float *triple = rows + (int)mlrt_lane_y[lane] * STEP + 3 * (int)mlrt_lane_x[lane];
-        for (int k = 0; k < 3; ++k) out->values[WORD_TRIPLES + k][lane] = triple[k];
-    }
-#endif
 }
 
 static void put_bits(struct word_output *out, int word, int lane, unsigned bits)
