@@ -119,6 +119,24 @@ MLRT_INLINE f4 f4_gather(const float *p, size_t step)
 {
     return _mm_setr_ps(p[0], p[step], p[2 * step], p[3 * step]);
 }
+/* Words of elements, for simd_*.h: four that lie side by side; two of two; one of each of two in two rows. */
+MLRT_INLINE __m128 quad_at(const unsigned char *p)
+{
+    return _mm_loadu_ps((const float *)(const void *)p);
+}
+MLRT_INLINE __m128 pairs_at(const unsigned char *p, size_t step)
+{
+    const __m128 first = _mm_castsi128_ps(_mm_loadl_epi64((const void *)p));
+    return _mm_loadh_pi(first, (const void *)(p + step));
+}
+MLRT_INLINE __m128 square_at(const unsigned char *p, size_t step, size_t row_step)
+{
+    if (step == sizeof(float)) return pairs_at(p, row_step);
+    const __m128 upper = _mm_unpacklo_ps(_mm_load_ss((const void *)p), _mm_load_ss((const void *)(p + step)));
+    p += row_step;
+    return _mm_movelh_ps(upper, _mm_unpacklo_ps(_mm_load_ss((const void *)p), _mm_load_ss((const void *)(p + step))));
+}
+
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {
     f4 xy[4];

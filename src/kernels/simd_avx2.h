@@ -185,26 +185,60 @@ MLRT_INLINE __m128 triple_at(const unsigned char *p)
 {
     return _mm_maskload_ps((const float *)(const void *)p, _mm_setr_epi32(-1, -1, -1, 0));
 }
-MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+/* Eight quads, lane by lane: x of all, y, z and w. */
+MLRT_INLINE void transpose_quads(const __m256 r[4], vf by_word[4])
+{
+    const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpacklo_ps(r[2], r[3]);
+    const __m256 c = _mm256_unpackhi_ps(r[0], r[1]), d = _mm256_unpackhi_ps(r[2], r[3]);
+    by_word[0] = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 1, 0));
+    by_word[1] = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(3, 2, 3, 2));
+    by_word[2] = _mm256_shuffle_ps(c, d, _MM_SHUFFLE(1, 0, 1, 0));
+    by_word[3] = _mm256_shuffle_ps(c, d, _MM_SHUFFLE(3, 2, 3, 2));
+}
+MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_step, vf by_axis[3])
+{
+    __m256 r[4];
+    vf by_word[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i, p += i == 2 ? row_step - step : step) {
+        r[i] = _mm256_setr_m128(triple_at(p), triple_at(p + 2 * step));
+    }
+    transpose_quads(r, by_word);
+    by_axis[0] = by_word[0], by_axis[1] = by_word[1], by_axis[2] = by_word[2];
+}
+MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
 {
     __m256 r[4];
     MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) r[i] = _mm256_setr_m128(triple_at(p + offset[i]), triple_at(p + offset[4 + i]));
-    const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpacklo_ps(r[2], r[3]);
-    by_axis[0] = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 1, 0));
-    by_axis[1] = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(3, 2, 3, 2));
-    by_axis[2] = _mm256_shuffle_ps(_mm256_unpackhi_ps(r[0], r[1]), _mm256_unpackhi_ps(r[2], r[3]),
-                                   _MM_SHUFFLE(1, 0, 1, 0));
+    for (int i = 0; i < 4; ++i, p += i == 2 ? row_step - step : step) {
+        r[i] = _mm256_setr_m128(quad_at(p), quad_at(p + 2 * step));
+    }
+    transpose_quads(r, by_word);
 }
-MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3])
 {
-    float f[8];
-    MLRT_UNROLL
-    for (int i = 0; i < 8; ++i) f[i] = *(const float *)(const void *)(p + offset[i]);
-    return _mm256_setr_ps(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7]);
+    const unsigned char *below = p + row_step;
+    const __m256 a = _mm256_setr_m128(quad_at(p), quad_at(below));
+    const __m256 b = _mm256_setr_m128(quad_at(p + 16), quad_at(below + 16));
+    const __m256 c = _mm256_setr_m128(quad_at(p + 32), quad_at(below + 32));
+    const __m256 yz = _mm256_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 2, 1));
+    const __m256 xy = _mm256_shuffle_ps(b, c, _MM_SHUFFLE(2, 1, 3, 2));
+    by_axis[0] = squares_of_rows(_mm256_shuffle_ps(a, xy, _MM_SHUFFLE(2, 0, 3, 0)));
+    by_axis[1] = squares_of_rows(_mm256_shuffle_ps(yz, xy, _MM_SHUFFLE(3, 1, 2, 0)));
+    by_axis[2] = squares_of_rows(_mm256_shuffle_ps(yz, c, _MM_SHUFFLE(3, 0, 3, 1)));
 }
-
-
+MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
+{
+    return _mm256_setr_m128(square_at(p, step, row_step), square_at(p + 2 * step, step, row_step));
+}
+MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
+{
+    const unsigned char *below = p + row_step;
+    const __m256 upper = _mm256_setr_m128(pairs_at(p, step), pairs_at(p + 2 * step, step));
+    const __m256 lower = _mm256_setr_m128(pairs_at(below, step), pairs_at(below + 2 * step, step));
+    *firsts = _mm256_castps_si256(_mm256_shuffle_ps(upper, lower, _MM_SHUFFLE(2, 0, 2, 0)));
+    *seconds = _mm256_castps_si256(_mm256_shuffle_ps(upper, lower, _MM_SHUFFLE(3, 1, 3, 1)));
+}
 
 MLRT_INLINE vd d_set1(double a)
 {

@@ -177,31 +177,73 @@ MLRT_INLINE __m128 triple_at(const unsigned char *p)
 {
     return _mm_maskload_ps((const float *)(const void *)p, _mm_setr_epi32(-1, -1, -1, 0));
 }
-MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+/* Sixteen quads, lane by lane: x of all, y, z and w. */
+MLRT_INLINE void transpose_quads(const __m512 r[4], vf by_word[4])
+{
+    const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpacklo_ps(r[2], r[3]);
+    const __m512 c = _mm512_unpackhi_ps(r[0], r[1]), d = _mm512_unpackhi_ps(r[2], r[3]);
+    by_word[0] = _mm512_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 1, 0));
+    by_word[1] = _mm512_shuffle_ps(a, b, _MM_SHUFFLE(3, 2, 3, 2));
+    by_word[2] = _mm512_shuffle_ps(c, d, _MM_SHUFFLE(1, 0, 1, 0));
+    by_word[3] = _mm512_shuffle_ps(c, d, _MM_SHUFFLE(3, 2, 3, 2));
+}
+MLRT_INLINE __m512 join_quads(__m128 a, __m128 b, __m128 c, __m128 d)
+{
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_setr_m128(a, b)), _mm256_setr_m128(c, d), 1);
+}
+MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_step, vf by_axis[3])
+{
+    __m512 r[4];
+    vf by_word[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i, p += i == 2 ? row_step - step : step) {
+        const unsigned char *below = p + 2 * row_step;
+        r[i] = join_quads(triple_at(p), triple_at(p + 2 * step), triple_at(below), triple_at(below + 2 * step));
+    }
+    transpose_quads(r, by_word);
+    by_axis[0] = by_word[0], by_axis[1] = by_word[1], by_axis[2] = by_word[2];
+}
+MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
 {
     __m512 r[4];
     MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) {
-        const __m256 low = _mm256_setr_m128(triple_at(p + offset[i]), triple_at(p + offset[4 + i]));
-        const __m256 high = _mm256_setr_m128(triple_at(p + offset[8 + i]), triple_at(p + offset[12 + i]));
-        r[i] = _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+    for (int i = 0; i < 4; ++i, p += i == 2 ? row_step - step : step) {
+        const unsigned char *below = p + 2 * row_step;
+        r[i] = join_quads(quad_at(p), quad_at(p + 2 * step), quad_at(below), quad_at(below + 2 * step));
     }
-    const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpacklo_ps(r[2], r[3]);
-    by_axis[0] = _mm512_shuffle_ps(a, b, _MM_SHUFFLE(1, 0, 1, 0));
-    by_axis[1] = _mm512_shuffle_ps(a, b, _MM_SHUFFLE(3, 2, 3, 2));
-    by_axis[2] = _mm512_shuffle_ps(_mm512_unpackhi_ps(r[0], r[1]), _mm512_unpackhi_ps(r[2], r[3]),
-                                   _MM_SHUFFLE(1, 0, 1, 0));
+    transpose_quads(r, by_word);
 }
-MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3])
 {
-    float f[16];
+    /* Of two rows, in squares of 2x2 lanes: columns 0, 1 of the first and of the second, and columns 2, 3. */
+    const __m512i xy = _mm512_setr_epi32(0, 3, 16, 19, 6, 9, 22, 25, 1, 4, 17, 20, 7, 10, 23, 26);
+    const __m512i z = _mm512_setr_epi32(2, 5, 18, 21, 8, 11, 24, 27, 2, 5, 18, 21, 8, 11, 24, 27);
+    __m512 row[4];
     MLRT_UNROLL
-    for (int i = 0; i < 16; ++i) f[i] = *(const float *)(const void *)(p + offset[i]);
-    return _mm512_setr_ps(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11], f[12], f[13], f[14],
-                          f[15]);
+    for (int i = 0; i < 4; ++i) row[i] = _mm512_maskz_loadu_ps(0xFFF, p + (size_t)i * row_step);
+    const __m512 above = _mm512_permutex2var_ps(row[0], xy, row[1]), below = _mm512_permutex2var_ps(row[2], xy, row[3]);
+    by_axis[0] = _mm512_shuffle_f32x4(above, below, 0x44);
+    by_axis[1] = _mm512_shuffle_f32x4(above, below, 0xEE);
+    by_axis[2] = _mm512_shuffle_f32x4(_mm512_permutex2var_ps(row[0], z, row[1]),
+                                      _mm512_permutex2var_ps(row[2], z, row[3]), 0x44);
 }
-
-
+MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
+{
+    const unsigned char *below = p + 2 * row_step;
+    return join_quads(square_at(p, step, row_step), square_at(p + 2 * step, step, row_step),
+                      square_at(below, step, row_step), square_at(below + 2 * step, step, row_step));
+}
+MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
+{
+    const unsigned char *below = p + 2 * row_step;
+    const __m512 upper = join_quads(pairs_at(p, step), pairs_at(p + 2 * step, step), pairs_at(below, step),
+                                    pairs_at(below + 2 * step, step));
+    p += row_step, below += row_step;
+    const __m512 lower = join_quads(pairs_at(p, step), pairs_at(p + 2 * step, step), pairs_at(below, step),
+                                    pairs_at(below + 2 * step, step));
+    *firsts = _mm512_castps_si512(_mm512_shuffle_ps(upper, lower, _MM_SHUFFLE(2, 0, 2, 0)));
+    *seconds = _mm512_castps_si512(_mm512_shuffle_ps(upper, lower, _MM_SHUFFLE(3, 1, 3, 1)));
+}
 
 MLRT_INLINE vd d_set1(double a)
 {

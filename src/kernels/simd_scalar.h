@@ -9,8 +9,10 @@
  *   v_hmin is the least lane of a vector, v_hmax the greatest, and v_hmin4 the least of each of four.
  *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is. d_mul_add
  * and d_mul_sub round once or twice, like v_mul_add.
- *   v_triples_at, by axis, and v_floats_at: three floats or one of each lane, lane i at p + offset[i] bytes. Nothing
- * beside them is read.
+ *   v_triples_at (by axis), v_quads_at, v_floats_at and i_pairs_at: three, four, one or two words of each lane, out of a
+ * block of elements whose neighbours in a row are `step` bytes apart, and whose rows are `row_step` apart; v_triples is
+ * for a step of 12. p is where the first lane's element is; the lanes are squares of 2x2 (packet.h). Nothing beside
+ * these words is read.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H
@@ -194,17 +196,32 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b)
     return m ? a : b;
 }
 
-MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_step, vf by_axis[3])
 {
-    memcpy(&by_axis[0], p + offset[0], 4);
-    memcpy(&by_axis[1], p + offset[0] + 4, 4);
-    memcpy(&by_axis[2], p + offset[0] + 8, 4);
+    (void)step, (void)row_step;
+    for (int k = 0; k < 3; ++k) memcpy(&by_axis[k], p + 4 * k, 4);
 }
-MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
+{
+    (void)step, (void)row_step;
+    for (int k = 0; k < 4; ++k) memcpy(&by_word[k], p + 4 * k, 4);
+}
+MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3])
+{
+    v_triples_at(p, 12, row_step, by_axis);
+}
+MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
 {
     float a;
-    memcpy(&a, p + offset[0], 4);
+    (void)step, (void)row_step;
+    memcpy(&a, p, 4);
     return a;
+}
+MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
+{
+    (void)step, (void)row_step;
+    memcpy(firsts, p, 4);
+    memcpy(seconds, p + 4, 4);
 }
 
 MLRT_INLINE vd d_set1(double a)

@@ -178,22 +178,42 @@ MLRT_INLINE __m128 triple_at(const unsigned char *p)
     const float *f = (const float *)(const void *)p;
     return _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64((const void *)p)), _mm_load_ss(f + 2));
 }
-MLRT_INLINE void v_triples_at(const unsigned char *p, const size_t *offset, vf by_axis[3])
+MLRT_INLINE void transpose_quads(const __m128 r[4], vf by_word[4])
 {
-    __m128 r[4];
-    MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) r[i] = triple_at(p + offset[i]);
     const __m128 a = _mm_unpacklo_ps(r[0], r[1]), b = _mm_unpacklo_ps(r[2], r[3]);
-    by_axis[0] = _mm_movelh_ps(a, b);
-    by_axis[1] = _mm_movehl_ps(b, a);
-    by_axis[2] = _mm_movelh_ps(_mm_unpackhi_ps(r[0], r[1]), _mm_unpackhi_ps(r[2], r[3]));
+    const __m128 c = _mm_unpackhi_ps(r[0], r[1]), d = _mm_unpackhi_ps(r[2], r[3]);
+    by_word[0] = _mm_movelh_ps(a, b);
+    by_word[1] = _mm_movehl_ps(b, a);
+    by_word[2] = _mm_movelh_ps(c, d);
+    by_word[3] = _mm_movehl_ps(d, c);
 }
-MLRT_INLINE vf v_floats_at(const unsigned char *p, const size_t *offset)
+MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_step, vf by_axis[3])
 {
-    const float *f[4];
-    MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) f[i] = (const float *)(const void *)(p + offset[i]);
-    return _mm_setr_ps(*f[0], *f[1], *f[2], *f[3]);
+    const unsigned char *below = p + row_step;
+    const __m128 r[4] = {triple_at(p), triple_at(p + step), triple_at(below), triple_at(below + step)};
+    vf by_word[4];
+    transpose_quads(r, by_word);
+    by_axis[0] = by_word[0], by_axis[1] = by_word[1], by_axis[2] = by_word[2];
+}
+MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
+{
+    const unsigned char *below = p + row_step;
+    const __m128 r[4] = {quad_at(p), quad_at(p + step), quad_at(below), quad_at(below + step)};
+    transpose_quads(r, by_word);
+}
+MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3])
+{
+    v_triples_at(p, 12, row_step, by_axis);
+}
+MLRT_INLINE vf v_floats_at(const unsigned char *p, size_t step, size_t row_step)
+{
+    return square_at(p, step, row_step);
+}
+MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step, vi *firsts, vi *seconds)
+{
+    const __m128 upper = pairs_at(p, step), lower = pairs_at(p + row_step, step);
+    *firsts = _mm_castps_si128(_mm_shuffle_ps(upper, lower, _MM_SHUFFLE(2, 0, 2, 0)));
+    *seconds = _mm_castps_si128(_mm_shuffle_ps(upper, lower, _MM_SHUFFLE(3, 1, 3, 1)));
 }
 
 MLRT_INLINE vd d_set1(double a)

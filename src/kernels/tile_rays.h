@@ -10,24 +10,6 @@ MLRT_INLINE void prefetch_row_of_blocks(const struct mlrt_source *source, const 
     if (tile->column_bits && place % 4 == 0) mlrt_prefetch_around(source, &tile->area, place);
 }
 
-/* Turns the pairs of mesh and triangle that the rays of a packet pass into numbers. Neighbours mostly pass triangles of one
- * mesh, or nothing. */
-MLRT_INLINE void number_skips(const struct mlrt_tree *tree, struct known_mesh *known, struct mlrt_packet *packet)
-{
-    uint32_t others = 0;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        others |= ~m_bits(i_eq(i_load(packet->skip_mesh + v), i_set1(packet->skip_mesh[0]))) & ALL_LANES;
-    }
-    if (MLRT_UNLIKELY(others)) {
-        mlrt_number_skips(tree, packet);
-        return;
-    }
-    find_mesh(tree, packet->skip_mesh[0], known);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        i_store(packet->skip + v, numbers_in_mesh(known, i_load(packet->skip + v)));
-    }
-}
-
 /* Those that exist are active; nothing is checked. */
 static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
 {
@@ -41,17 +23,13 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
         const uint32_t lanes = mlrt_existing_lanes(source, &block);
         prefetch_row_of_blocks(source, tile, place);
         if (MLRT_LIKELY(is_even && lanes == 0xFFFF && !source->has_masks)) {
-            read_whole_block(&reader, block.x, block.y, packet);
-            mlrt_fetch_skips(source, block.x, block.y, lanes, packet);
+            read_whole_block(&reader, block.x, block.y, &known, packet);
         } else {
             fetch_block(source, &block, lanes, packet);
+            if (packet->has_skip) mlrt_number_skips(source->tree, packet);
         }
         if (mlrt_is_pinhole(source)) continue;
         packet->active = lanes;
         packet->single = 0;
-    }
-    for (uint32_t left = tile->blocks; left; left &= left - 1) { /* once what was stored in pieces can be loaded */
-        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
-        if (packet->has_skip) number_skips(source->tree, &known, packet);
     }
 }

@@ -60,20 +60,28 @@ static void run_loads(const struct word_input *in, int v, struct word_output *ou
     i_store(out->integers[WORD_INTEGER_LOAD_ANY] + v, i_load_any(integers + 1 + v));
 }
 
-/* Four rows of four triples, of which the last ends the array. Narrow vectors have no such word: what it means. */
+/* Four rows of four elements, of which the last ends the array: of three, four, one and two words. */
 static void run_blocks(const struct word_input *in, struct word_output *out)
 {
-    enum { STEP = 13 };
-    float rows[3 * STEP + 12];
-    for (int i = 0; i < 3 * STEP + 12; ++i) rows[i] = i % 3 == 1 ? in->b[i % 16] : in->a[i % 16] + (float)(i / 16);
-    size_t offset[WORD_LANES];
-    for (int lane = 0; lane < WORD_LANES; ++lane) {
-        offset[lane] = (size_t)((int)mlrt_lane_y[lane] * STEP + 3 * (int)mlrt_lane_x[lane]) * sizeof *rows;
-    }
+    enum { STEP = 5, ROW = 21, WORDS = 3 * ROW + 3 * STEP };
+    float words[WORDS + 4];
+    for (int i = 0; i < WORDS + 4; ++i) words[i] = i % 3 == 1 ? in->b[i % 16] : in->a[i % 16] + (float)(i / 16);
     for (int v = 0; v < WORD_LANES; v += VW) {
-        vf by_axis[3];
-        v_triples_at((const unsigned char *)rows, offset + v, by_axis);
-        for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES + k] + v, by_axis[k]);
+        const int x = (int)mlrt_lane_x[v], y = (int)mlrt_lane_y[v];
+        const unsigned char *first = (const unsigned char *)(words + y * ROW);
+        vf by_word[4];
+        vi seconds, firsts;
+        v_triples(first + 12 * x, 4 * ROW, by_word);
+        for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES + k] + v, by_word[k]);
+        v_triples_at(first + 4 * STEP * x + 4, 4 * STEP, 4 * ROW, by_word);
+        for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES_AT + k] + v, by_word[k]);
+        v_quads_at(first + 4 * STEP * x, 4 * STEP, 4 * ROW, by_word);
+        for (int k = 0; k < 4; ++k) v_store(out->values[WORD_QUADS_AT + k] + v, by_word[k]);
+        v_store(out->values[WORD_FLOATS_AT] + v, v_floats_at(first + 4 * x, 4, 4 * ROW));
+        v_store(out->values[WORD_FLOATS_AT + 1] + v, v_floats_at(first + 4 * STEP * x + 12, 4 * STEP, 4 * ROW));
+        i_pairs_at(first + 4 * STEP * x + 8, 4 * STEP, 4 * ROW, &firsts, &seconds);
+        i_store(out->integers[WORD_PAIRS_AT] + v, firsts);
+        i_store(out->integers[WORD_PAIRS_AT + 1] + v, seconds);
     }
 }
 

@@ -41,6 +41,14 @@ enum {
     WORD_LOAD_ANY,
     WORD_TRIPLES, /* by axis: three */
     WORD_TRIPLES_END = WORD_TRIPLES + 2,
+    WORD_TRIPLES_AT,
+    WORD_TRIPLES_AT_END = WORD_TRIPLES_AT + 2,
+    WORD_QUADS_AT, /* by word: four */
+    WORD_QUADS_AT_END = WORD_QUADS_AT + 3,
+    WORD_FLOATS_AT, /* side by side, and apart */
+    WORD_FLOATS_AT_END = WORD_FLOATS_AT + 1,
+    WORD_PAIRS_AT, /* firsts, seconds */
+    WORD_PAIRS_AT_END = WORD_PAIRS_AT + 1,
     WORD_INTEGER_SET1,
     WORD_INTEGER_SELECT,
     WORD_INTEGER_LOAD_ANY,
