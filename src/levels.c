@@ -76,12 +76,17 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
     *y = !is_last ? tile->y : is_lowest ? tile->y & ~63u : tile->y + 16;
 }
 
-void mlrt_prefetch_around(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t row)
+/*
+ * Has a row of rays of the next tile brought into the cache. Rows of a picture lie too far apart for the processor to
+ * foresee, and it has few misses under way at once: so they come one by one, while results are written. Lists are read in
+ * order.
+ */
+static void prefetch_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t row)
 {
     uint32_t x, y;
+    if (is_list(source)) return;
     find_next_tile(source, tile, &x, &y);
-    mlrt_prefetch_rays(source, x, y + row, 4);
-    if (row < 12) mlrt_prefetch_rays(source, tile->x, tile->y + row + 4, 4);
+    mlrt_prefetch_row(source, x, y + row);
 }
 
 /*
@@ -127,6 +132,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     const uint32_t open = tile.blocks & ~tile.cells.closed;
     for (uint32_t left = known ? 0 : tile.blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
+        prefetch_next_tile(&job->source, area, place);
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile.packets[ahead]);
         if (tile.cells.closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);

@@ -16,11 +16,4 @@
 /* Traces a part of a picture that starts at multiples of 4. */
 void mlrt_trace_levels(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
 
-/*
- * Before four rows of a tile are read, has the next four of it, and as many of the next tile, brought into the cache.
- * Rows of a picture lie too far apart for the processor to foresee, and it has few misses under way at once, so they
- * come a little at a time; lists are read in order.
- */
-void mlrt_prefetch_around(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t row);
-
 #endif

@@ -36,8 +36,29 @@ void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
     source->height = source->count / source->width + (source->count % source->width != 0);
 }
 
+/* Do the elements of an array lie beside those of another, in one struct? */
+static int lie_together(const mlrt_const_array *array, const mlrt_const_array *other)
+{
+    const uintptr_t apart = (uintptr_t)array->data - (uintptr_t)other->data;
+    return array->stride == other->stride && apart + 63 <= 126;
+}
+
+/* Finds the arrays that have an element for each ray, one of those that lie together. */
+static void find_streams(struct mlrt_source *source)
+{
+    const mlrt_const_array *arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
+                                         &source->skip};
+    source->stream_count = 0;
+    for (int i = 0; i < 5; ++i) {
+        int is_new = arrays[i]->data && arrays[i]->stride;
+        for (uint32_t j = 0; j < source->stream_count; ++j) is_new &= !lie_together(arrays[i], &source->streams[j]);
+        if (is_new) source->streams[source->stream_count++] = *arrays[i];
+    }
+}
+
 static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
 {
+    find_streams(source);
     if (count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
     source->count = (uint32_t)count;
     mlrt_set_rows(row_length, source);
@@ -49,6 +70,7 @@ int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *sou
     source->kind = MLRT_SOURCE_CAMERA;
     source->rays_per_origin = 1;
     source->mask.data = NULL;
+    source->stream_count = 0;
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
     source->width = source->view.width;
@@ -88,7 +110,7 @@ int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *
 {
     const int32_t status = mlrt_set_light(light, source);
     if (status != MLRT_OK) return status;
-    source->directions.data = source->mask.data = NULL;
+    source->directions.data = source->t_min.data = source->t_max.data = source->mask.data = NULL;
     source->tree = tree;
     source->rays_per_origin = 1;
     if (!resolve_array(&points->positions, 12, points->count > 0, &source->points) ||
@@ -454,39 +476,20 @@ uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32
 
 /* ---- ahead of time ---- */
 
-/* Always inlined: to the compiler a function that only prefetches does nothing, and a call of it is dropped. */
-MLRT_INLINE void prefetch_rows(const char *row, size_t step, size_t bytes, uint32_t height)
+/* Of an array, a row of `width` elements from `first` on. Always inlined: to the compiler a function that only prefetches
+ * does nothing, and a call of it is dropped. */
+MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t width)
 {
-    for (; height; --height, row += step) {
-        for (size_t i = 0; i < bytes; i += 64) mlrt_prefetch(row + i);
-        mlrt_prefetch(row + bytes - 1);
-    }
-}
-
-/* Those of an array. Rows of whole tiles that lie packed are mostly what there is: their loops are unrolled. */
-MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t row_length, uint32_t width,
-                                   uint32_t height, size_t usual)
-{
-    if (!array->data || array->stride == 0) return;
     const char *row = (const char *)array->data + first * array->stride;
-    const size_t step = row_length * array->stride, bytes = width * array->stride;
-    if (MLRT_LIKELY(bytes == usual)) {
-        prefetch_rows(row, step, usual, height);
-    } else {
-        prefetch_rows(row, step, bytes, height);
-    }
+    const size_t size = width * array->stride;
+    for (size_t i = 0; i < size; i += 64) mlrt_prefetch(row + i);
+    mlrt_prefetch(row + size - 1);
 }
 
-void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height)
+void mlrt_prefetch_row(const struct mlrt_source *source, uint32_t x, uint32_t y)
 {
-    if (source->kind == MLRT_SOURCE_CAMERA || x >= source->width || y >= source->height) return;
+    if (x >= source->width || y >= source->height) return;
     const uint32_t width = source->width - x < 16 ? source->width - x : 16;
-    if (height > source->height - y) height = source->height - y;
     const size_t first = (size_t)y * source->width + x;
-    prefetch_elements(&source->directions, first, source->width, width, height, 16 * 12);
-    const uintptr_t apart = (uintptr_t)source->directions.data - (uintptr_t)source->points.data;
-    if (apart + 63 <= 126) return; /* a struct for each ray */
-    if (source->rays_per_origin > 1) return; /* a few points, which lie side by side: the processor sees them coming */
-    prefetch_elements(&source->points, first, source->width, width, height, 16 * 12);
-    prefetch_elements(&source->skip, first, source->width, width, height, 16 * 8);
+    for (uint32_t i = 0; i < source->stream_count; ++i) prefetch_elements(&source->streams[i], first, width);
 }

@@ -34,6 +34,8 @@ struct mlrt_source {
     mlrt_const_array t_max;
     mlrt_const_array skip;
     mlrt_const_array mask;
+    mlrt_const_array streams[5]; /* of those above that are brought into the cache ahead of time */
+    uint32_t stream_count;
     uint32_t rays_per_origin; /* ray i has element i / rays_per_origin of points, t_min and skip; if not 1, in a list */
     const struct mlrt_tree *tree; /* whose ids `skip` names */
     /* Set by mlrt_set_masks. */
@@ -109,11 +111,7 @@ void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *
 /* Of the lanes of a block at (x, y), which may be at the end of a list, those that exist. */
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes);
 
-/*
- * Has the rays of up to 16 columns and `height` rows from (x, y), if there are such, brought into the cache if they lie
- * in arrays. Rows of a picture are often a multiple of the page size apart: then lines of sixteen rows drive each other
- * out of the first-level cache, and four rows are better fetched once more before they are read.
- */
-void mlrt_prefetch_rays(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t height);
+/* Has up to 16 rays of a row, from (x, y) on, brought into the cache, if they lie in arrays and not in a list. */
+void mlrt_prefetch_row(const struct mlrt_source *source, uint32_t x, uint32_t y);
 
 #endif

@@ -3,13 +3,6 @@
  * The rays of a tile's packets, for any source.
  */
 
-/* In front of a row of blocks: see mlrt_prefetch_around. */
-MLRT_INLINE void prefetch_row_of_blocks(const struct mlrt_source *source, const struct mlrt_ray_tile *tile,
-                                        uint32_t place)
-{
-    if (tile->column_bits && place % 4 == 0) mlrt_prefetch_around(source, &tile->area, place);
-}
-
 /* Those that exist are active; nothing is checked. */
 static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
 {
@@ -21,7 +14,6 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
         struct mlrt_packet *packet = &tile->packets[place];
         const uint32_t lanes = mlrt_existing_lanes(source, &block);
-        prefetch_row_of_blocks(source, tile, place);
         if (MLRT_LIKELY(is_even && lanes == 0xFFFF && !source->has_masks)) {
             read_whole_block(&reader, block.x, block.y, &known, packet);
         } else {
