@@ -44,6 +44,7 @@ struct bundle {
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
     uint32_t going; /* packets with a hull */
+    uint32_t made;  /* packets of whose rays there are the numbers below */
     uint32_t closed;   /* packets of whose rays no more is known than what covers all of them (bundle_cover.h) */
     uint32_t covered;  /* packets that are done, as one triangle hides all of their rays */
     uint32_t nearer;   /* packets whose rays may look less far than their hulls say */
@@ -244,9 +245,12 @@ static MLRT_NOINLINE void update_last_depths(struct bundle *bundle, uint32_t pla
     }
 }
 
-/* Extremes over the rays of a packet: of the terms, of where they begin, and, negated, of where they end and of A. */
+/*
+ * Extremes over the rays of a packet: of slopes and places, of where they begin, and, negated, of where they end and
+ * of A.
+ */
 struct packet_extremes {
-    struct extremes term[MLRT_RAY_TERMS];
+    struct extremes term[4];
     vf first;
     vf negated_last;
     vf negated_away;
@@ -257,67 +261,83 @@ struct packet_extremes {
 MLRT_INLINE void begin_extremes(struct packet_extremes *of)
 {
     MLRT_UNROLL
-    for (int i = 0; i < MLRT_RAY_TERMS; ++i) of->term[i] = NO_EXTREMES;
+    for (int i = 0; i < 4; ++i) of->term[i] = NO_EXTREMES;
     of->first = of->negated_last = of->negated_away = of->negated_core_first = of->core_last = v_set1(INFINITY);
 }
 
-/* Adds the lanes of a vector. */
-MLRT_INLINE void add_lanes(vm lanes, const vf term[MLRT_RAY_TERMS], const vf to_waist[3], vf begin, vf lo, vf hi,
-                           struct packet_extremes *of)
+/* Adds slopes, and places, of some lanes. */
+MLRT_INLINE void add_terms(vm lanes, const vf term[4], int has_places, struct packet_extremes *of)
 {
-    const vf nothing = v_set1(NAN);
     MLRT_UNROLL
-    for (int i = 0; i < MLRT_RAY_TERMS; ++i) add_to_extremes(v_select(lanes, term[i], nothing), &of->term[i]);
-    const vf other = v_max(v_abs(to_waist[1]), v_abs(to_waist[2]));
-    const vf away = v_max(v_abs(to_waist[0]), v_mul(other, v_set1(2)));
-    const vf first = v_select(lanes, v_sub(begin, to_waist[0]), nothing);
-    of->first = v_min(first, of->first);
-    of->negated_core_first = v_min(v_sub(v_set1(0), first), of->negated_core_first);
-    of->core_last = v_min(v_select(lanes, v_sub(lo, to_waist[0]), nothing), of->core_last);
-    of->negated_last = v_min(v_select(lanes, v_sub(to_waist[0], hi), nothing), of->negated_last);
-    of->negated_away = v_min(v_select(lanes, v_sub(v_set1(0), away), nothing), of->negated_away);
+    for (int i = 0; i < (has_places ? 4 : 2); ++i) add_to_extremes(v_select(lanes, term[i], v_set1(NAN)), &of->term[i]);
 }
 
-/* Puts extremes where the hulls of packets are made of them. */
-MLRT_INLINE void keep_extremes(const struct packet_extremes *of, uint32_t place, struct bundle *bundle)
+/* Adds the depths at which lanes begin. */
+MLRT_INLINE void add_first(vm lanes, vf first, struct packet_extremes *of)
 {
-    struct mlrt_hulls *hulls = &bundle->hulls;
-    MLRT_ALIGNED(16) float least[16];
-    f4_store(least, v_hmin4(of->term[0].least, of->term[1].least, of->term[2].least, of->term[3].least));
-    f4_store(least + 4, v_hmin4(of->term[0].negated, of->term[1].negated, of->term[2].negated, of->term[3].negated));
-    f4_store(least + 8, v_hmin4(of->term[4].least, of->term[4].negated, of->first, of->negated_last));
-    MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) {
-        hulls->term[i].lo[place] = least[i];
-        hulls->term[i].hi[place] = -least[4 + i];
+    const vf depth = v_select(lanes, first, v_set1(NAN));
+    of->first = v_min(depth, of->first);
+    of->negated_core_first = v_min(v_sub(v_set1(0), depth), of->negated_core_first);
+}
+
+/* Adds those at which they end, surely and at the latest. */
+MLRT_INLINE void add_last(vm lanes, vf core_last, vf last, struct packet_extremes *of)
+{
+    of->core_last = v_min(v_select(lanes, core_last, v_set1(NAN)), of->core_last);
+    of->negated_last = v_min(v_select(lanes, v_sub(v_set1(0), last), v_set1(NAN)), of->negated_last);
+}
+
+/* Adds how far they begin from the waist: depth, place j, place l. */
+MLRT_INLINE void add_away(vm lanes, const vf from_waist[3], struct packet_extremes *of)
+{
+    const vf other = v_max(v_abs(from_waist[1]), v_abs(from_waist[2]));
+    const vf away = v_max(v_abs(from_waist[0]), v_mul(other, v_set1(2)));
+    of->negated_away = v_min(v_select(lanes, v_sub(v_set1(0), away), v_set1(NAN)), of->negated_away);
+}
+
+/* Puts extremes where the hulls of packets are made of them. Without places, all rays begin at the waist. */
+MLRT_INLINE void keep_extremes(const struct packet_extremes *of, uint32_t place, int has_places, struct mlrt_hulls *hulls)
+{
+    MLRT_ALIGNED(16) float least[12] = {0};
+    f4_store(least, v_hmin4(of->term[0].least, of->term[1].least, of->term[0].negated, of->term[1].negated));
+    if (has_places) {
+        f4_store(least + 4, v_hmin4(of->term[2].least, of->term[3].least, of->term[2].negated, of->term[3].negated));
+        hulls->away[place] = -v_hmin(of->negated_away);
+    } else {
+        hulls->away[place] = 0;
     }
-    hulls->term[MLRT_MOMENT].lo[place] = least[8];
-    hulls->term[MLRT_MOMENT].hi[place] = -least[9];
-    f4_store(least + 12, v_hmin4(of->negated_away, of->negated_core_first, of->core_last, of->core_last));
-    hulls->away[place] = -least[12];
-    hulls->core_first[place] = -least[13];
-    hulls->core_last[place] = least[14];
-    hulls->first[place] = least[10];
-    hulls->last[place] = -least[11];
+    f4_store(least + 8, v_hmin4(of->first, of->negated_core_first, of->negated_last, of->core_last));
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        hulls->term[MLRT_SLOPE_J + i].lo[place] = least[i];
+        hulls->term[MLRT_SLOPE_J + i].hi[place] = -least[2 + i];
+        hulls->term[MLRT_PLACE_J + i].lo[place] = least[4 + i];
+        hulls->term[MLRT_PLACE_J + i].hi[place] = 0 - least[6 + i];
+    }
+    hulls->first[place] = least[8];
+    hulls->core_first[place] = -least[9];
+    hulls->last[place] = -least[10];
+    hulls->core_last[place] = least[11];
 }
 
-/* Sets the intervals of the terms of a packet's active rays, where they begin and end, and A. */
+/* Bounds a packet anew by its active lanes. */
 static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
 {
     const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
-    const vf zero = v_set1(0);
     struct packet_extremes of;
     begin_extremes(&of);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf term[MLRT_RAY_TERMS] = {v_load(rays->term[0] + v), v_load(rays->term[1] + v), zero, zero, zero};
-        vf to_waist[3] = {zero, zero, zero};
-        for (int i = 2; bundle->has_places && i < MLRT_RAY_TERMS; ++i) term[i] = v_load(rays->term[i] + v);
-        for (int i = 0; bundle->has_places && i < 3; ++i) to_waist[i] = v_load(rays->to_waist[i] + v);
-        add_lanes(m_from_bits(active >> v), term, to_waist, v_load(rays->begin + v), v_load(rays->lo + v),
-                  v_load(rays->hi + v), &of);
+        const vm lanes = m_from_bits(active >> v);
+        vf term[4] = {v_load(rays->term[0] + v), v_load(rays->term[1] + v)};
+        const vf to_waist[3] = {v_load(rays->to_waist[0] + v), v_load(rays->to_waist[1] + v), v_load(rays->to_waist[2] + v)};
+        term[2] = v_load(rays->term[MLRT_PLACE_J] + v), term[3] = v_load(rays->term[MLRT_PLACE_L] + v);
+        add_terms(lanes, term, 1, &of);
+        add_first(lanes, v_sub(v_load(rays->begin + v), to_waist[0]), &of);
+        add_last(lanes, v_sub(v_load(rays->lo + v), to_waist[0]), v_sub(v_load(rays->hi + v), to_waist[0]), &of);
+        add_away(lanes, to_waist, &of);
     }
-    keep_extremes(&of, place, bundle);
+    keep_extremes(&of, place, 1, &bundle->hulls);
 }
 
 /* Do all rays of a packet start at the waist? Says so in the packet, too. A unit that is not exact for it is none. */
@@ -330,9 +350,9 @@ MLRT_INLINE int starts_at_waist(const struct bundle *bundle, struct mlrt_packet 
         apex[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][0];
         if (apex[k] * bundle->unit != bundle->waist.point[k] || bundle->waist.point[k] / bundle->unit != apex[k]) return 0;
     }
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; !packet->has_apex && v < MLRT_PACKET_RAYS; v += VW) {
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(origin_component(packet, k, v), v_set1(apex[k])));
+        for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(v_load(packet->origin[k] + v), v_set1(apex[k])));
     }
     if (m_bits(same) != ALL_LANES) return 0;
     packet->has_apex = 1;
@@ -340,83 +360,198 @@ MLRT_INLINE int starts_at_waist(const struct bundle *bundle, struct mlrt_packet 
     return 1;
 }
 
-/* Sets what a bundle needs of the places of rays that start at the waist. */
-static void set_no_places(struct mlrt_bundle_rays *rays)
+/* A vector of rays of a packet as they are given: what a bundle's numbers are made of. */
+struct given_rays {
+    vf pace; /* |d_main|, not in units */
+    vf across[2];
+    vf from_waist[3]; /* o - w: depth, place j, place l */
+};
+
+MLRT_INLINE void load_given_rays(const struct bundle *bundle, const struct mlrt_packet *packet, int has_places, int v,
+                                 struct given_rays *rays)
 {
-    memset(rays->term[MLRT_PLACE_J], 0, 3 * sizeof rays->term[0]);
-    memset(rays->to_waist, 0, sizeof rays->to_waist);
+    const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
+    const vf sign = v_set1(bundle->waist.sign), unit = v_set1(bundle->unit);
+    rays->pace = v_flip(v_load(packet->direction[a] + v), sign);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) rays->across[i] = v_load(packet->direction[axis[1 + i]] + v);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        rays->from_waist[k] = v_set1(0);
+        if (!has_places) continue;
+        const vf w = v_set1(bundle->waist.point[axis[k]]);
+        const vf away = v_mul_sub(origin_component(packet, axis[k], v), unit, w); /* the product is exact */
+        rays->from_waist[k] = k == 0 ? v_flip(away, sign) : away;
+    }
+}
+
+/* Origins that are exact in a unit below 1. */
+MLRT_INLINE vm exact_in_units(const struct bundle *bundle, const struct mlrt_packet *packet, int v)
+{
+    vm exact = m_from_bits(ALL_LANES);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vf given = origin_component(packet, k, v), origin = v_mul(given, v_set1(bundle->unit));
+        exact = m_and(exact, v_eq(v_mul(origin, v_set1(1 / bundle->unit)), given));
+    }
+    return exact;
 }
 
 /*
- * Sets what a bundle needs to know of a packet's rays; those of rays that start at the waist have no places yet. Returns
- * the lanes of rays that can go with it.
+ * Bounds a packet whose rays have just been read; has_places is 0 if they all begin at the waist. Returns the lanes of
+ * rays that can go with the bundle, unless hulls_fit says otherwise.
+ *
+ * Slopes are products with a reciprocal here: one rounding more than those of make_lanes. Of that, 8 u of themselves
+ * that hulls are wider by pays.
  */
-MLRT_INLINE uint32_t set_bundle_rays_by(struct bundle *bundle, uint32_t place, int has_places)
+MLRT_INLINE uint32_t bound_rays_by(struct bundle *bundle, uint32_t place, int has_places)
 {
-    struct mlrt_packet *packet = &bundle->tile->packets[place];
-    struct mlrt_bundle_rays *rays = &bundle->rays[place];
-    const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
-    const vf sign = v_set1(bundle->waist.sign), zero = v_set1(0), unit = v_set1(bundle->unit);
-    const vf inverse_unit = v_set1(1 / bundle->unit);
+    const struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const int has_ends = packet->has_limits || packet->t_max[0] != INFINITY;
+    const vf unit = v_set1(bundle->unit), zero = v_set1(0);
     uint32_t fit = 0, begins = 0;
     struct packet_extremes of;
     begin_extremes(&of);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf term[MLRT_RAY_TERMS] = {zero, zero, zero, zero, zero}, to_waist[3] = {zero, zero, zero};
-        const vf given_pace = v_flip(v_load(packet->direction[a] + v), sign), pace = v_mul(given_pace, unit);
-        const vf t_max = v_load(packet->t_max + v);
-        const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero); /* zero where it is no number */
+        const vm active = m_from_bits(packet->active >> v);
+        struct given_rays rays;
+        load_given_rays(bundle, packet, has_places, v, &rays);
+        const vf pace = v_mul(rays.pace, unit), inverse = v_div(v_set1(1), rays.pace);
+        vf term[4], first = rays.from_waist[0];
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            term[i] = v_mul(rays.across[i], inverse);
+            if (has_places) term[2 + i] = v_sub(rays.from_waist[1 + i], v_mul(term[i], rays.from_waist[0]));
+        }
+        /* A number that is none is in the sum. */
+        const vf sum = has_places ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
         vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
-        MLRT_UNROLL
-        for (int k = 0; has_places && k < 3; ++k) {
-            const vf given_origin = origin_component(packet, axis[k], v), origin = v_mul(given_origin, unit);
-            const vf difference = v_sub(v_set1(bundle->waist.point[axis[k]]), origin);
-            to_waist[k] = k == 0 ? v_flip(difference, sign) : difference;
-            fits = m_and(fits, v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)));
-            if (MLRT_UNLIKELY(bundle->unit < 1)) fits = m_and(fits, v_eq(v_mul(origin, inverse_unit), given_origin));
-            v_store(rays->to_waist[k] + v, to_waist[k]);
+        fits = m_and(fits, v_le(sum, v_set1(MLRT_SAFE_MAX)));
+        if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) fits = m_and(fits, exact_in_units(bundle, packet, v));
+        if (packet->has_limits) {
+            const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero);
+            const vf begin = v_mul(t_min, pace);
+            fits = m_and(fits, m_and(v_eq(given, given), v_lt(t_min, v_load(packet->t_max + v))));
+            fits = m_and(fits, v_le(begin, v_set1(MLRT_BVH_FAR)));
+            begins |= m_bits(v_gt(begin, zero)) << v;
+            first = v_add(first, begin);
         }
-        if (!has_places) v_store(rays->to_waist[0] + v, zero);
-        MLRT_UNROLL
-        for (int side = 0; side < 2; ++side) {
-            const vf across = v_load(packet->direction[axis[1 + side]] + v), slope = v_div(across, given_pace);
-            fits = m_and(fits, v_le(v_abs(slope), v_set1(STEEPEST_SLOPE)));
-            fits = m_and(fits, m_or(v_eq(across, zero), v_ge(v_abs(slope), v_set1(LEAST_SLOPE))));
-            term[MLRT_SLOPE_J + side] = slope;
-            if (has_places) term[MLRT_PLACE_J + side] = v_mul_sub(slope, to_waist[0], to_waist[1 + side]);
+        if (has_ends) {
+            const vf t_max = v_load(packet->t_max + v), last = v_mul_add(t_max, pace, rays.from_waist[0]);
+            fits = m_and(fits, v_gt(t_max, zero));
+            add_last(active, last, last, &of);
         }
-        if (has_places) {
-            term[MLRT_MOMENT] = v_mul_sub(term[MLRT_SLOPE_L], term[MLRT_PLACE_J],
-                                          v_mul(term[MLRT_SLOPE_J], term[MLRT_PLACE_L]));
-        }
-        for (int i = 0; i < (has_places ? MLRT_RAY_TERMS : 2); ++i) v_store(rays->term[i] + v, term[i]);
-        const vf begin = v_mul(t_min, pace), end = v_mul(t_max, pace);
-        const vf lo = v_mul(end, v_set1(1 - SLOPE_SLACK)), hi = v_mul(end, v_set1(1 + SLOPE_SLACK));
-        fits = m_and(fits, m_and(v_eq(given, given), v_lt(t_min, t_max)));
-        fits = m_and(fits, v_le(begin, v_set1(MLRT_BVH_FAR)));
-        v_store(rays->pace + v, pace);
-        v_store(rays->begin + v, begin);
-        v_store(rays->lo + v, v_min(lo, v_set1(GREATEST_DISTANCE)));
-        v_store(rays->hi + v, hi);
-        v_store(packet->t_min + v, v_select(v_eq(given, given), t_min, given));
-        i_store(packet->triangle + v, i_set1(MLRT_NONE));
-        add_lanes(m_from_bits(packet->active >> v), term, to_waist, begin, lo, hi, &of);
+        add_terms(active, term, has_places, &of);
+        add_first(active, first, &of);
+        if (has_places) add_away(active, rays.from_waist, &of);
         fit |= m_bits(fits) << v;
-        begins |= m_bits(v_gt(begin, zero)) << v;
     }
-    keep_extremes(&of, place, bundle);
+    if (!has_ends) of.negated_last = v_set1(-INFINITY);
+    keep_extremes(&of, place, has_places, &bundle->hulls);
     bundle->has_begins |= (begins & packet->active) != 0;
     return fit;
 }
 
-static MLRT_NOINLINE uint32_t set_bundle_rays(struct bundle *bundle, uint32_t place)
+static MLRT_NOINLINE uint32_t bound_rays(struct bundle *bundle, uint32_t place)
 {
-    return set_bundle_rays_by(bundle, place, 1);
+    return bound_rays_by(bundle, place, 1);
 }
 
-static MLRT_NOINLINE uint32_t set_apex_rays(struct bundle *bundle, uint32_t place)
+static MLRT_NOINLINE uint32_t bound_apex_rays(struct bundle *bundle, uint32_t place)
 {
-    return set_bundle_rays_by(bundle, place, 0);
+    return bound_rays_by(bundle, place, 0);
+}
+
+/* Has a packet rays whose slope is so small that float does not carry it, but not 0? */
+static MLRT_NOINLINE int has_tiny_slopes(const struct bundle *bundle, const struct mlrt_packet *packet)
+{
+    uint32_t tiny = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        struct given_rays rays;
+        load_given_rays(bundle, packet, 0, v, &rays);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf slope = v_abs(v_div(rays.across[i], rays.pace));
+            const vm is_zero = v_eq(rays.across[i], v_set1(0)), is_usual = v_ge(slope, v_set1(LEAST_SLOPE));
+            tiny |= (~m_bits(m_or(is_zero, is_usual)) & ALL_LANES) << v;
+        }
+    }
+    return (tiny & packet->active) != 0;
+}
+
+/* Of packets that were bounded, those that float carries: slopes are not steep and not tiny, and origins not far away. */
+static MLRT_NOINLINE uint32_t hulls_fit(const struct bundle *bundle, uint32_t places)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const float *w = bundle->waist.point;
+    const int is_near = fabsf(w[0]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[1]) < 0.5f * MLRT_SAFE_MAX &&
+                        fabsf(w[2]) < 0.5f * MLRT_SAFE_MAX;
+    const vf farthest = v_set1(is_near ? 0.5f * MLRT_SAFE_MAX : 0); /* from the waist: so origins are safe */
+    uint32_t fit = 0, small = 0;
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        const vf least = v_set1(LEAST_SLOPE), below = v_set1(-LEAST_SLOPE), zero = v_set1(0);
+        vm fits = m_and(v_le(v_load(hulls->away + v), farthest),
+                        v_le(v_load(hulls->core_first + v), v_set1(MLRT_BVH_FAR)));
+        vm is_small = m_from_bits(0);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
+            fits = m_and(fits, m_and(v_ge(lo, v_set1(-STEEPEST_SLOPE)), v_le(hi, v_set1(STEEPEST_SLOPE))));
+            const vm is_zero = m_and(v_eq(lo, zero), v_eq(hi, zero));
+            is_small = m_or(is_small, m_andnot(m_and(v_lt(lo, least), v_gt(hi, below)), is_zero));
+        }
+        fit |= m_bits(fits) << v;
+        small |= m_bits(is_small) << v;
+    }
+    fit &= places;
+    for (uint32_t left = small & fit; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (has_tiny_slopes(bundle, &bundle->tile->packets[place])) fit &= ~(1u << place);
+    }
+    return fit;
+}
+
+/* Makes the numbers of a packet's rays, lane by lane: nothing is hit so far. */
+static MLRT_NOINLINE void make_lanes(struct bundle *bundle, uint32_t place)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const vf zero = v_set1(0), unit = v_set1(bundle->unit);
+    bundle->made |= 1u << place;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        struct given_rays given;
+        vf slope[2], at[2], to_waist[3];
+        load_given_rays(bundle, packet, bundle->has_places, v, &given);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            to_waist[k] = v_sub(zero, given.from_waist[k]);
+            v_store(rays->to_waist[k] + v, to_waist[k]);
+        }
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            slope[i] = v_div(given.across[i], given.pace);
+            at[i] = bundle->has_places ? v_mul_sub(slope[i], to_waist[0], to_waist[1 + i]) : zero;
+            v_store(rays->term[MLRT_SLOPE_J + i] + v, slope[i]);
+            v_store(rays->term[MLRT_PLACE_J + i] + v, at[i]);
+        }
+        if (bundle->has_places) {
+            v_store(rays->term[MLRT_MOMENT] + v, v_mul_sub(slope[1], at[0], v_mul(slope[0], at[1])));
+        }
+        const vf pace = v_mul(given.pace, unit), end = v_mul(v_load(packet->t_max + v), pace);
+        const vf t_min = packet->has_limits ? v_max(v_load(packet->t_min + v), zero) : zero;
+        v_store(rays->pace + v, pace);
+        v_store(rays->begin + v, v_mul(t_min, pace));
+        v_store(rays->lo + v, v_min(v_mul(end, v_set1(1 - SLOPE_SLACK)), v_set1(GREATEST_DISTANCE)));
+        v_store(rays->hi + v, v_mul(end, v_set1(1 + SLOPE_SLACK)));
+        v_store(packet->t_min + v, t_min);
+        i_store(packet->triangle + v, i_set1(MLRT_NONE));
+    }
+}
+
+/* Has the numbers of a packet's rays made, if they are not there. */
+MLRT_INLINE void need_lanes(struct bundle *bundle, uint32_t place)
+{
+    if (!(bundle->made >> place & 1)) make_lanes(bundle, place);
 }
 
 /* Moves the depths that bound_packet found apart by what rounding may change, and cuts them to where there is something:
@@ -440,6 +575,26 @@ MLRT_INLINE void finish_depths(struct bundle *bundle, uint32_t places, int v)
 }
 
 /*
+ * The moment s_l x_j - s_j x_l where the terms lie in intervals: the products of the middles, and what radii add to them.
+ * Its roundings are paid for by 4 u of the products and 16 u of the radius.
+ */
+MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_moment, vf *around)
+{
+    const vf first = v_mul(middle[MLRT_SLOPE_L], middle[MLRT_PLACE_J]);
+    const vf second = v_mul(middle[MLRT_SLOPE_J], middle[MLRT_PLACE_L]);
+    vf sum = v_set1(0);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        const vf slope = radius[MLRT_SLOPE_J + i], at = radius[MLRT_PLACE_L - i];
+        sum = v_mul_add(v_add(v_abs(middle[MLRT_SLOPE_J + i]), slope), at, sum);
+        sum = v_mul_add(slope, v_abs(middle[MLRT_PLACE_L - i]), sum);
+    }
+    *of_moment = v_sub(first, second);
+    sum = v_mul(sum, v_set1(1 + SLOPE_SLACK));
+    *around = v_mul_add(v_add(v_abs(first), v_abs(second)), v_set1(0.25f * SLOPE_SLACK), sum);
+}
+
+/*
  * Makes hulls of what bound_packet found, for the vector of packets from `v` on.
  *
  * Middles and radii need no floor: underflow takes less than 2^-148 of a term, whose coefficients are at most 2^21, and the
@@ -451,17 +606,22 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vm going = m_from_bits(bundle->going >> v);
     const vf away = v_load(hulls->away + v), one = v_set1(1), inf = v_set1(INFINITY), none = v_set1(-INFINITY);
-    const int term_count = MLRT_RAY_TERMS;
-    vf reach = one, largest = v_set1(0);
+    vf reach = one, largest = v_set1(0), middle[MLRT_RAY_TERMS], radius[MLRT_RAY_TERMS];
     MLRT_UNROLL
-    for (int i = 0; i < term_count; ++i) {
+    for (int i = 0; i < 4; ++i) {
         const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
-        const vf size = v_max(v_abs(lo), v_abs(hi)), middle = v_mul(v_add(lo, hi), v_set1(0.5f));
-        const vf radius = v_mul(v_sub(hi, lo), v_set1(0.5f * (1 + SLOPE_SLACK)));
-        v_store(hulls->middle[i] + v, middle);
-        v_store(hulls->radius[i] + v, v_mul_add(v_abs(middle), v_set1(0.25f * SLOPE_SLACK), radius));
+        const vf size = v_max(v_abs(lo), v_abs(hi));
+        middle[i] = v_mul(v_add(lo, hi), v_set1(0.5f));
+        radius[i] = v_mul(v_sub(hi, lo), v_set1(0.5f * (1 + SLOPE_SLACK)));
+        radius[i] = v_mul_add(v_abs(middle[i]), v_set1(0.5f * SLOPE_SLACK), radius[i]);
         if (i < 2) reach = v_max(v_mul(size, v_set1(2)), reach);
-        if (i == MLRT_PLACE_J || i == MLRT_PLACE_L) largest = v_max(size, largest);
+        if (i >= 2) largest = v_max(size, largest);
+    }
+    product_over_hull(middle, radius, &middle[MLRT_MOMENT], &radius[MLRT_MOMENT]);
+    MLRT_UNROLL
+    for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
+        v_store(hulls->middle[i] + v, middle[i]);
+        v_store(hulls->radius[i] + v, radius[i]);
     }
     const vf error = v_mul_add(v_mul(reach, away), v_set1(PLACE_ERROR), v_set1(PLACE_FLOOR));
     v_store(hulls->reach + v, reach);

@@ -102,6 +102,7 @@ static MLRT_NOINLINE void open_bundle_packet(struct bundle *bundle, uint32_t pla
     struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const struct mlrt_hulls *hulls = &bundle->hulls;
     bundle->closed &= ~(1u << place);
+    need_lanes(bundle, place);
     if (hulls->cover[place] == MLRT_NONE) return;
     const vf near = v_set1(hulls->cover_near[place]), far = v_set1(hulls->last[place]), away = v_set1(hulls->away[place]);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -115,12 +116,14 @@ static MLRT_NOINLINE void open_bundle_packet(struct bundle *bundle, uint32_t pla
     }
 }
 
-/* Has packets be done, or what is left of them closed: all their rays hit what covers them. */
-static void keep_covers(struct bundle *bundle, uint32_t places)
+/* Ends a packet whose rays were never looked at: all of them hit what covers it, if that is something. */
+MLRT_INLINE void finish_untouched_packet(struct bundle *bundle, uint32_t place)
 {
-    for (; places; places &= places - 1) {
-        const uint32_t place = mlrt_lowest_bit(places);
-        if (bundle->hulls.cover[place] != MLRT_NONE) open_bundle_packet(bundle, place);
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const vi cover = i_set1(bundle->hulls.cover[place]), none = i_set1(MLRT_NONE);
+    bundle->closed &= ~(1u << place);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        i_store(packet->triangle + v, i_select(m_from_bits(packet->active >> v), cover, none));
     }
 }
 
@@ -176,7 +179,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct bund
     if (job->any) bundle->covered |= covered;
     for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        open_bundle_packet(bundle, place);
+        finish_untouched_packet(bundle, place);
         bundle->tile->packets[place].active = 0;
         leave_bundle(bundle, place);
     }

@@ -33,11 +33,18 @@ static MLRT_NOINLINE void update_bundle(struct bundle *bundle, uint32_t place, u
     finish_hulls(bundle, (int)(place - place % VW));
 }
 
+/* Has a packet ready to go without the bundle: lane by lane, or one by one. */
+static MLRT_NOINLINE void release_packet(struct bundle *bundle, uint32_t place)
+{
+    leave_bundle(bundle, place);
+    need_lanes(bundle, place);
+    set_packet_distances(&bundle->rays[place], &bundle->tile->packets[place]);
+}
+
 /* Takes a packet out of the bundle that had better gone lane by lane. */
 static void give_up_packet(struct bundle *bundle, uint32_t place)
 {
-    leave_bundle(bundle, place);
-    set_packet_distances(&bundle->rays[place], &bundle->tile->packets[place]);
+    release_packet(bundle, place);
     bundle->given_up |= 1u << place;
 }
 
@@ -83,6 +90,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
     for (uint32_t left = met; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         struct checked_lanes directions;
+        need_lanes(bundle, place);
         lanes[place] = lanes_of_packet_met(bundle, place, box);
         check_lanes(bundle->tile->packets[place].direction, &directions);
         if (MLRT_UNLIKELY(lanes[place] & ~directions.safe)) return 0;
@@ -127,6 +135,7 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, uint32_t 
 static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
                                           const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place)
 {
+    need_lanes(bundle, place);
     const uint32_t changed = bundle->has_places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
                                         : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
     if (changed) update_bundle(bundle, place, changed, job->any);
@@ -290,31 +299,38 @@ static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packe
     }
 }
 
-/* Has packets with a hull go with the bundle; returns the others that have rays. */
+/* Bounds a packet. Returns the lanes of rays that can go with the bundle. */
+static uint32_t bound_from_anywhere(struct bundle *bundle, uint32_t place)
+{
+    const int is_apex = bundle->is_apex && starts_at_waist(bundle, &bundle->tile->packets[place]);
+    bundle->apexes |= (uint32_t)is_apex << place;
+    return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
+}
+
+/* Has packets that float carries go with the bundle; returns the others that have rays. */
 static uint32_t add_packets(struct bundle *bundle, uint32_t places)
 {
-    uint32_t others = 0;
-    for (uint32_t place = 0; place < MLRT_BUNDLE_PACKETS; ++place) {
+    uint32_t odd = 0, others = 0;
+    memset(bundle->tests, 0, sizeof bundle->tests);
+    for (uint32_t left = ~places & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = places; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
+        odd |= (uint32_t)((bundle->tile->packets[place].active & ~fit) != 0) << place;
+    }
+    bundle->going = hulls_fit(bundle, places & ~odd);
+    for (uint32_t left = places & ~bundle->going; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
-        bundle->tests[place] = 0;
-        if (!(places >> place & 1)) {
-            leave_bundle(bundle, place);
-            continue;
-        }
-        const int is_apex = bundle->is_apex && starts_at_waist(bundle, packet);
-        const uint32_t fit = is_apex ? set_apex_rays(bundle, place) : set_bundle_rays(bundle, place);
-        bundle->apexes |= (uint32_t)is_apex << place;
-        bundle->going |= 1u << place;
-        if (MLRT_LIKELY(!(packet->active & ~fit))) continue;
         check_odd_packet(bundle->unit, packet);
-        if (packet->active && !(packet->active & ~fit)) {
-            if (is_apex) set_no_places(&bundle->rays[place]);
-            bound_packet(bundle, place);
+        const uint32_t unfit = packet->active & ~bound_from_anywhere(bundle, place);
+        if (packet->active && !unfit && hulls_fit(bundle, bit)) {
+            bundle->going |= bit;
         } else {
             leave_bundle(bundle, place);
-            others |= (packet->active != 0u) << place;
+            others |= packet->active ? bit : 0;
         }
     }
+    bundle->apexes &= bundle->going;
     return others;
 }
 
@@ -328,7 +344,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
-    bundle->going = bundle->given_up = bundle->nearer = bundle->covered = bundle->has_reciprocals = 0;
+    bundle->going = bundle->made = bundle->given_up = bundle->nearer = bundle->covered = bundle->has_reciprocals = 0;
     bundle->has_begins = 0;
     if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &cache->waist, &bundle->waist)) {
         uint32_t others = 0;
@@ -347,9 +363,6 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
     bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
-    for (uint32_t left = bundle->has_places ? bundle->apexes : 0; left; left &= left - 1) {
-        set_no_places(&bundle->rays[mlrt_lowest_bit(left)]);
-    }
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         finish_depths(bundle, bundle->going, v);
         finish_hulls(bundle, v);
@@ -364,9 +377,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     const uint32_t wide = find_wide_bundles(bundle);
     others |= wide;
     for (uint32_t left = wide; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        leave_bundle(bundle, place);
-        set_packet_distances(&bundle->rays[place], &bundle->tile->packets[place]);
+        release_packet(bundle, mlrt_lowest_bit(left));
     }
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
@@ -387,8 +398,11 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         packet->active |= packet->single;
         packet->single = 0;
     }
+    if (job->tree->bvh.node_count == 0) {
+        for (; places; places &= places - 1) mlrt_fill_words(tile->packets[mlrt_lowest_bit(places)].triangle, MLRT_NONE);
+        return;
+    }
     uint32_t others = make_bundle(job, worker, places, &bundle);
-    if (job->tree->bvh.node_count == 0) return;
     if (worker->lane_tiles[job->any]) {
         --worker->lane_tiles[job->any];
     } else if (bundle.going) {
@@ -397,7 +411,9 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         if (closed && !(bundle.closed & bundle.going) && !bundle.covered) {
             worker->open_bundles[job->any] = MLRT_TILE_RUN;
         }
-        keep_covers(&bundle, bundle.closed & bundle.going);
+        for (uint32_t left = bundle.going & ~bundle.made; left; left &= left - 1) {
+            finish_untouched_packet(&bundle, mlrt_lowest_bit(left));
+        }
         if (mlrt_count_bits(bundle.given_up) > MLRT_MOST_GIVEN_UP) {
             worker->lane_tiles[job->any] = MLRT_LANE_TILES;
         } else {
