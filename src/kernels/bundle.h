@@ -246,78 +246,31 @@ static MLRT_NOINLINE void update_last_depths(struct bundle *bundle, uint32_t pla
 }
 
 /*
- * Extremes over the rays of a packet: of slopes and places, of where they begin, and, negated, of where they end and
- * of A.
+ * Puts extremes over the rays of a packet where its hull is made of them: the least of slopes, negated slopes, places,
+ * negated places, of where they begin, that negated, of where they end negated, and that. `begin` is the greatest tau at
+ * which one begins.
+ *
+ * A, which origins are within, follows: their depths are within `begin` of the extremes, |o'_j| <= |x_j| + |s_j o'_main|,
+ * and 2 |s_j| <= R.
  */
-struct packet_extremes {
-    struct extremes term[4];
-    vf first;
-    vf negated_last;
-    vf negated_away;
-    vf negated_core_first;
-    vf core_last;
-};
-
-MLRT_INLINE void begin_extremes(struct packet_extremes *of)
+MLRT_INLINE void keep_extremes(const float least[12], float begin, uint32_t place, struct mlrt_hulls *hulls)
 {
-    MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) of->term[i] = NO_EXTREMES;
-    of->first = of->negated_last = of->negated_away = of->negated_core_first = of->core_last = v_set1(INFINITY);
-}
-
-/* Adds slopes, and places, of some lanes. */
-MLRT_INLINE void add_terms(vm lanes, const vf term[4], int has_places, struct packet_extremes *of)
-{
-    MLRT_UNROLL
-    for (int i = 0; i < (has_places ? 4 : 2); ++i) add_to_extremes(v_select(lanes, term[i], v_set1(NAN)), &of->term[i]);
-}
-
-/* Adds the depths at which lanes begin. */
-MLRT_INLINE void add_first(vm lanes, vf first, struct packet_extremes *of)
-{
-    const vf depth = v_select(lanes, first, v_set1(NAN));
-    of->first = v_min(depth, of->first);
-    of->negated_core_first = v_min(v_sub(v_set1(0), depth), of->negated_core_first);
-}
-
-/* Adds those at which they end, surely and at the latest. */
-MLRT_INLINE void add_last(vm lanes, vf core_last, vf last, struct packet_extremes *of)
-{
-    of->core_last = v_min(v_select(lanes, core_last, v_set1(NAN)), of->core_last);
-    of->negated_last = v_min(v_select(lanes, v_sub(v_set1(0), last), v_set1(NAN)), of->negated_last);
-}
-
-/* Adds how far they begin from the waist: depth, place j, place l. */
-MLRT_INLINE void add_away(vm lanes, const vf from_waist[3], struct packet_extremes *of)
-{
-    const vf other = v_max(v_abs(from_waist[1]), v_abs(from_waist[2]));
-    const vf away = v_max(v_abs(from_waist[0]), v_mul(other, v_set1(2)));
-    of->negated_away = v_min(v_select(lanes, v_sub(v_set1(0), away), v_set1(NAN)), of->negated_away);
-}
-
-/* Puts extremes where the hulls of packets are made of them. Without places, all rays begin at the waist. */
-MLRT_INLINE void keep_extremes(const struct packet_extremes *of, uint32_t place, int has_places, struct mlrt_hulls *hulls)
-{
-    MLRT_ALIGNED(16) float least[12] = {0};
-    f4_store(least, v_hmin4(of->term[0].least, of->term[1].least, of->term[0].negated, of->term[1].negated));
-    if (has_places) {
-        f4_store(least + 4, v_hmin4(of->term[2].least, of->term[3].least, of->term[2].negated, of->term[3].negated));
-        hulls->away[place] = -v_hmin(of->negated_away);
-    } else {
-        hulls->away[place] = 0;
-    }
-    f4_store(least + 8, v_hmin4(of->first, of->negated_core_first, of->negated_last, of->core_last));
+    float steepest = 0.5f, aside = 0;
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         hulls->term[MLRT_SLOPE_J + i].lo[place] = least[i];
         hulls->term[MLRT_SLOPE_J + i].hi[place] = -least[2 + i];
         hulls->term[MLRT_PLACE_J + i].lo[place] = least[4 + i];
         hulls->term[MLRT_PLACE_J + i].hi[place] = 0 - least[6 + i];
+        steepest = larger_of(larger_of(fabsf(least[i]), fabsf(least[2 + i])), steepest);
+        aside = larger_of(larger_of(fabsf(least[4 + i]), fabsf(least[6 + i])), aside);
     }
     hulls->first[place] = least[8];
     hulls->core_first[place] = -least[9];
     hulls->last[place] = -least[10];
     hulls->core_last[place] = least[11];
+    const float deep = larger_of(fabsf(least[8]), fabsf(least[9])) + begin;
+    hulls->away[place] = (2 * aside + 2 * steepest * deep) * (1 + SLOPE_SLACK);
 }
 
 /* Bounds a packet anew by its active lanes. */
@@ -325,19 +278,32 @@ static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
 {
     const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
-    struct packet_extremes of;
-    begin_extremes(&of);
+    const vf inf = v_set1(INFINITY);
+    const float away = bundle->hulls.away[place];
+    vf least[12];
+    for (int i = 0; i < 12; ++i) least[i] = inf;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        static const int term[4] = {MLRT_SLOPE_J, MLRT_SLOPE_L, MLRT_PLACE_J, MLRT_PLACE_L};
         const vm lanes = m_from_bits(active >> v);
-        vf term[4] = {v_load(rays->term[0] + v), v_load(rays->term[1] + v)};
-        const vf to_waist[3] = {v_load(rays->to_waist[0] + v), v_load(rays->to_waist[1] + v), v_load(rays->to_waist[2] + v)};
-        term[2] = v_load(rays->term[MLRT_PLACE_J] + v), term[3] = v_load(rays->term[MLRT_PLACE_L] + v);
-        add_terms(lanes, term, 1, &of);
-        add_first(lanes, v_sub(v_load(rays->begin + v), to_waist[0]), &of);
-        add_last(lanes, v_sub(v_load(rays->lo + v), to_waist[0]), v_sub(v_load(rays->hi + v), to_waist[0]), &of);
-        add_away(lanes, to_waist, &of);
+        const vf to_waist = v_load(rays->to_waist[0] + v), zero = v_set1(0);
+        MLRT_UNROLL
+        for (int i = 0; i < 4; ++i) {
+            const vf value = v_load(rays->term[term[i]] + v);
+            const int at = (i & 2) * 2 + (i & 1);
+            least[at] = v_min(v_select(lanes, value, inf), least[at]);
+            least[at + 2] = v_min(v_select(lanes, v_sub(zero, value), inf), least[at + 2]);
+        }
+        const vf first = v_sub(v_load(rays->begin + v), to_waist);
+        least[8] = v_min(v_select(lanes, first, inf), least[8]);
+        least[9] = v_min(v_select(lanes, v_sub(zero, first), inf), least[9]);
+        least[10] = v_min(v_select(lanes, v_sub(to_waist, v_load(rays->hi + v)), inf), least[10]);
+        least[11] = v_min(v_select(lanes, v_sub(v_load(rays->lo + v), to_waist), inf), least[11]);
     }
-    keep_extremes(&of, place, 1, &bundle->hulls);
+    MLRT_ALIGNED(16) float of[12];
+    MLRT_UNROLL
+    for (int i = 0; i < 12; i += 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
+    keep_extremes(of, 0, place, &bundle->hulls);
+    bundle->hulls.away[place] = away;
 }
 
 /* Do all rays of a packet start at the waist? Says so in the packet, too. A unit that is not exact for it is none. */
@@ -397,31 +363,63 @@ MLRT_INLINE vm exact_in_units(const struct bundle *bundle, const struct mlrt_pac
     return exact;
 }
 
+/* Makes rays of lanes that are not active like one that is, so that all count as active when they are bounded. */
+static MLRT_NOINLINE void fill_idle_lanes(struct mlrt_packet *packet)
+{
+    const uint32_t first = mlrt_lowest_bit(packet->active);
+    for (uint32_t left = ~packet->active & 0xFFFF; left; left &= left - 1) {
+        const uint32_t lane = mlrt_lowest_bit(left);
+        for (int k = 0; k < 3; ++k) {
+            packet->direction[k][lane] = packet->direction[k][first];
+            if (!packet->has_apex) packet->origin[k][lane] = packet->origin[k][first];
+        }
+        packet->t_min[lane] = packet->t_min[first];
+        packet->t_max[lane] = packet->t_max[first];
+    }
+}
+
+/* Of vectors of a packet's lanes: the first one, or its minimum with the others. */
+MLRT_INLINE void take_least(vf value, int v, vf *least)
+{
+    *least = v ? v_min(value, *least) : value;
+}
+
 /*
  * Bounds a packet whose rays have just been read; has_places is 0 if they all begin at the waist. Returns the lanes of
- * rays that can go with the bundle, unless hulls_fit says otherwise.
+ * rays that can go with the bundle, unless hulls_fit says otherwise; if one cannot, the bounds are anything.
  *
- * Slopes are products with a reciprocal here: one rounding more than those of make_lanes. Of that, 8 u of themselves
- * that hulls are wider by pays.
+ * Slopes are products with a reciprocal here: one rounding more than those of make_lanes, which 8 u of themselves that
+ * hulls are wider by pay for. How far origins are away follows from depths, slopes and places.
  */
 MLRT_INLINE uint32_t bound_rays_by(struct bundle *bundle, uint32_t place, int has_places)
 {
-    const struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_hulls *hulls = &bundle->hulls;
     const int has_ends = packet->has_limits || packet->t_max[0] != INFINITY;
     const vf unit = v_set1(bundle->unit), zero = v_set1(0);
-    uint32_t fit = 0, begins = 0;
-    struct packet_extremes of;
-    begin_extremes(&of);
+    vf least[12]; /* slopes, slopes negated, places, negated, first, negated, negated last, last */
+    vf longest = zero;
+    uint32_t fit = 0;
+    if (MLRT_UNLIKELY(packet->active != 0xFFFF)) {
+        if (packet->single) return 0; /* these lanes are not idle */
+        fill_idle_lanes(packet);
+    }
+    least[4] = least[5] = least[6] = least[7] = zero;
+    least[10] = v_set1(-INFINITY), least[11] = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vm active = m_from_bits(packet->active >> v);
         struct given_rays rays;
         load_given_rays(bundle, packet, has_places, v, &rays);
         const vf pace = v_mul(rays.pace, unit), inverse = v_div(v_set1(1), rays.pace);
-        vf term[4], first = rays.from_waist[0];
+        vf term[4] = {zero, zero, zero, zero}, first = rays.from_waist[0];
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             term[i] = v_mul(rays.across[i], inverse);
-            if (has_places) term[2 + i] = v_sub(rays.from_waist[1 + i], v_mul(term[i], rays.from_waist[0]));
+            take_least(term[i], v, &least[i]);
+            take_least(v_sub(zero, term[i]), v, &least[2 + i]);
+            if (!has_places) continue;
+            term[2 + i] = v_sub(rays.from_waist[1 + i], v_mul(term[i], rays.from_waist[0]));
+            take_least(term[2 + i], v, &least[4 + i]);
+            take_least(v_sub(zero, term[2 + i]), v, &least[6 + i]);
         }
         /* A number that is none is in the sum. */
         const vf sum = has_places ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
@@ -429,26 +427,29 @@ MLRT_INLINE uint32_t bound_rays_by(struct bundle *bundle, uint32_t place, int ha
         fits = m_and(fits, v_le(sum, v_set1(MLRT_SAFE_MAX)));
         if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) fits = m_and(fits, exact_in_units(bundle, packet, v));
         if (packet->has_limits) {
-            const vf given = v_load(packet->t_min + v), t_min = v_max(given, zero);
-            const vf begin = v_mul(t_min, pace);
-            fits = m_and(fits, m_and(v_eq(given, given), v_lt(t_min, v_load(packet->t_max + v))));
-            fits = m_and(fits, v_le(begin, v_set1(MLRT_BVH_FAR)));
-            begins |= m_bits(v_gt(begin, zero)) << v;
+            const vf given = v_load(packet->t_min + v), begin = v_mul(v_max(given, zero), pace);
+            fits = m_and(fits, m_and(v_eq(given, given), v_lt(given, v_load(packet->t_max + v))));
+            longest = v_max(begin, longest);
             first = v_add(first, begin);
         }
         if (has_ends) {
             const vf t_max = v_load(packet->t_max + v), last = v_mul_add(t_max, pace, rays.from_waist[0]);
             fits = m_and(fits, v_gt(t_max, zero));
-            add_last(active, last, last, &of);
+            take_least(v_sub(zero, last), v, &least[10]);
+            take_least(last, v, &least[11]);
         }
-        add_terms(active, term, has_places, &of);
-        add_first(active, first, &of);
-        if (has_places) add_away(active, rays.from_waist, &of);
+        take_least(first, v, &least[8]);
+        take_least(v_sub(zero, first), v, &least[9]);
         fit |= m_bits(fits) << v;
     }
-    if (!has_ends) of.negated_last = v_set1(-INFINITY);
-    keep_extremes(&of, place, has_places, &bundle->hulls);
-    bundle->has_begins |= (begins & packet->active) != 0;
+    MLRT_ALIGNED(16) float of[12] = {0};
+    MLRT_UNROLL
+    for (int i = 0; i < 12; i += 4) {
+        if (has_places || i != 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
+    }
+    const float begin = packet->has_limits ? v_hmax(longest) : 0;
+    if (begin > 0) bundle->has_begins = 1;
+    keep_extremes(of, begin, place, hulls);
     return fit;
 }
 

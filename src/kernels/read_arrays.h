@@ -50,12 +50,13 @@ static int begin_reading(const struct mlrt_source *source, struct array_reader *
     const uint32_t group = source->rays_per_origin;
     const int is_rays = source->kind == MLRT_SOURCE_RAYS;
     static const mlrt_const_array none;
+    const mlrt_const_array light = {source->light, 0}; /* the direction of all, if it is a directional one */
     if (source->kind == MLRT_SOURCE_CAMERA || (group > 1 && group % MLRT_PACKET_RAYS != 0)) return 0;
     reader->source = source;
     lay_out_array(&source->points, group, source->width, &reader->points);
     lay_out_array(&source->skip, group, source->width, &reader->skip);
     lay_out_array(is_rays ? &source->t_min : &none, group, source->width, &reader->t_min);
-    lay_out_array(is_rays ? &source->directions : &none, 1, source->width, &reader->directions);
+    lay_out_array(is_rays ? &source->directions : &light, 1, source->width, &reader->directions);
     lay_out_array(is_rays ? &source->t_max : &none, 1, source->width, &reader->t_max);
     reader->points_have_t_min = is_followed_by(&reader->points, &reader->t_min);
     reader->directions_have_t_max = is_followed_by(&reader->directions, &reader->t_max);
@@ -75,27 +76,61 @@ MLRT_INLINE size_t offset_of_lane(const struct array_layout *layout, int lane)
     return (size_t)((lane & 1) | (lane >> 1 & 2)) * layout->step + (size_t)((lane >> 1 & 1) | (lane >> 2 & 2)) * layout->row_step;
 }
 
-/* Vectors of lanes from v on: three words, and that behind them, if there is one. */
-MLRT_INLINE void read_vectors(const struct array_layout *layout, const unsigned char *first, int v, vf words[4])
+/*
+ * Reads three words of each lane into rows of lanes, and that behind them, if there is one, into `fourth`. Of the vectors
+ * `from` is subtracted, if it is not NULL: not afterwards, as what was just stored is not loaded as fast.
+ */
+static MLRT_NOINLINE void read_vectors_apart(const struct array_layout *layout, const unsigned char *first,
+                                             const float *from, float (*rows)[MLRT_PACKET_RAYS], float *fourth)
 {
-    const unsigned char *at = first + offset_of_lane(layout, v);
-    if (layout->is_packed) {
-        v_triples(at, layout->row_step, words);
-    } else if (layout->step == 0) {
-        const float *one = (const float *)(const void *)first;
+    const size_t step = layout->step, row_step = layout->row_step;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const unsigned char *at = first + offset_of_lane(layout, v);
+        vf words[4] = {v_set1(0), v_set1(0), v_set1(0), v_set1(0)};
+        if (layout->has_word) {
+            v_quads_at(at, step, row_step, words);
+        } else {
+            v_triples_at(at, step, row_step, words);
+        }
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) words[k] = v_set1(one[k]);
-        if (layout->has_word) words[3] = v_set1(one[3]);
-    } else if (layout->has_word) {
-        v_quads_at(at, layout->step, layout->row_step, words);
-    } else {
-        v_triples_at(at, layout->step, layout->row_step, words);
+        for (int k = 0; k < 3; ++k) v_store(rows[k] + v, from ? v_sub(words[k], v_set1(from[k])) : words[k]);
+        if (fourth) v_store(fourth + v, words[3]);
     }
 }
 
-MLRT_INLINE vf read_floats(const struct array_layout *layout, const unsigned char *first, int v)
+MLRT_INLINE void read_vectors(const struct array_layout *layout, const unsigned char *first, const float *from,
+                              float (*rows)[MLRT_PACKET_RAYS], float *fourth)
 {
-    return v_floats_at(first + offset_of_lane(layout, v), layout->step, layout->row_step);
+    const float *one = (const float *)(const void *)first;
+    if (!layout->is_packed && layout->step) {
+        read_vectors_apart(layout, first, from, rows, fourth);
+        return;
+    }
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf words[3] = {v_set1(one[0]), v_set1(one[1]), v_set1(one[2])};
+        if (layout->is_packed) v_triples(first + offset_of_lane(layout, v), layout->row_step, words);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) v_store(rows[k] + v, from ? v_sub(words[k], v_set1(from[k])) : words[k]);
+        if (fourth) v_store(fourth + v, v_set1(one[3]));
+    }
+}
+
+static MLRT_NOINLINE void read_floats_of(const struct array_layout *layout, size_t element, float *row)
+{
+    const unsigned char *first = layout->data + element * layout->stride;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        v_store(row + v, v_floats_at(first + offset_of_lane(layout, v), layout->step, layout->row_step));
+    }
+}
+
+/* Reads a number of each lane; `standard` where there is no array. */
+MLRT_INLINE void read_floats(const struct array_layout *layout, size_t element, float standard, float *row)
+{
+    if (layout->data) {
+        read_floats_of(layout, element, row);
+    } else {
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) v_store(row + v, v_set1(standard));
+    }
 }
 
 /* What the rays of a block pass: pairs of mesh and triangle, as numbers. Neighbours mostly pass triangles of one mesh, or
@@ -104,71 +139,46 @@ static void read_skips(const struct array_layout *skip, size_t element, const st
                        struct known_mesh *known, struct mlrt_packet *packet)
 {
     const unsigned char *first = skip->data + element * skip->stride;
-    uint32_t mesh;
-    vm same = m_from_bits(ALL_LANES);
+    uint32_t mesh, others = 0;
     memcpy(&mesh, first, sizeof mesh);
     find_mesh(tree, mesh, known);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vi meshes, triangles;
         i_pairs_at(first + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes, &triangles);
-        same = m_and(same, i_eq(meshes, i_set1(mesh)));
+        others |= ~m_bits(i_eq(meshes, i_set1(mesh))) & ALL_LANES;
         i_store(packet->skip_mesh + v, meshes);
-        i_store(packet->skip + v, triangles);
+        i_store(packet->skip + v, others ? triangles : numbers_in_mesh(known, triangles));
+        if (MLRT_LIKELY(!others)) continue;
+        for (int w = 0; w < v; w += VW) { /* as they were given, again */
+            i_pairs_at(first + offset_of_lane(skip, w), skip->step, skip->row_step, &meshes, &triangles);
+            i_store(packet->skip + w, triangles);
+        }
     }
-    if (MLRT_UNLIKELY(m_bits(same) != ALL_LANES)) {
-        mlrt_number_skips(tree, packet);
-        return;
-    }
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        i_store(packet->skip + v, numbers_in_mesh(known, i_load(packet->skip + v)));
-    }
+    if (MLRT_UNLIKELY(others)) mlrt_number_skips(tree, packet);
 }
 
-/* Reads the rays of a whole block; not masks. t_min is not negative then, unless it is no number. */
+/* Reads the rays of a whole block; not masks. */
 static void read_whole_block(const struct array_reader *reader, uint32_t x, uint32_t y, struct known_mesh *known,
                              struct mlrt_packet *packet)
 {
     const struct mlrt_source *source = reader->source;
-    const struct array_layout *t_min = &reader->t_min, *t_max = &reader->t_max;
     const size_t ray = (size_t)y * source->width + x;
     const size_t origin = source->rays_per_origin == 1 ? ray : ray / source->rays_per_origin;
     const unsigned char *points = reader->points.data + origin * reader->points.stride;
     const unsigned char *directions = reader->directions.data + ray * reader->directions.stride;
-    const int is_rays = source->kind == MLRT_SOURCE_RAYS, is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf point[4], direction[4];
-        read_vectors(&reader->points, points, v, point);
-        vf least = v_set1(0), most = v_set1(is_point ? 1 : INFINITY);
-        if (is_rays) {
-            read_vectors(&reader->directions, directions, v, direction);
-            if (reader->directions_have_t_max) {
-                most = direction[3];
-            } else if (t_max->data) {
-                most = read_floats(t_max, t_max->data + ray * t_max->stride, v);
-            }
-            if (reader->points_have_t_min) {
-                least = point[3];
-            } else if (t_min->data) {
-                least = read_floats(t_min, t_min->data + origin * t_min->stride, v);
-            }
-        }
-        MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) {
-            const vf light = v_set1(source->light[k]);
-            if (is_point) {
-                direction[k] = v_sub(point[k], light);
-            } else {
-                v_store(packet->origin[k] + v, point[k]);
-                if (!is_rays) direction[k] = light;
-            }
-            v_store(packet->direction[k] + v, direction[k]);
-        }
-        v_store(packet->t_min + v, least);
-        v_store(packet->t_max + v, most);
+    float *t_min = reader->points_have_t_min ? packet->t_min : NULL;
+    float *t_max = reader->directions_have_t_max ? packet->t_max : NULL;
+    packet->has_apex = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    if (packet->has_apex) {
+        read_vectors(&reader->points, points, source->light, packet->direction, t_min);
+        memcpy(packet->apex, source->light, sizeof packet->apex);
+    } else {
+        read_vectors(&reader->points, points, NULL, packet->origin, t_min);
+        read_vectors(&reader->directions, directions, NULL, packet->direction, t_max);
     }
-    packet->has_apex = is_point;
-    if (is_point) memcpy(packet->apex, source->light, sizeof packet->apex);
-    packet->has_limits = t_min->data || t_max->data;
+    if (!t_min) read_floats(&reader->t_min, origin, 0, packet->t_min);
+    if (!t_max) read_floats(&reader->t_max, ray, packet->has_apex ? 1 : INFINITY, packet->t_max);
+    packet->has_limits = reader->t_min.data || reader->t_max.data;
     packet->has_masks = 0;
     packet->has_skip = reader->skip.data != NULL;
     if (packet->has_skip) read_skips(&reader->skip, origin, source->tree, known, packet);

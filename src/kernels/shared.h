@@ -24,6 +24,7 @@
 #include "tile_packets.h"
 #include "trace_ray.h"
 #include "undecided.h"
+#include "words.h"
 
 #include "slopes.h"
 #include "extremes.h"
