@@ -62,6 +62,7 @@ struct mlrt_hulls {
     struct mlrt_hull_row place[2];
     MLRT_ALIGNED(64) float first[MLRT_BUNDLE_PACKETS]; /* depths between which the rays look */
     MLRT_ALIGNED(64) float last[MLRT_BUNDLE_PACKETS];
+    MLRT_ALIGNED(64) float begin[MLRT_BUNDLE_PACKETS]; /* the greatest tau at which a ray begins to look */
     /* What the filters need (kernels/bundle_leaf.h): the terms as middle and radius, and what errors are relative to. */
     MLRT_ALIGNED(64) float middle[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float radius[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];

@@ -46,6 +46,7 @@ struct bundle {
     uint32_t going; /* packets with a hull */
     uint32_t made;  /* packets of whose rays there are the numbers below */
     uint32_t closed;   /* packets of whose rays no more is known than what covers all of them (bundle_cover.h) */
+    uint32_t riding;   /* packets that go lane by lane afterwards, unless one triangle happens to hide all of their rays */
     uint32_t covered;  /* packets that are done, as one triangle hides all of their rays */
     uint32_t nearer;   /* packets whose rays may look less far than their hulls say */
     uint32_t has_reciprocals; /* packets that have some below */
@@ -247,30 +248,21 @@ static MLRT_NOINLINE void update_last_depths(struct bundle *bundle, uint32_t pla
 
 /*
  * Puts extremes over the rays of a packet where its hull is made of them: the least of slopes, negated slopes, places,
- * negated places, of where they begin, that negated, of where they end negated, and that. `begin` is the greatest tau at
- * which one begins.
- *
- * A, which origins are within, follows: their depths are within `begin` of the extremes, |o'_j| <= |x_j| + |s_j o'_main|,
- * and 2 |s_j| <= R.
+ * negated places, of where they begin, that negated, of where they end negated, and that.
  */
-MLRT_INLINE void keep_extremes(const float least[12], float begin, uint32_t place, struct mlrt_hulls *hulls)
+MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlrt_hulls *hulls)
 {
-    float steepest = 0.5f, aside = 0;
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         hulls->term[MLRT_SLOPE_J + i].lo[place] = least[i];
         hulls->term[MLRT_SLOPE_J + i].hi[place] = -least[2 + i];
         hulls->term[MLRT_PLACE_J + i].lo[place] = least[4 + i];
         hulls->term[MLRT_PLACE_J + i].hi[place] = 0 - least[6 + i];
-        steepest = larger_of(larger_of(fabsf(least[i]), fabsf(least[2 + i])), steepest);
-        aside = larger_of(larger_of(fabsf(least[4 + i]), fabsf(least[6 + i])), aside);
     }
     hulls->first[place] = least[8];
     hulls->core_first[place] = -least[9];
     hulls->last[place] = -least[10];
     hulls->core_last[place] = least[11];
-    const float deep = larger_of(fabsf(least[8]), fabsf(least[9])) + begin;
-    hulls->away[place] = (2 * aside + 2 * steepest * deep) * (1 + SLOPE_SLACK);
 }
 
 /* Bounds a packet anew by its active lanes. */
@@ -279,7 +271,6 @@ static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
     const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
     const vf inf = v_set1(INFINITY);
-    const float away = bundle->hulls.away[place];
     vf least[12];
     for (int i = 0; i < 12; ++i) least[i] = inf;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -302,8 +293,7 @@ static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
     MLRT_ALIGNED(16) float of[12];
     MLRT_UNROLL
     for (int i = 0; i < 12; i += 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
-    keep_extremes(of, 0, place, &bundle->hulls);
-    bundle->hulls.away[place] = away;
+    keep_extremes(of, place, &bundle->hulls);
 }
 
 /* Do all rays of a packet start at the waist? Says so in the packet, too. A unit that is not exact for it is none. */
@@ -447,9 +437,8 @@ MLRT_INLINE uint32_t bound_rays_by(struct bundle *bundle, uint32_t place, int ha
     for (int i = 0; i < 12; i += 4) {
         if (has_places || i != 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
     }
-    const float begin = packet->has_limits ? v_hmax(longest) : 0;
-    if (begin > 0) bundle->has_begins = 1;
-    keep_extremes(of, begin, place, hulls);
+    hulls->begin[place] = packet->has_limits ? v_hmax(longest) : 0;
+    keep_extremes(of, place, hulls);
     return fit;
 }
 
@@ -480,28 +469,37 @@ static MLRT_NOINLINE int has_tiny_slopes(const struct bundle *bundle, const stru
     return (tiny & packet->active) != 0;
 }
 
-/* Of packets that were bounded, those that float carries: slopes are not steep and not tiny, and origins not far away. */
-static MLRT_NOINLINE uint32_t hulls_fit(const struct bundle *bundle, uint32_t places)
+/*
+ * Sets A of packets that were bounded, and returns those that float carries: slopes are not steep and not tiny, and origins
+ * not far away. Depths of origins are within `begin` of where rays begin, |o'_j| <= |x_j| + |s_j o'_main|, and 2 |s_j| <= R.
+ */
+static MLRT_NOINLINE uint32_t hulls_fit(struct bundle *bundle, uint32_t places)
 {
-    const struct mlrt_hulls *hulls = &bundle->hulls;
+    struct mlrt_hulls *hulls = &bundle->hulls;
     const float *w = bundle->waist.point;
     const int is_near = fabsf(w[0]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[1]) < 0.5f * MLRT_SAFE_MAX &&
                         fabsf(w[2]) < 0.5f * MLRT_SAFE_MAX;
     const vf farthest = v_set1(is_near ? 0.5f * MLRT_SAFE_MAX : 0); /* from the waist: so origins are safe */
     uint32_t fit = 0, small = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        const vf least = v_set1(LEAST_SLOPE), below = v_set1(-LEAST_SLOPE), zero = v_set1(0);
-        vm fits = m_and(v_le(v_load(hulls->away + v), farthest),
-                        v_le(v_load(hulls->core_first + v), v_set1(MLRT_BVH_FAR)));
-        vm is_small = m_from_bits(0);
+        const vf least = v_set1(LEAST_SLOPE), below = v_set1(-LEAST_SLOPE), zero = v_set1(0), two = v_set1(2);
+        const vf first = v_load(hulls->first + v), core_first = v_load(hulls->core_first + v);
+        vm fits = v_le(core_first, v_set1(MLRT_BVH_FAR)), is_small = m_from_bits(0);
+        vf steepest = v_set1(0.5f), aside = zero;
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
+            const vf from = v_load(hulls->term[MLRT_PLACE_J + i].lo + v), to = v_load(hulls->term[MLRT_PLACE_J + i].hi + v);
+            steepest = v_max(v_max(v_abs(lo), v_abs(hi)), steepest);
+            aside = v_max(v_max(v_abs(from), v_abs(to)), aside);
             fits = m_and(fits, m_and(v_ge(lo, v_set1(-STEEPEST_SLOPE)), v_le(hi, v_set1(STEEPEST_SLOPE))));
             const vm is_zero = m_and(v_eq(lo, zero), v_eq(hi, zero));
             is_small = m_or(is_small, m_andnot(m_and(v_lt(lo, least), v_gt(hi, below)), is_zero));
         }
-        fit |= m_bits(fits) << v;
+        const vf deep = v_add(v_max(v_abs(first), v_abs(core_first)), v_load(hulls->begin + v));
+        const vf away = v_mul(v_mul(v_mul_add(steepest, deep, aside), two), v_set1(1 + SLOPE_SLACK));
+        v_store(hulls->away + v, away);
+        fit |= m_bits(m_and(fits, v_le(away, farthest))) << v;
         small |= m_bits(is_small) << v;
     }
     fit &= places;

@@ -137,6 +137,20 @@ MLRT_INLINE uint32_t passing_lanes(const struct mlrt_packet *packet, uint32_t nu
     return passing & packet->active;
 }
 
+/* Ends packets that were set aside, as a triangle hides all of their rays. */
+static MLRT_NOINLINE void hide_riding_packets(struct bundle *bundle, uint32_t places, uint32_t number)
+{
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places);
+        struct mlrt_packet *packet = &bundle->tile->packets[place];
+        if (passing_lanes(packet, number)) continue;
+        bundle->riding &= ~(1u << place);
+        bundle->hulls.cover[place] = number;
+        finish_untouched_packet(bundle, place);
+        packet->active = 0;
+    }
+}
+
 /*
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
@@ -149,7 +163,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct bund
     const uint32_t number = leaf->numbers[triangle];
     uint32_t may = 0, covered = 0, left_alone = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        if (!(among >> v & ALL_LANES)) continue;
+        if (!((among | bundle->riding) >> v & ALL_LANES)) continue;
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
@@ -157,6 +171,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct bund
         const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
+        if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
         uint32_t met = among >> v & ~m_bits(m_or(of.out, behind)) & ALL_LANES, passing = 0;
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
             const struct mlrt_packet *packet = &bundle->tile->packets[(uint32_t)v + mlrt_lowest_bit(left)];

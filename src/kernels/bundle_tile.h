@@ -323,7 +323,7 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
         struct mlrt_packet *packet = &bundle->tile->packets[place];
         check_odd_packet(bundle->unit, packet);
         const uint32_t unfit = packet->active & ~bound_from_anywhere(bundle, place);
-        if (packet->active && !unfit && hulls_fit(bundle, bit)) {
+        if (packet->active && !unfit && hulls_fit(bundle, bundle->going | bit) & bit) {
             bundle->going |= bit;
         } else {
             leave_bundle(bundle, place);
@@ -331,6 +331,9 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
         }
     }
     bundle->apexes &= bundle->going;
+    for (uint32_t left = bundle->going; left; left &= left - 1) {
+        bundle->has_begins |= bundle->hulls.begin[mlrt_lowest_bit(left)] > 0;
+    }
     return others;
 }
 
@@ -344,7 +347,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
-    bundle->going = bundle->made = bundle->given_up = bundle->nearer = bundle->covered = bundle->has_reciprocals = 0;
+    bundle->going = bundle->made = bundle->given_up = bundle->nearer = bundle->covered = bundle->has_reciprocals = bundle->riding = 0;
     bundle->has_begins = 0;
     if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &cache->waist, &bundle->waist)) {
         uint32_t others = 0;
@@ -374,10 +377,16 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     for (uint32_t left = bundle->closed; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has_masks) bundle->closed &= ~(left & (0u - left));
     }
-    const uint32_t wide = find_wide_bundles(bundle);
-    others |= wide;
-    for (uint32_t left = wide; left; left &= left - 1) {
-        release_packet(bundle, mlrt_lowest_bit(left));
+    bundle->riding = find_wide_bundles(bundle);
+    for (uint32_t left = bundle->riding; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
+        if (job->any && !bundle->tile->packets[place].has_masks) {
+            leave_bundle(bundle, place);
+        } else {
+            release_packet(bundle, place);
+            bundle->riding &= ~bit;
+            others |= bit;
+        }
     }
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
@@ -420,7 +429,9 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
             bundle.going = 0;
         }
     }
-    for (uint32_t left = bundle.going; left; left &= left - 1) give_up_packet(&bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = bundle.going | bundle.riding; left; left &= left - 1) {
+        give_up_packet(&bundle, mlrt_lowest_bit(left));
+    }
     others |= bundle.given_up;
     for (; others; others &= others - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(others)];
