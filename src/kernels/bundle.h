@@ -50,8 +50,10 @@ struct bundle {
     uint32_t covered;  /* packets that are done, as one triangle hides all of their rays */
     uint32_t nearer;   /* packets whose rays may look less far than their hulls say */
     uint32_t has_reciprocals; /* packets that have some below */
-    uint32_t given_up; /* packets that are to go lane by lane from now on */
+    uint32_t given_up; /* packets that were tested in vain too often */
+    uint32_t set_aside; /* packets that are to go lane by lane afterwards */
     uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
+    struct mlrt_bundle_cache *cache;
     struct mlrt_ray_tile *tile;
     struct mlrt_bundle_rays rays[MLRT_BUNDLE_PACKETS];
     struct reciprocals reciprocals[MLRT_BUNDLE_PACKETS];

@@ -148,7 +148,7 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
                                       uint32_t child, uint32_t met, int has_places)
 {
     const struct mlrt_bundle_leaf *leaf =
-        find_bundle_leaf(job, bundle, child, worker, &worker->bundle_caches[job->any]);
+        find_bundle_leaf(job, bundle, child, worker, bundle->cache);
     const struct mlrt_hull *whole = &bundle->whole;
     const uint32_t seen = triangles_met(leaf, whole->first, whole->last, whole->slope_lo, whole->slope_hi, whole->place_lo,
                                         whole->place_hi, has_places, leaf->there);
@@ -181,7 +181,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
-    const struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
+    const struct mlrt_bundle_cache *cache = bundle->cache;
     const int is_many = mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS && bundle->unit == 1;
     const uint32_t few = is_many ? MLRT_FEW_PACKETS : 0;
     uint32_t node = 0, count = 0;
@@ -292,11 +292,24 @@ static int ends_closer(const struct bundle *bundle)
 /* Checks the rays of a packet of which some cannot go with a bundle: rule R1, and which rays float can carry. */
 static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packet)
 {
+    const uint32_t lanes = packet->active | packet->single;
     if (MLRT_LIKELY(unit == 1)) {
-        check_packet(packet->active, packet);
+        check_packet(lanes, packet);
     } else {
-        check_packet_in_units(packet->active, unit, packet);
+        check_packet_in_units(lanes, unit, packet);
     }
+}
+
+/* Checks packets that do not go with a bundle; returns those that have rays. */
+static uint32_t check_odd_packets(const struct bundle *bundle, uint32_t places)
+{
+    uint32_t some = 0;
+    for (uint32_t left = places; left; left &= left - 1) {
+        struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(left)];
+        check_odd_packet(bundle->unit, packet);
+        some |= packet->active ? left & (0u - left) : 0;
+    }
+    return some;
 }
 
 /* Bounds a packet. Returns the lanes of rays that can go with the bundle. */
@@ -337,6 +350,21 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
     return others;
 }
 
+/* Takes packets that are far wider than the others out of a bundle. Where any hit will do they stay as riders. */
+static void set_wide_packets_aside(const struct mlrt_job *job, struct bundle *bundle)
+{
+    for (uint32_t left = find_wide_bundles(bundle); left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (job->any && !bundle->tile->packets[place].has_masks) {
+            leave_bundle(bundle, place);
+            bundle->riding |= left & (0u - left);
+        } else {
+            release_packet(bundle, place);
+            bundle->set_aside |= left & (0u - left);
+        }
+    }
+}
+
 /*
  * Makes a bundle of the packets `places` whose rays go along one main axis; returns the others that have rays. What
  * remains of the bundle is in `going`.
@@ -344,26 +372,19 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
 static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t places,
                                           struct bundle *bundle)
 {
-    struct mlrt_bundle_cache *cache = &worker->bundle_caches[job->any];
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
-    bundle->going = bundle->made = bundle->given_up = bundle->nearer = bundle->covered = bundle->has_reciprocals = bundle->riding = 0;
+    bundle->going = bundle->made = bundle->given_up = bundle->nearer = bundle->covered = 0;
+    bundle->set_aside = bundle->riding = bundle->has_reciprocals = bundle->apexes = 0;
     bundle->has_begins = 0;
-    if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &cache->waist, &bundle->waist)) {
-        uint32_t others = 0;
-        for (; places; places &= places - 1) {
-            struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(places)];
-            check_odd_packet(bundle->unit, packet);
-            others |= packet->active ? places & (0u - places) : 0;
-        }
-        return others;
+    bundle->has_places = 1;
+    if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
+        return check_odd_packets(bundle, places);
     }
     look_at_scene(&job->tree->bvh, bundle);
     bundle->is_apex = memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
                       mlrt_are_float_safe(samples[0].origin);
-    bundle->apexes = 0;
-    bundle->has_places = 1;
-    uint32_t others = add_packets(bundle, places);
+    const uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
     bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
@@ -377,21 +398,43 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     for (uint32_t left = bundle->closed; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has_masks) bundle->closed &= ~(left & (0u - left));
     }
-    bundle->riding = find_wide_bundles(bundle);
-    for (uint32_t left = bundle->riding; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
-        if (job->any && !bundle->tile->packets[place].has_masks) {
-            leave_bundle(bundle, place);
-        } else {
-            release_packet(bundle, place);
-            bundle->riding &= ~bit;
-            others |= bit;
-        }
-    }
+    set_wide_packets_aside(job, bundle);
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
-    keep_bundle_waist(&bundle->waist, cache);
+    keep_bundle_waist(&bundle->waist, bundle->cache);
     return others;
+}
+
+/* Takes a bundle down the hierarchy, and ends its packets but for those that are set aside. */
+static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle)
+{
+    const uint32_t closed = bundle->closed;
+    traverse_bundle(job, worker, bundle);
+    if (closed && !(bundle->closed & bundle->going) && !bundle->covered) {
+        worker->open_bundles[job->any] = MLRT_TILE_RUN;
+    }
+    for (uint32_t left = bundle->going & ~bundle->made; left; left &= left - 1) {
+        finish_untouched_packet(bundle, mlrt_lowest_bit(left));
+    }
+    uint32_t rest = bundle->riding;
+    if (mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP) {
+        worker->lane_tiles[job->any] = MLRT_LANE_TILES;
+        rest |= bundle->going;
+    }
+    for (uint32_t left = rest; left; left &= left - 1) release_packet(bundle, mlrt_lowest_bit(left));
+    bundle->set_aside |= bundle->given_up | rest;
+}
+
+/* Traces packets of a tile that have a main axis in common as a bundle. Returns those that go lane by lane. */
+static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+                                uint32_t places)
+{
+    bundle->cache = &worker->bundle_caches[job->any];
+    const uint32_t others = make_bundle(job, worker, places, bundle);
+    if (8 * mlrt_count_bits(bundle->going) < mlrt_count_bits(others)) worker->lane_tiles[job->any] = MLRT_LANE_TILES;
+    if (!bundle->going) return others;
+    trace_going_packets(job, worker, bundle);
+    return others | bundle->set_aside;
 }
 
 /* Traces the rays of packets of a tile that are active or single: those that exist, as their source gives them. */
@@ -399,42 +442,24 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
                                        uint32_t places)
 {
     struct bundle bundle;
-    if (!places) return;
+    uint32_t alone;
     bundle.tile = tile;
     bundle.unit = job->tree->bvh.unit;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
         packet->active |= packet->single;
         packet->single = 0;
+        if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->triangle, MLRT_NONE);
     }
-    if (job->tree->bvh.node_count == 0) {
-        for (; places; places &= places - 1) mlrt_fill_words(tile->packets[mlrt_lowest_bit(places)].triangle, MLRT_NONE);
-        return;
+    if (job->tree->bvh.node_count == 0) return;
+    if (worker->lane_tiles[job->any] || !(places & (places - 1))) {
+        worker->lane_tiles[job->any] -= worker->lane_tiles[job->any] != 0;
+        alone = check_odd_packets(&bundle, places);
+    } else {
+        alone = trace_as_bundle(job, worker, &bundle, places);
     }
-    uint32_t others = make_bundle(job, worker, places, &bundle);
-    if (worker->lane_tiles[job->any]) {
-        --worker->lane_tiles[job->any];
-    } else if (bundle.going) {
-        const uint32_t closed = bundle.closed;
-        traverse_bundle(job, worker, &bundle);
-        if (closed && !(bundle.closed & bundle.going) && !bundle.covered) {
-            worker->open_bundles[job->any] = MLRT_TILE_RUN;
-        }
-        for (uint32_t left = bundle.going & ~bundle.made; left; left &= left - 1) {
-            finish_untouched_packet(&bundle, mlrt_lowest_bit(left));
-        }
-        if (mlrt_count_bits(bundle.given_up) > MLRT_MOST_GIVEN_UP) {
-            worker->lane_tiles[job->any] = MLRT_LANE_TILES;
-        } else {
-            bundle.going = 0;
-        }
-    }
-    for (uint32_t left = bundle.going | bundle.riding; left; left &= left - 1) {
-        give_up_packet(&bundle, mlrt_lowest_bit(left));
-    }
-    others |= bundle.given_up;
-    for (; others; others &= others - 1) {
-        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(others)];
+    for (; alone; alone &= alone - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(alone)];
         trace_lanes(job, packet->active, packet, worker);
     }
 }
