@@ -9,15 +9,16 @@
 #include "kdtree.h"
 
 /* Which is which: the normal, N, and the vectors of e_ca and e_ab before their product with d. A size is the same with
- * all factors and sums positive: what errors are relative to. */
+ * all factors and sums positive; a width is what the quotient with D may be off by, times |D|. Those of D, e_ca and e_ab are
+ * still to be multiplied with the size of d. */
 enum mlrt_hit_term {
     MLRT_HIT_NORMAL,
     MLRT_HIT_NORMAL_SIZE = 3,
     MLRT_HIT_N,
-    MLRT_HIT_N_SIZE,
+    MLRT_HIT_N_WIDTH,
     MLRT_HIT_EDGE, /* two times three: only u and v need them */
-    MLRT_HIT_EDGE_SIZE = MLRT_HIT_EDGE + 6,
-    MLRT_HIT_TERM_COUNT = MLRT_HIT_EDGE_SIZE + 2
+    MLRT_HIT_EDGE_WIDTH = MLRT_HIT_EDGE + 6,
+    MLRT_HIT_TERM_COUNT = MLRT_HIT_EDGE_WIDTH + 2
 };
 
 struct mlrt_hit_terms {

@@ -16,6 +16,60 @@ size_t mlrt_channel_size(enum mlrt_channel channel)
     return channel == MLRT_CHANNEL_OCCLUDED ? 1 : 4;
 }
 
+/* The channel of 4 bytes that is written at this address, with the strides of `like`, out of a set. */
+static int find_neighbour(const struct mlrt_sink *sink, uint32_t channels, const unsigned char *at, int like)
+{
+    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
+        if (channels >> c & 1 && sink->channel[c].data == at && sink->channel[c].stride == sink->channel[like].stride &&
+            sink->channel[c].row_stride == sink->channel[like].row_stride) {
+            return c;
+        }
+    }
+    return -1;
+}
+
+static int is_same_struct(const struct mlrt_sink *sink, int c, int other)
+{
+    const uintptr_t distance = (uintptr_t)sink->channel[c].data - (uintptr_t)sink->channel[other].data;
+    return distance < sink->channel[c].stride && sink->channel[c].stride == sink->channel[other].stride &&
+           sink->channel[c].row_stride == sink->channel[other].row_stride;
+}
+
+/* A group that starts with a channel, out of a set. Structs of neighbours do not overlap. */
+static uint32_t make_group(const struct mlrt_sink *sink, uint32_t channels, int first, struct mlrt_sink_group *group)
+{
+    int c = first;
+    uint32_t count = 0, taken = 0;
+    while (c >= 0 && count < 4 && sink->channel[c].stride >= 4 * (count + 1)) {
+        group->channel[count++] = (uint8_t)c;
+        c = find_neighbour(sink, channels, sink->channel[c].data + 4, c);
+    }
+    group->count = (uint8_t)(count == 3 ? 2 : count);
+    for (uint32_t i = 0; i < group->count; ++i) taken |= 1u << group->channel[i];
+    return taken;
+}
+
+void mlrt_group_channels(struct mlrt_sink *sink)
+{
+    uint32_t left = 0;
+    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) left |= (uint32_t)(sink->channel[c].data != NULL) << c;
+    const uint32_t uv = 1u << MLRT_CHANNEL_U | 1u << MLRT_CHANNEL_V;
+    sink->numbers = (left >> MLRT_CHANNEL_T & 1 ? (uint32_t)MLRT_OUTPUT_T : 0) | (left & uv ? (uint32_t)MLRT_OUTPUT_UV : 0) |
+                    (left >> MLRT_CHANNEL_FACING & 1 ? (uint32_t)MLRT_OUTPUT_FACING : 0);
+    sink->group_count = 0;
+    while (left) {
+        int first = (int)mlrt_lowest_bit(left);
+        for (int c = first + 1; c < MLRT_CHANNEL_OCCLUDED; ++c) {
+            const uintptr_t at = (uintptr_t)sink->channel[c].data;
+            if (left >> c & 1 && at < (uintptr_t)sink->channel[first].data) first = c;
+        }
+        struct mlrt_sink_group *group = &sink->groups[sink->group_count];
+        left &= ~make_group(sink, left, first, group);
+        group->is_same_struct = sink->group_count && is_same_struct(sink, first, group[-1].channel[0]);
+        ++sink->group_count;
+    }
+}
+
 int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
                        struct mlrt_sink *sink)
 {
@@ -38,6 +92,7 @@ int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width,
             return MLRT_ERROR_ARGUMENT;
         }
     }
+    mlrt_group_channels(sink);
     return MLRT_OK;
 }
 
@@ -88,15 +143,6 @@ static unsigned char *element(const struct mlrt_sink *sink, enum mlrt_channel c,
     return sink->channel[c].data + (size_t)y * sink->channel[c].row_stride + (size_t)x * sink->channel[c].stride;
 }
 
-uint32_t mlrt_sink_numbers(const struct mlrt_sink *sink)
-{
-    uint32_t outputs = 0;
-    if (sink->channel[MLRT_CHANNEL_T].data) outputs |= MLRT_OUTPUT_T;
-    if (sink->channel[MLRT_CHANNEL_U].data || sink->channel[MLRT_CHANNEL_V].data) outputs |= MLRT_OUTPUT_UV;
-    if (sink->channel[MLRT_CHANNEL_FACING].data) outputs |= MLRT_OUTPUT_FACING;
-    return outputs;
-}
-
 /* ---- packets ---- */
 
 static size_t lane_offset(uint32_t lane, size_t stride, size_t row_stride)
@@ -115,18 +161,87 @@ MLRT_INLINE void write_block(const unsigned char *values, unsigned char *at, siz
     }
 }
 
-void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y, enum mlrt_channel c,
-                      const struct mlrt_sink *sink)
+/* A square of lanes, one element each. */
+MLRT_INLINE void write_singles(const unsigned char *values, unsigned char *above, unsigned char *below, size_t stride)
 {
-    const size_t stride = sink->channel[c].stride, row_stride = sink->channel[c].row_stride;
-    unsigned char *corner = element(sink, c, x, y);
-    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 4)) {
-        write_block(values, corner, row_stride);
-        return;
+    memcpy(above, values, 4);
+    memcpy(above + stride, values + 4, 4);
+    memcpy(below, values + 8, 4);
+    memcpy(below + stride, values + 12, 4);
+}
+
+/* Two neighbours each, */
+MLRT_INLINE void write_pairs(const unsigned char *const *values, size_t offset, unsigned char *above,
+                             unsigned char *below, size_t stride)
+{
+    const f4 a = f4_load_any(values[0] + offset), b = f4_load_any(values[1] + offset);
+    const f4 evens = f4_evens(a, b), odds = f4_odds(a, b);
+    const f4 first = f4_evens(evens, odds), last = f4_odds(evens, odds);
+    f4_store_low(above, first);
+    f4_store_high(above + stride, first);
+    f4_store_low(below, last);
+    f4_store_high(below + stride, last);
+}
+
+/* or four. */
+MLRT_INLINE void write_fours(const unsigned char *const *values, size_t offset, unsigned char *above,
+                             unsigned char *below, size_t stride)
+{
+    f4 a[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) a[i] = f4_load_any(values[i] + offset);
+    const f4 evens = f4_evens(a[0], a[1]), odds = f4_odds(a[0], a[1]);
+    const f4 more_evens = f4_evens(a[2], a[3]), more_odds = f4_odds(a[2], a[3]);
+    f4_store_any(above, f4_evens(evens, more_evens));
+    f4_store_any(above + stride, f4_evens(odds, more_odds));
+    f4_store_any(below, f4_odds(evens, more_evens));
+    f4_store_any(below + stride, f4_odds(odds, more_odds));
+}
+
+/* A whole packet to structs. */
+static void write_structs(const unsigned char *const *values, uint32_t count, unsigned char *at, size_t stride,
+                          size_t row_stride)
+{
+    for (size_t square = 0; square < 4; ++square) {
+        unsigned char *above = at + (square & 1) * 2 * stride + (square >> 1) * 2 * row_stride;
+        unsigned char *below = above + row_stride;
+        if (count == 4) {
+            write_fours(values, 16 * square, above, below, stride);
+        } else if (count == 2) {
+            write_pairs(values, 16 * square, above, below, stride);
+        } else {
+            write_singles(values[0] + 16 * square, above, below, stride);
+        }
     }
+}
+
+static void write_some(const unsigned char *const *values, uint32_t count, uint32_t lanes, unsigned char *at,
+                       size_t stride, size_t row_stride)
+{
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        memcpy(corner + lane_offset(lane, stride, row_stride), (const unsigned char *)values + 4 * lane, 4);
+        unsigned char *element = at + lane_offset(lane, stride, row_stride);
+        for (uint32_t i = 0; i < count; ++i) memcpy(element + 4 * i, values[i] + 4 * lane, 4);
+    }
+}
+
+void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
+                       const struct mlrt_sink *sink)
+{
+    for (uint32_t g = 0; g < sink->group_count; ++g) {
+        const struct mlrt_sink_group *group = &sink->groups[g];
+        const enum mlrt_channel c = (enum mlrt_channel)group->channel[0];
+        const size_t stride = sink->channel[c].stride, row_stride = sink->channel[c].row_stride;
+        unsigned char *corner = element(sink, c, x, y);
+        const unsigned char *arrays[4];
+        for (uint32_t i = 0; i < 4; ++i) arrays[i] = (const unsigned char *)values + sizeof values->t * group->channel[i];
+        if (MLRT_UNLIKELY(lanes != 0xFFFF)) {
+            write_some(arrays, group->count, lanes, corner, stride, row_stride);
+        } else if (stride == 4) {
+            write_block(arrays[0], corner, row_stride);
+        } else {
+            write_structs(arrays, group->count, corner, stride, row_stride);
+        }
     }
 }
 
@@ -180,25 +295,6 @@ void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         corner[lane_offset(lane, stride, row_stride)] = shadows[lane];
-    }
-}
-
-/* Neighbours mostly hit the same mesh, so its range is tried first. */
-void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
-                          uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS])
-{
-    uint32_t mesh = 0;
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t number = packet->triangle[lane];
-        if (number == MLRT_NONE) {
-            meshes[lane] = triangles[lane] = MLRT_NONE;
-            continue;
-        }
-        if (number < tree->mesh_first[mesh] || number >= tree->mesh_first[mesh + 1]) {
-            mesh = mlrt_mesh_of_triangle(tree, number);
-        }
-        meshes[lane] = tree->mesh_ids[mesh];
-        triangles[lane] = number - tree->mesh_first[mesh];
     }
 }
 

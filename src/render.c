@@ -166,6 +166,7 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
         worker->tile.channel[c].stride = mlrt_channel_size((enum mlrt_channel)c);
         next += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
     }
+    mlrt_group_channels(&worker->tile);
 }
 
 /* A call of few rays should not pay for clearing tables: an apex that no ray has says that they are empty. */
