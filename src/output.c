@@ -151,6 +151,11 @@ static size_t lane_offset(uint32_t lane, size_t stride, size_t row_stride)
     return row * row_stride + column * stride;
 }
 
+static const unsigned char *values_of(const struct mlrt_packet_values *values, enum mlrt_channel c)
+{
+    return (const unsigned char *)values + sizeof values->t * (size_t)c;
+}
+
 /* A whole packet to elements that lie side by side. Lanes 0 .. 3 and 4 .. 7 are two squares beside each other. */
 MLRT_INLINE void write_block(const unsigned char *values, unsigned char *at, size_t row_stride)
 {
@@ -228,19 +233,20 @@ static void write_some(const unsigned char *const *values, uint32_t count, uint3
 void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
                        const struct mlrt_sink *sink)
 {
-    for (uint32_t g = 0; g < sink->group_count; ++g) {
-        const struct mlrt_sink_group *group = &sink->groups[g];
+    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group) {
         const enum mlrt_channel c = (enum mlrt_channel)group->channel[0];
         const size_t stride = sink->channel[c].stride, row_stride = sink->channel[c].row_stride;
+        const unsigned char *arrays[4] = {values_of(values, c)};
         unsigned char *corner = element(sink, c, x, y);
-        const unsigned char *arrays[4];
-        for (uint32_t i = 0; i < 4; ++i) arrays[i] = (const unsigned char *)values + sizeof values->t * group->channel[i];
-        if (MLRT_UNLIKELY(lanes != 0xFFFF)) {
-            write_some(arrays, group->count, lanes, corner, stride, row_stride);
-        } else if (stride == 4) {
+        if (MLRT_LIKELY(lanes == 0xFFFF && stride == 4)) {
             write_block(arrays[0], corner, row_stride);
-        } else {
+            continue;
+        }
+        for (uint32_t i = 1; i < group->count; ++i) arrays[i] = values_of(values, (enum mlrt_channel)group->channel[i]);
+        if (MLRT_LIKELY(lanes == 0xFFFF)) {
             write_structs(arrays, group->count, corner, stride, row_stride);
+        } else {
+            write_some(arrays, group->count, lanes, corner, stride, row_stride);
         }
     }
 }

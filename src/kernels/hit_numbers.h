@@ -104,45 +104,79 @@ MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origi
     }
 }
 
-/* All of them, as frame and callback may want different outputs. */
-static void keep_hit_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
-                           struct mlrt_hit_terms *kept)
+MLRT_INLINE void keep_terms(const vd *term, int count, double *kept)
 {
-    vd corner[9], edge[3];
-    const vd apex[3] = {d_set1(packet->apex[0]), d_set1(packet->apex[1]), d_set1(packet->apex[2])};
+    MLRT_UNROLL
+    for (int i = 0; i < count; ++i) kept[i] = d_first(term[i]);
+}
+
+MLRT_INLINE void get_terms(const double *kept, int count, vd *term)
+{
+    MLRT_UNROLL
+    for (int i = 0; i < count; ++i) term[i] = d_set1(kept[i]);
+}
+
+static MLRT_NOINLINE void keep_plane_terms(const struct mlrt_triangle *triangle, struct mlrt_hit_terms *kept)
+{
+    vd corner[9];
+    struct plane_terms plane;
+    MLRT_UNROLL
+    for (int k = 0; k < 9; ++k) corner[k] = d_set1(triangle->v[k / 3][k % 3]);
+    set_plane_terms(corner, &plane);
+    keep_terms(plane.corner, 3, kept->term + MLRT_HIT_CORNER);
+    keep_terms(plane.side[0], 3, kept->term + MLRT_HIT_SIDE);
+    keep_terms(plane.side[1], 3, kept->term + MLRT_HIT_SIDE + 3);
+    keep_terms(plane.side_size, 2, kept->term + MLRT_HIT_SIDE_SIZE);
+    keep_terms(plane.normal, 3, kept->term + MLRT_HIT_NORMAL);
+    keep_terms(&plane.normal_size, 1, kept->term + MLRT_HIT_NORMAL_SIZE);
+}
+
+MLRT_INLINE void get_plane_terms(const struct mlrt_hit_terms *kept, struct plane_terms *plane)
+{
+    get_terms(kept->term + MLRT_HIT_CORNER, 3, plane->corner);
+    get_terms(kept->term + MLRT_HIT_SIDE, 3, plane->side[0]);
+    get_terms(kept->term + MLRT_HIT_SIDE + 3, 3, plane->side[1]);
+    get_terms(kept->term + MLRT_HIT_SIDE_SIZE, 2, plane->side_size);
+    get_terms(kept->term + MLRT_HIT_NORMAL, 3, plane->normal);
+    get_terms(kept->term + MLRT_HIT_NORMAL_SIZE, 1, &plane->normal_size);
+}
+
+/* All of them, as frame and callback may want different outputs. */
+static MLRT_NOINLINE void keep_start_terms(const float apex[3], struct mlrt_hit_terms *kept)
+{
     struct plane_terms plane;
     struct start_terms start;
-    double *term = kept->term;
-    MLRT_UNROLL
-    for (int k = 0; k < 9; ++k) corner[k] = d_set1(tree->triangles[number].v[k / 3][k % 3]);
-    set_plane_terms(corner, &plane);
-    set_start_terms(&plane, apex, MLRT_OUTPUT_UV, &start);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) term[MLRT_HIT_NORMAL + k] = d_first(plane.normal[k]);
-    term[MLRT_HIT_NORMAL_SIZE] = d_first(plane.normal_size);
-    term[MLRT_HIT_N] = d_first(start.n);
-    term[MLRT_HIT_N_WIDTH] = d_first(start.n_width);
+    vd edge[3];
+    const vd origin[3] = {d_set1(apex[0]), d_set1(apex[1]), d_set1(apex[2])};
+    get_plane_terms(kept, &plane);
+    set_start_terms(&plane, origin, MLRT_OUTPUT_UV, &start);
+    keep_terms(&start.n, 1, kept->term + MLRT_HIT_N);
+    keep_terms(&start.n_width, 1, kept->term + MLRT_HIT_N_WIDTH);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         fused_cross_product(plane.side[i], start.p, edge);
-        MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) term[MLRT_HIT_EDGE + 3 * i + k] = d_first(edge[k]);
-        term[MLRT_HIT_EDGE_WIDTH + i] = d_first(start.edge_width[i]);
+        keep_terms(edge, 3, kept->term + MLRT_HIT_EDGE + 3 * i);
     }
-    kept->number = number;
+    keep_terms(start.edge_width, 2, kept->term + MLRT_HIT_EDGE_WIDTH);
+    memcpy(kept->origin, apex, sizeof kept->origin);
 }
 
-/* The terms of a triangle that all lanes of a packet with an apex hit. They are there until the next call. */
-MLRT_INLINE const double *find_shared_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
-                                            uint32_t number, struct mlrt_hit_term_cache *cache)
+/* The terms of a triangle that all lanes hit. They are there until the next call. */
+MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tree *tree,
+                                                           const struct mlrt_packet *packet, uint32_t number,
+                                                           struct mlrt_hit_term_cache *cache)
 {
-    if (memcmp(packet->apex, cache->apex, sizeof cache->apex) != 0) {
-        for (int i = 0; i < MLRT_HIT_TERMS_COUNT; ++i) cache->entries[i].number = MLRT_NONE;
-        memcpy(cache->apex, packet->apex, sizeof cache->apex);
+    const uint32_t place = number % MLRT_HIT_TERMS_COUNT;
+    struct mlrt_hit_terms *kept = &cache->entries[place];
+    if (cache->numbers[place] != number) {
+        keep_plane_terms(&tree->triangles[number], kept);
+        cache->numbers[place] = number;
+        kept->origin[0] = NAN;
     }
-    struct mlrt_hit_terms *kept = &cache->entries[number % MLRT_HIT_TERMS_COUNT];
-    if (kept->number != number) keep_hit_terms(tree, packet, number, kept);
-    return kept->term;
+    if (packet->has_apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
+        keep_start_terms(packet->apex, kept);
+    }
+    return kept;
 }
 
 /* The greatest size of a direction, or more. */
@@ -167,13 +201,15 @@ struct lane_denominator {
     vd minus_size;
 };
 
-MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, uint32_t lane, struct lane_denominator *denominator)
+MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, uint32_t lane, uint32_t outputs,
+                                        struct lane_denominator *denominator)
 {
     denominator->inverse = d_div(d_set1(1), d);
     denominator->size = d_abs(denominator->inverse);
     denominator->minus_size = d_sub(d_set1(0), denominator->size);
     const uint32_t certain = d_gt(d_set1(GREATEST_D_SIZE), d_mul(d_size, denominator->size));
-    return certain << lane | d_gt(d, d_set1(0)) << (16 + lane);
+    const uint32_t positive = outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0;
+    return certain << lane | positive << (16 + lane);
 }
 
 /* Rounds x / D to floats. Returns the lanes where that is certain. */
@@ -239,7 +275,7 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const double 
         struct lane_denominator denominator;
         load_directions(packet, lane, direction);
         const vd d = fused_dot_product(direction, normal);
-        uint32_t lanes = invert_denominator(d, d_size, lane, &denominator), certain = ALL_LANES;
+        uint32_t lanes = invert_denominator(d, d_size, lane, outputs, &denominator), certain = ALL_LANES;
         if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(n, n_width, &denominator, values->t + lane);
         if (outputs & MLRT_OUTPUT_UV) {
             MLRT_UNROLL
@@ -271,7 +307,7 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
     set_start_terms(plane, origin, outputs, &start);
     const vd d = fused_dot_product(direction, plane->normal);
     const vd d_size = d_mul(plane->normal_size, d_set1(direction_size));
-    uint32_t lanes = invert_denominator(d, d_size, lane, &denominator), certain = ALL_LANES;
+    uint32_t lanes = invert_denominator(d, d_size, lane, outputs, &denominator), certain = ALL_LANES;
     if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(start.n, start.n_width, &denominator, values->t + lane);
     if (outputs & MLRT_OUTPUT_UV) {
         fused_cross_product(start.p, direction, moment);
@@ -286,15 +322,12 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
 }
 
 /* They hit one triangle, from different origins. */
-static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_triangle *triangle,
+static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_hit_terms *terms,
                                     double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
     uint32_t reported = 0;
-    vd corner[9];
     struct plane_terms plane;
-    MLRT_UNROLL
-    for (int k = 0; k < 9; ++k) corner[k] = d_set1(triangle->v[k / 3][k % 3]);
-    set_plane_terms(corner, &plane);
+    get_plane_terms(terms, &plane);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         reported |= report_lanes(packet, &plane, lane, direction_size, outputs, values);
     }
@@ -328,11 +361,10 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
         uint32_t reported;
         if (hit & ~lanes_of_triangle(packet, number)) {
             reported = report_triangles(tree, packet, hit, direction_size, outputs, values);
-        } else if (packet->has_apex) {
-            const double *term = find_shared_terms(tree, packet, number, cache);
-            reported = report_from_apex(packet, term, direction_size, outputs, values);
         } else {
-            reported = report_one_triangle(packet, &tree->triangles[number], direction_size, outputs, values);
+            const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
+            reported = packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
+                                        : report_one_triangle(packet, terms, direction_size, outputs, values);
         }
         if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
         for (uint32_t left = hit & ~reported; left; left &= left - 1) {

@@ -6,30 +6,32 @@
 
 #include "hit_numbers.h"
 
-/* The ids of what the lanes `hit` hit: of all lanes of one mesh at a time. Neighbours mostly hit the mesh that was hit
- * last. */
+/* The ids of the lanes whose triangles are of a mesh. `is_first`: other lanes get those of misses; else they stay. Returns
+ * the lanes. */
+MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
+                                      int is_first, struct mlrt_packet_values *values)
+{
+    const vi first = i_set1(tree->mesh_first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->mesh_ids[mesh]);
+    const vi count = i_set1(tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]);
+    uint32_t found = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vi place = i_sub(i_load(packet->triangle + v), first);
+        const vm hit = i_lt(place, count);
+        i_store(values->mesh + v, i_select(hit, id, is_first ? none : i_load(values->mesh + v)));
+        i_store(values->triangle + v, i_select(hit, place, is_first ? none : i_load(values->triangle + v)));
+        found |= m_bits(hit) << v;
+    }
+    return found;
+}
+
+/* The ids of what the lanes `hit` hit, of one mesh after the other. Neighbours mostly hit the mesh that was hit last. */
 MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                  uint32_t *last_mesh, struct mlrt_packet_values *values)
 {
-    uint32_t left = hit, mesh = *last_mesh;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        i_store(values->mesh + v, i_set1(MLRT_NONE));
-        i_store(values->triangle + v, i_set1(MLRT_NONE));
-    }
-    while (left) {
-        const uint32_t number = packet->triangle[mlrt_lowest_bit(left)];
-        if (number - tree->mesh_first[mesh] >= tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]) {
-            *last_mesh = mesh = mlrt_mesh_of_triangle(tree, number);
-        }
-        const vi first = i_set1(tree->mesh_first[mesh]), id = i_set1(tree->mesh_ids[mesh]);
-        const vi count = i_set1(tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]);
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            const vi place = i_sub(i_load(packet->triangle + v), first);
-            const vm found = i_lt(place, count);
-            i_store(values->mesh + v, i_select(found, id, i_load(values->mesh + v)));
-            i_store(values->triangle + v, i_select(found, place, i_load(values->triangle + v)));
-            left &= ~(m_bits(found) << v);
-        }
+    uint32_t left = hit & ~find_ids_in_mesh(tree, *last_mesh, packet, 1, values);
+    while (MLRT_UNLIKELY(left)) {
+        *last_mesh = mlrt_mesh_of_triangle(tree, packet->triangle[mlrt_lowest_bit(left)]);
+        left &= ~find_ids_in_mesh(tree, *last_mesh, packet, 0, values);
     }
 }
 
