@@ -203,50 +203,62 @@ MLRT_INLINE void write_fours(const unsigned char *const *values, size_t offset, 
     f4_store_any(below + stride, f4_odds(odds, more_odds));
 }
 
-/* A whole packet to structs. */
-static void write_structs(const unsigned char *const *values, uint32_t count, unsigned char *at, size_t stride,
-                          size_t row_stride)
+/* Where the lanes of a square are, of a whole packet in structs. */
+struct square {
+    unsigned char *above;
+    unsigned char *below;
+};
+
+MLRT_INLINE struct square find_square(unsigned char *corner, size_t square, size_t stride, size_t row_stride)
 {
-    for (size_t square = 0; square < 4; ++square) {
-        unsigned char *above = at + (square & 1) * 2 * stride + (square >> 1) * 2 * row_stride;
-        unsigned char *below = above + row_stride;
-        if (count == 4) {
-            write_fours(values, 16 * square, above, below, stride);
-        } else if (count == 2) {
-            write_pairs(values, 16 * square, above, below, stride);
+    unsigned char *above = corner + (square & 1) * 2 * stride + (square >> 1) * 2 * row_stride;
+    return (struct square){above, above + row_stride};
+}
+
+/* A whole packet to structs. */
+static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
+                                        unsigned char *corner, size_t stride, size_t row_stride)
+{
+    const unsigned char *arrays[4];
+    for (uint32_t i = 0; i < group->count; ++i) arrays[i] = values_of(values, (enum mlrt_channel)group->channel[i]);
+    for (size_t i = 0; i < 4; ++i) {
+        const struct square square = find_square(corner, i, stride, row_stride);
+        if (group->count == 4) {
+            write_fours(arrays, 16 * i, square.above, square.below, stride);
+        } else if (group->count == 2) {
+            write_pairs(arrays, 16 * i, square.above, square.below, stride);
         } else {
-            write_singles(values[0] + 16 * square, above, below, stride);
+            write_singles(arrays[0] + 16 * i, square.above, square.below, stride);
         }
     }
 }
 
-static void write_some(const unsigned char *const *values, uint32_t count, uint32_t lanes, unsigned char *at,
-                       size_t stride, size_t row_stride)
+/* Some lanes of a packet, to elements of any kind. */
+static MLRT_NOINLINE void write_lanes(const struct mlrt_packet_values *values, enum mlrt_channel c, uint32_t lanes,
+                                      unsigned char *corner, size_t stride, size_t row_stride)
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        unsigned char *element = at + lane_offset(lane, stride, row_stride);
-        for (uint32_t i = 0; i < count; ++i) memcpy(element + 4 * i, values[i] + 4 * lane, 4);
+        memcpy(corner + lane_offset(lane, stride, row_stride), values_of(values, c) + 4 * lane, 4);
     }
 }
 
 void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
                        const struct mlrt_sink *sink)
 {
-    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group) {
+    const struct mlrt_sink_group *const end = sink->groups + sink->group_count;
+    for (const struct mlrt_sink_group *group = sink->groups; group < end; ++group) {
         const enum mlrt_channel c = (enum mlrt_channel)group->channel[0];
         const size_t stride = sink->channel[c].stride, row_stride = sink->channel[c].row_stride;
-        const unsigned char *arrays[4] = {values_of(values, c)};
-        unsigned char *corner = element(sink, c, x, y);
-        if (MLRT_LIKELY(lanes == 0xFFFF && stride == 4)) {
-            write_block(arrays[0], corner, row_stride);
-            continue;
-        }
-        for (uint32_t i = 1; i < group->count; ++i) arrays[i] = values_of(values, (enum mlrt_channel)group->channel[i]);
-        if (MLRT_LIKELY(lanes == 0xFFFF)) {
-            write_structs(arrays, group->count, corner, stride, row_stride);
+        if (MLRT_UNLIKELY(lanes != 0xFFFF)) {
+            for (uint32_t i = 0; i < group->count; ++i) {
+                const enum mlrt_channel one = (enum mlrt_channel)group->channel[i];
+                write_lanes(values, one, lanes, element(sink, one, x, y), stride, row_stride);
+            }
+        } else if (stride == 4) {
+            write_block(values_of(values, c), element(sink, c, x, y), row_stride);
         } else {
-            write_some(arrays, group->count, lanes, corner, stride, row_stride);
+            write_structs(values, group, element(sink, c, x, y), stride, row_stride);
         }
     }
 }

@@ -35,28 +35,22 @@ MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt
     }
 }
 
-/* Writes the hits of a packet's lanes, whose block starts at (x, y) of the sink; `hit`: those with one. */
-static MLRT_NOINLINE void write_hits(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                     const struct mlrt_packet *packet, uint32_t hit, uint32_t lanes, uint32_t x,
-                                     uint32_t y, const struct mlrt_sink *sink)
+/* Writes the results of a packet's lanes, whose block starts at (x, y) of the sink. */
+static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        const struct mlrt_packet *packet, uint32_t lanes, uint32_t x, uint32_t y,
+                                        const struct mlrt_sink *sink)
 {
+    const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
+    if (job->any) {
+        if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
+        return;
+    }
     struct mlrt_packet_values values;
     if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
         find_packet_ids(job->tree, packet, hit, &worker->mesh, &values);
     }
     if (sink->numbers) report_packet(job->tree, packet, hit, sink->numbers, &worker->hit_terms, &values);
     mlrt_write_values(&values, lanes, x, y, sink);
-}
-
-MLRT_INLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                               uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
-{
-    const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
-    if (!job->any) {
-        write_hits(job, worker, packet, hit, lanes, x, y, sink);
-    } else if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) {
-        mlrt_write_occluded(hit, lanes, x, y, sink);
-    }
 }
 
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
