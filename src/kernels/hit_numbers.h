@@ -19,6 +19,7 @@
  */
 
 #define GREATEST_D_SIZE 0x1p12
+#define FEW_TRIANGLES 2
 
 /* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
 static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
@@ -351,6 +352,53 @@ static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt
     return reported;
 }
 
+/* All lanes of a triangle, as its terms are kept. */
+static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
+                            double direction_size, uint32_t outputs, struct mlrt_hit_term_cache *cache,
+                            struct mlrt_packet_values *values)
+{
+    const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
+    return packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
+                            : report_one_triangle(packet, terms, direction_size, outputs, values);
+}
+
+static void take_lanes(uint32_t lanes, const struct mlrt_packet_values *from, struct mlrt_packet_values *values)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm is_taken = m_from_bits(lanes >> v);
+        v_store(values->t + v, v_select(is_taken, v_load(from->t + v), v_load(values->t + v)));
+        v_store(values->uv[0] + v, v_select(is_taken, v_load(from->uv[0] + v), v_load(values->uv[0] + v)));
+        v_store(values->uv[1] + v, v_select(is_taken, v_load(from->uv[1] + v), v_load(values->uv[1] + v)));
+    }
+}
+
+/* Do lanes hit at most FEW_TRIANGLES triangles? */
+MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
+{
+    for (int i = 0; i < FEW_TRIANGLES && hit; ++i) {
+        hit &= ~lanes_of_triangle(packet, packet->triangle[mlrt_lowest_bit(hit)]);
+    }
+    return !hit;
+}
+
+/* Several triangles: few of them one after the other. */
+static MLRT_NOINLINE uint32_t report_several(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                             uint32_t hit, double direction_size, uint32_t outputs,
+                                             struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
+{
+    if (!hits_few_triangles(packet, hit)) return report_triangles(tree, packet, hit, direction_size, outputs, values);
+    struct mlrt_packet_values some;
+    uint32_t reported = 0;
+    for (uint32_t left = hit; left;) {
+        const uint32_t number = packet->triangle[mlrt_lowest_bit(left)];
+        const uint32_t lanes = left & lanes_of_triangle(packet, number);
+        reported |= report_kept(tree, packet, number, direction_size, outputs, cache, &some) & (lanes | lanes << 16);
+        take_lanes(lanes, &some, values);
+        left &= ~lanes;
+    }
+    return reported;
+}
+
 /* The numbers of a packet's lanes, `hit` those with a hit. */
 static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                           uint32_t outputs, struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
@@ -358,14 +406,10 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
     if (hit) {
         const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
         const double direction_size = greatest_direction_size(packet, hit);
-        uint32_t reported;
-        if (hit & ~lanes_of_triangle(packet, number)) {
-            reported = report_triangles(tree, packet, hit, direction_size, outputs, values);
-        } else {
-            const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
-            reported = packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
-                                        : report_one_triangle(packet, terms, direction_size, outputs, values);
-        }
+        const uint32_t reported =
+            hit & ~lanes_of_triangle(packet, number)
+                ? report_several(tree, packet, hit, direction_size, outputs, cache, values)
+                : report_kept(tree, packet, number, direction_size, outputs, cache, values);
         if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
         for (uint32_t left = hit & ~reported; left; left &= left - 1) {
             report_lane(tree, packet, mlrt_lowest_bit(left), outputs, values);
