@@ -20,12 +20,15 @@ enum mlrt_channel {
     MLRT_CHANNEL_COUNT
 };
 
-/* 4, 2 or 1 channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses:
- * they are written together. */
+/* Channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses: they are written
+ * together. */
 struct mlrt_sink_group {
-    uint8_t count;
-    uint8_t channel[4];
-    uint8_t is_same_struct; /* as the group before it */
+    unsigned char *data; /* of the first; the strides are those of all */
+    size_t stride;
+    size_t row_stride;
+    uint8_t count; /* 4, 2 or 1 */
+    uint8_t channel[4]; /* those past the last are any */
+    uint8_t is_same_struct; /* as that of the group before it */
 };
 
 /* Arrays over a picture, with resolved strides. data = NULL: not wanted. */
@@ -35,7 +38,7 @@ struct mlrt_sink {
         size_t stride;
         size_t row_stride;
     } channel[MLRT_CHANNEL_COUNT];
-    /* What follows from these. */
+    /* What follows from these: mlrt_group_channels. */
     uint32_t numbers; /* what mlrt_report_hit would have to work out: MLRT_OUTPUT_T, _UV and _FACING */
     uint32_t group_count;
     struct mlrt_sink_group groups[MLRT_CHANNEL_OCCLUDED];
@@ -90,7 +93,7 @@ void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
 /* Writes misses to a rectangle. */
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
-/* Writes the ids of one triangle to a rectangle. */
+/* Writes the ids of one triangle to a rectangle of a sink without numbers. */
 void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
                          uint32_t height, const struct mlrt_sink *sink);
 

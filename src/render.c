@@ -54,6 +54,7 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
     }
+    mlrt_group_channels(&worker->tile);
     worker->tile_x = area->x;
     worker->tile_y = area->y;
     run->job->kernels->trace_tile(run->job, worker, area);
@@ -167,7 +168,6 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
         worker->tile.channel[c].stride = mlrt_channel_size((enum mlrt_channel)c);
         next += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
     }
-    mlrt_group_channels(&worker->tile);
 }
 
 /* A call of few rays should not pay for clearing tables: an apex that no ray has says that they are empty. */

@@ -192,9 +192,6 @@ MLRT_INLINE double greatest_direction_size(const struct mlrt_packet *packet, uin
     return (double)v_hmax(greatest) * (1 + 0x1p-22);
 }
 
-/* What is reported of lanes: bits 0 .. 15 are those that are certain, 16 .. 31 those with D > 0. (Of a struct gcc would load
- * both after storing each, and wait.) */
-
 /* 1 / D, its magnitude, and that negated. */
 struct lane_denominator {
     vd inverse;
@@ -202,15 +199,13 @@ struct lane_denominator {
     vd minus_size;
 };
 
-MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, uint32_t lane, uint32_t outputs,
-                                        struct lane_denominator *denominator)
+/* Returns the lanes where D is great enough for what follows. */
+MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator *denominator)
 {
     denominator->inverse = d_div(d_set1(1), d);
     denominator->size = d_abs(denominator->inverse);
     denominator->minus_size = d_sub(d_set1(0), denominator->size);
-    const uint32_t certain = d_gt(d_set1(GREATEST_D_SIZE), d_mul(d_size, denominator->size));
-    const uint32_t positive = outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0;
-    return certain << lane | positive << (16 + lane);
+    return d_gt(d_set1(GREATEST_D_SIZE), d_mul(d_size, denominator->size));
 }
 
 /* Rounds x / D to floats. Returns the lanes where that is certain. */
@@ -262,11 +257,15 @@ static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
     }
 }
 
-/* All lanes that hit something hit one triangle, from one origin. Returns what invert_denominator does. */
+/*
+ * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are lanes
+ * that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after storing
+ * each, and wait.)
+ */
 static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *term, double direction_size,
                                  uint32_t outputs, struct mlrt_packet_values *values)
 {
-    uint32_t reported = 0;
+    uint32_t reported = 0, positive = 0;
     const vd normal[3] = {d_set1(term[MLRT_HIT_NORMAL]), d_set1(term[MLRT_HIT_NORMAL + 1]),
                           d_set1(term[MLRT_HIT_NORMAL + 2])};
     const vd d_size = d_set1(term[MLRT_HIT_NORMAL_SIZE] * direction_size);
@@ -276,7 +275,7 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const double 
         struct lane_denominator denominator;
         load_directions(packet, lane, direction);
         const vd d = fused_dot_product(direction, normal);
-        uint32_t lanes = invert_denominator(d, d_size, lane, outputs, &denominator), certain = ALL_LANES;
+        uint32_t certain = invert_denominator(d, d_size, &denominator);
         if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(n, n_width, &denominator, values->t + lane);
         if (outputs & MLRT_OUTPUT_UV) {
             MLRT_UNROLL
@@ -288,9 +287,10 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const double 
                     round_quotients(fused_dot_product(direction, edge), width, &denominator, values->uv[i] + lane);
             }
         }
-        reported |= lanes & (certain << lane | 0xFFFF0000u);
+        reported |= certain << lane;
+        if (outputs & MLRT_OUTPUT_FACING) positive |= d_gt(d, d_set1(0)) << lane;
     }
-    return reported;
+    return reported | positive << 16;
 }
 
 /* Lanes of different origins, or of different triangles. */
@@ -308,7 +308,7 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
     set_start_terms(plane, origin, outputs, &start);
     const vd d = fused_dot_product(direction, plane->normal);
     const vd d_size = d_mul(plane->normal_size, d_set1(direction_size));
-    uint32_t lanes = invert_denominator(d, d_size, lane, outputs, &denominator), certain = ALL_LANES;
+    uint32_t certain = invert_denominator(d, d_size, &denominator);
     if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(start.n, start.n_width, &denominator, values->t + lane);
     if (outputs & MLRT_OUTPUT_UV) {
         fused_cross_product(start.p, direction, moment);
@@ -319,7 +319,7 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
                                        values->uv[i] + lane);
         }
     }
-    return lanes & (certain << lane | 0xFFFF0000u);
+    return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
 }
 
 /* They hit one triangle, from different origins. */
