@@ -8,6 +8,9 @@
 
 #include "kdtree.h"
 
+/* The judge has hits whose D is so many times smaller than its size, or more: this bounds the error of t. */
+#define MLRT_GREATEST_D_SIZE 0x1p12
+
 /* Which is which. A size is the sum of the magnitudes of a vector's components, or a product of such sums; a width is what
  * a quotient with D may be off by, times |D|. */
 enum mlrt_hit_term {
@@ -37,5 +40,11 @@ struct mlrt_hit_term_cache {
     uint32_t numbers[MLRT_HIT_TERMS_COUNT]; /* of triangles; MLRT_NONE = empty entry */
     struct mlrt_hit_terms entries[MLRT_HIT_TERMS_COUNT];
 };
+
+/* The terms of a triangle; those of an origin are there no more. */
+void mlrt_set_plane_terms(const struct mlrt_triangle *triangle, struct mlrt_hit_terms *terms);
+
+/* Those of an origin. */
+void mlrt_set_origin_terms(const float origin[3], struct mlrt_hit_terms *terms);
 
 #endif

@@ -149,6 +149,19 @@ void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct ml
     ray->mask = packet->has_masks ? packet->mask[lane] : MLRT_MASK_ALL;
 }
 
+void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
+                      struct mlrt_packet_values *values)
+{
+    struct mlrt_ray_segment ray;
+    struct mlrt_hit_report report = {0, 0, 0, 0};
+    mlrt_get_segment(packet, lane, &ray);
+    mlrt_report_hit(&ray, &tree->triangles[packet->triangle[lane]], outputs, &report);
+    values->t[lane] = report.t;
+    values->uv[0][lane] = report.u;
+    values->uv[1][lane] = report.v;
+    values->facing[lane] = (uint32_t)report.facing;
+}
+
 static unsigned char *find_corner(const struct mlrt_sink_group *group, uint32_t x, uint32_t y)
 {
     return group->data + (size_t)y * group->row_stride + (size_t)x * group->stride;

@@ -73,6 +73,10 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink);
 /* Bytes of one element. */
 size_t mlrt_channel_size(enum mlrt_channel channel);
 
+/* t, u, v and facing of one lane, which hits something, by the judge; what is not asked for may be any number. */
+void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
+                      struct mlrt_packet_values *values);
+
 /* Writes the values of a packet's lanes `lanes`, whose block starts at (x, y) of the sink, to all channels of 4 bytes. */
 void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
                        const struct mlrt_sink *sink);

@@ -18,7 +18,6 @@
  * that hit few triangles take them from there, and others work them out for each lane.
  */
 
-#define GREATEST_D_SIZE 0x1p12
 #define FEW_TRIANGLES 2
 
 /* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
@@ -95,7 +94,7 @@ MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origi
     const vd size = size_of_doubles(start->p);
     start->n = fused_dot_product(start->p, plane->normal);
     start->n_width = d_add(d_mul(d_mul(d_set1(MLRT_NUMERATOR_ERROR), size), plane->normal_size),
-                           d_mul(d_set1(MLRT_DENOMINATOR_ERROR * GREATEST_D_SIZE), d_abs(start->n)));
+                           d_mul(d_set1(MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE), d_abs(start->n)));
     if (!(outputs & MLRT_OUTPUT_UV)) return;
     const vd d_error = d_mul(d_set1(MLRT_DENOMINATOR_ERROR), plane->normal_size);
     const vd numerator_error = d_mul(d_set1(MLRT_NUMERATOR_ERROR), size);
@@ -105,31 +104,10 @@ MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origi
     }
 }
 
-MLRT_INLINE void keep_terms(const vd *term, int count, double *kept)
-{
-    MLRT_UNROLL
-    for (int i = 0; i < count; ++i) kept[i] = d_first(term[i]);
-}
-
 MLRT_INLINE void get_terms(const double *kept, int count, vd *term)
 {
     MLRT_UNROLL
     for (int i = 0; i < count; ++i) term[i] = d_set1(kept[i]);
-}
-
-static MLRT_NOINLINE void keep_plane_terms(const struct mlrt_triangle *triangle, struct mlrt_hit_terms *kept)
-{
-    vd corner[9];
-    struct plane_terms plane;
-    MLRT_UNROLL
-    for (int k = 0; k < 9; ++k) corner[k] = d_set1(triangle->v[k / 3][k % 3]);
-    set_plane_terms(corner, &plane);
-    keep_terms(plane.corner, 3, kept->term + MLRT_HIT_CORNER);
-    keep_terms(plane.side[0], 3, kept->term + MLRT_HIT_SIDE);
-    keep_terms(plane.side[1], 3, kept->term + MLRT_HIT_SIDE + 3);
-    keep_terms(plane.side_size, 2, kept->term + MLRT_HIT_SIDE_SIZE);
-    keep_terms(plane.normal, 3, kept->term + MLRT_HIT_NORMAL);
-    keep_terms(&plane.normal_size, 1, kept->term + MLRT_HIT_NORMAL_SIZE);
 }
 
 MLRT_INLINE void get_plane_terms(const struct mlrt_hit_terms *kept, struct plane_terms *plane)
@@ -142,26 +120,6 @@ MLRT_INLINE void get_plane_terms(const struct mlrt_hit_terms *kept, struct plane
     get_terms(kept->term + MLRT_HIT_NORMAL_SIZE, 1, &plane->normal_size);
 }
 
-/* All of them, as frame and callback may want different outputs. */
-static MLRT_NOINLINE void keep_start_terms(const float apex[3], struct mlrt_hit_terms *kept)
-{
-    struct plane_terms plane;
-    struct start_terms start;
-    vd edge[3];
-    const vd origin[3] = {d_set1(apex[0]), d_set1(apex[1]), d_set1(apex[2])};
-    get_plane_terms(kept, &plane);
-    set_start_terms(&plane, origin, MLRT_OUTPUT_UV, &start);
-    keep_terms(&start.n, 1, kept->term + MLRT_HIT_N);
-    keep_terms(&start.n_width, 1, kept->term + MLRT_HIT_N_WIDTH);
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        fused_cross_product(plane.side[i], start.p, edge);
-        keep_terms(edge, 3, kept->term + MLRT_HIT_EDGE + 3 * i);
-    }
-    keep_terms(start.edge_width, 2, kept->term + MLRT_HIT_EDGE_WIDTH);
-    memcpy(kept->origin, apex, sizeof kept->origin);
-}
-
 /* The terms of a triangle that all lanes hit. They are there until the next call. */
 MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tree *tree,
                                                            const struct mlrt_packet *packet, uint32_t number,
@@ -170,12 +128,11 @@ MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tre
     const uint32_t place = number % MLRT_HIT_TERMS_COUNT;
     struct mlrt_hit_terms *kept = &cache->entries[place];
     if (cache->numbers[place] != number) {
-        keep_plane_terms(&tree->triangles[number], kept);
+        mlrt_set_plane_terms(&tree->triangles[number], kept);
         cache->numbers[place] = number;
-        kept->origin[0] = NAN;
     }
     if (packet->has_apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
-        keep_start_terms(packet->apex, kept);
+        mlrt_set_origin_terms(packet->apex, kept);
     }
     return kept;
 }
@@ -205,7 +162,7 @@ MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator
     denominator->inverse = d_div(d_set1(1), d);
     denominator->size = d_abs(denominator->inverse);
     denominator->minus_size = d_sub(d_set1(0), denominator->size);
-    return d_gt(d_set1(GREATEST_D_SIZE), d_mul(d_size, denominator->size));
+    return d_gt(d_set1(MLRT_GREATEST_D_SIZE), d_mul(d_size, denominator->size));
 }
 
 /* Rounds x / D to floats. Returns the lanes where that is certain. */
@@ -222,20 +179,6 @@ MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane
 {
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) direction[k] = d_load(packet->direction[k] + lane);
-}
-
-/* One lane, by the judge. */
-static MLRT_NOINLINE void report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane,
-                                      uint32_t outputs, struct mlrt_packet_values *values)
-{
-    struct mlrt_ray_segment ray;
-    struct mlrt_hit_report report = {0, 0, 0, 0};
-    mlrt_get_segment(packet, lane, &ray);
-    mlrt_report_hit(&ray, &tree->triangles[packet->triangle[lane]], outputs, &report);
-    values->t[lane] = report.t;
-    values->uv[0][lane] = report.u;
-    values->uv[1][lane] = report.v;
-    values->facing[lane] = (uint32_t)report.facing;
 }
 
 /* What misses have: the lanes outside of `hit`. */
@@ -412,7 +355,7 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
                 : report_kept(tree, packet, number, direction_size, outputs, cache, values);
         if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
         for (uint32_t left = hit & ~reported; left; left &= left - 1) {
-            report_lane(tree, packet, mlrt_lowest_bit(left), outputs, values);
+            mlrt_report_lane(tree, packet, mlrt_lowest_bit(left), outputs, values);
         }
     }
     if (hit != 0xFFFF) report_misses(hit, values);
