@@ -127,7 +127,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
         }
         job->kernels->trace_bundle(job, worker, &tile, waiting);
     }
-    const int has_numbers = (mlrt_sink_numbers(&job->frame) | mlrt_sink_numbers(&worker->tile)) != 0;
+    const int has_numbers = (job->frame.numbers | worker->tile.numbers) != 0;
     if (known) write_closed(job, worker, known->cover, area);
     const uint32_t open = tile.blocks & ~tile.cells.closed;
     for (uint32_t left = known ? 0 : tile.blocks; left; left &= left - 1) {

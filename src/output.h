@@ -20,6 +20,17 @@ enum mlrt_channel {
     MLRT_CHANNEL_COUNT
 };
 
+/* Channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses: they are written
+ * together. */
+struct mlrt_sink_group {
+    unsigned char *data; /* of the first; the strides are those of all */
+    size_t stride;
+    size_t row_stride;
+    uint8_t count; /* 4, 2 or 1 */
+    uint8_t channel[4]; /* those past the last are any */
+    uint8_t is_same_struct; /* as that of the group before it */
+};
+
 /* Arrays over a picture, with resolved strides. data = NULL: not wanted. */
 struct mlrt_sink {
     struct {
@@ -27,6 +38,19 @@ struct mlrt_sink {
         size_t stride;
         size_t row_stride;
     } channel[MLRT_CHANNEL_COUNT];
+    /* What follows from these: mlrt_group_channels. */
+    uint32_t numbers; /* what mlrt_report_hit would have to work out: MLRT_OUTPUT_T, _UV and _FACING */
+    uint32_t group_count;
+    struct mlrt_sink_group groups[MLRT_CHANNEL_OCCLUDED];
+};
+
+/* What is reported of the hits of a packet: an array for each channel of 4 bytes, in their order. */
+struct mlrt_packet_values {
+    MLRT_ALIGNED(64) float t[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float uv[2][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t mesh[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t triangle[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) uint32_t facing[MLRT_PACKET_RAYS];
 };
 
 /* Of closest hits, of any-hit and shadows: bit per channel. */
@@ -40,21 +64,22 @@ struct mlrt_sink {
 int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
                        struct mlrt_sink *sink);
 
+/* Sets what follows from the channels. */
+void mlrt_group_channels(struct mlrt_sink *sink);
+
 /* Does the sink want anything? */
 int mlrt_sink_is_empty(const struct mlrt_sink *sink);
 
 /* Bytes of one element. */
 size_t mlrt_channel_size(enum mlrt_channel channel);
 
-/* What mlrt_report_hit would have to work out for the sink: MLRT_OUTPUT_T, _UV and _FACING. */
-uint32_t mlrt_sink_numbers(const struct mlrt_sink *sink);
+/* t, u, v and facing of one lane, which hits something, by the judge; what is not asked for may be any number. */
+void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
+                      struct mlrt_packet_values *values);
 
-/*
- * Writes words of a packet's lanes `lanes`, whose block starts at (x, y) of the sink, to a channel of 4 bytes. `values`
- * are aligned to 16 bytes.
- */
-void mlrt_write_words(const void *values, uint32_t lanes, uint32_t x, uint32_t y, enum mlrt_channel c,
-                      const struct mlrt_sink *sink);
+/* Writes the values of a packet's lanes `lanes`, whose block starts at (x, y) of the sink, to all channels of 4 bytes. */
+void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
+                       const struct mlrt_sink *sink);
 
 /* Likewise, which lanes are occluded. */
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink);
@@ -72,17 +97,13 @@ void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
 /* Writes misses to a rectangle. */
 void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
-/* Writes the ids of one triangle to a rectangle. */
+/* Writes the ids of one triangle to a rectangle of a sink without numbers. */
 void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
                          uint32_t height, const struct mlrt_sink *sink);
 
 /* Writes one value to the channel `occluded` of a rectangle, if there is one. */
 void mlrt_write_same_shadow(uint8_t occluded, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                             const struct mlrt_sink *sink);
-
-/* The ids of the triangles that a packet's lanes hit. */
-void mlrt_find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
-                          uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS]);
 
 /* The ray of a lane. Its mask is only known if the packet has masks. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);

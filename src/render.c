@@ -14,6 +14,7 @@
 #include "scheduler.h"
 #include "tile.h"
 #include "undecided.h"
+#include "words.h"
 
 struct run {
     const struct mlrt_job *job;
@@ -53,6 +54,7 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
     }
+    mlrt_group_channels(&worker->tile);
     worker->tile_x = area->x;
     worker->tile_y = area->y;
     run->job->kernels->trace_tile(run->job, worker, area);
@@ -178,8 +180,9 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) {
-        worker->apex[k] = worker->caches[0].apex[k] = worker->caches[1].apex[k] = worker->hit_terms.apex[k] = NAN;
+        worker->apex[k] = worker->caches[0].apex[k] = worker->caches[1].apex[k] = NAN;
     }
+    mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
     for (int any = 0; any < 2; ++any) worker->bundle_caches[any].waist.main_axis = -1;
     worker->mask = job->source.common_mask;
     worker->open_bundles[0] = worker->open_bundles[1] = 0;

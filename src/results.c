@@ -93,7 +93,7 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
                       const struct mlrt_rectangle *tile)
 {
     if (job->any) mlrt_write_picture_shadow(job, worker, 1, tile);
-    if (!mlrt_sink_numbers(&job->frame) && !mlrt_sink_numbers(&worker->tile)) {
+    if (!job->frame.numbers && !worker->tile.numbers) {
         if (job->has_frame) {
             mlrt_write_same_ids(job->tree, number, tile->x, tile->y, tile->width, tile->height, &job->frame);
         }

@@ -93,6 +93,7 @@ static const char *const names[WORD_COUNT] = {"v_set1",
                                               "f4_high",
                                               "f4_evens",
                                               "f4_odds",
+                                              "f4_store_low and f4_store_high",
                                               "f4_triples",
                                               "f4_gather_triples"};
 

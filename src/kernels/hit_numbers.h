@@ -18,24 +18,25 @@
  * that hit few triangles take them from there, and others work them out for each lane.
  */
 
-/* Few are at most this many. */
-#define FEW_TRIANGLES 4
-
-struct packet_numbers {
-    MLRT_ALIGNED(64) float t[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float uv[2][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) uint32_t facing[MLRT_PACKET_RAYS];
-};
+#define FEW_TRIANGLES 2
 
 /* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
 static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                            float corners[9][MLRT_PACKET_RAYS])
 {
     const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
+    size_t offset[MLRT_PACKET_RAYS];
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const struct mlrt_triangle *triangle = &tree->triangles[hit >> lane & 1 ? packet->triangle[lane] : standard];
-        MLRT_UNROLL
-        for (int k = 0; k < 9; ++k) corners[k][lane] = triangle->v[k / 3][k % 3];
+        const uint32_t number = hit >> lane & 1 ? packet->triangle[lane] : standard;
+        offset[lane] = number * sizeof *tree->triangles;
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            vf corner[3];
+            v_triples_at((const unsigned char *)tree->triangles->v[i], offset + v, corner);
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) v_store(corners[3 * i + k] + v, corner[k]);
+        }
     }
 }
 
@@ -56,242 +57,306 @@ MLRT_INLINE vd fused_dot_product(const vd a[3], const vd b[3])
 /* What does not depend on rays: the sides of a triangle and its normal. */
 struct plane_terms {
     vd corner[3];
-    vd ab[3];
-    vd ac[3];
-    vd ab_size;
-    vd ac_size;
+    vd side[2][3]; /* c-a and a-b */
+    vd side_size[2];
+    vd normal[3];
+    vd normal_size;
 };
 
-MLRT_INLINE void set_plane_terms(const vd corner[9], struct plane_terms *plane, vd term[MLRT_HIT_TERM_COUNT])
+MLRT_INLINE void set_plane_terms(const vd corner[9], struct plane_terms *plane)
 {
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         plane->corner[k] = corner[k];
-        plane->ab[k] = d_sub(corner[3 + k], corner[k]);
-        plane->ac[k] = d_sub(corner[6 + k], corner[k]);
+        plane->side[0][k] = d_sub(corner[6 + k], corner[k]);
+        plane->side[1][k] = d_sub(corner[k], corner[3 + k]);
     }
-    plane->ab_size = size_of_doubles(plane->ab);
-    plane->ac_size = size_of_doubles(plane->ac);
-    fused_cross_product(plane->ab, plane->ac, term + MLRT_HIT_NORMAL);
-    term[MLRT_HIT_NORMAL_SIZE] = d_mul(plane->ab_size, plane->ac_size);
-}
-
-/* The other terms (hit_terms.h), for rays from `origin`. */
-MLRT_INLINE void set_origin_terms(const struct plane_terms *plane, const vd origin[3], uint32_t outputs,
-                                  vd term[MLRT_HIT_TERM_COUNT])
-{
-    vd p[3];
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) p[k] = d_sub(plane->corner[k], origin[k]);
-    const vd p_size = size_of_doubles(p);
-    term[MLRT_HIT_N] = fused_dot_product(p, term + MLRT_HIT_NORMAL);
-    term[MLRT_HIT_N_SIZE] = d_mul(p_size, term[MLRT_HIT_NORMAL_SIZE]);
-    if (!(outputs & MLRT_OUTPUT_UV)) return;
-    fused_cross_product(plane->ac, p, term + MLRT_HIT_EDGE);
-    fused_cross_product(p, plane->ab, term + MLRT_HIT_EDGE + 3);
-    term[MLRT_HIT_EDGE_SIZE] = d_mul(plane->ac_size, p_size);
-    term[MLRT_HIT_EDGE_SIZE + 1] = d_mul(p_size, plane->ab_size);
+    for (int i = 0; i < 2; ++i) plane->side_size[i] = size_of_doubles(plane->side[i]);
+    fused_cross_product(plane->side[0], plane->side[1], plane->normal);
+    plane->normal_size = d_mul(plane->side_size[0], plane->side_size[1]);
 }
 
-/* All of them, as frame and callback may want different outputs. */
-static void keep_hit_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
-                           struct mlrt_hit_terms *kept)
-{
-    vd corner[9], term[MLRT_HIT_TERM_COUNT];
-    const vd apex[3] = {d_set1(packet->apex[0]), d_set1(packet->apex[1]), d_set1(packet->apex[2])};
-    struct plane_terms plane;
-    for (int k = 0; k < 9; ++k) corner[k] = d_set1(tree->triangles[number].v[k / 3][k % 3]);
-    set_plane_terms(corner, &plane, term);
-    set_origin_terms(&plane, apex, MLRT_OUTPUT_UV, term);
-    for (int k = 0; k < MLRT_HIT_TERM_COUNT; ++k) kept->term[k] = d_first(term[k]);
-    kept->number = number;
-}
-
-/* The terms of a triangle that all lanes of a packet with an apex hit. They are there until the next call. */
-MLRT_INLINE const double *find_shared_terms(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
-                                            uint32_t number, struct mlrt_hit_term_cache *cache)
-{
-    if (memcmp(packet->apex, cache->apex, sizeof cache->apex) != 0) {
-        for (int i = 0; i < MLRT_HIT_TERMS_COUNT; ++i) cache->entries[i].number = MLRT_NONE;
-        memcpy(cache->apex, packet->apex, sizeof cache->apex);
-    }
-    struct mlrt_hit_terms *kept = &cache->entries[number % MLRT_HIT_TERMS_COUNT];
-    if (kept->number != number) keep_hit_terms(tree, packet, number, kept);
-    return kept->term;
-}
-
-/* 1 / D, its magnitude, and what the error of D adds to a quotient relative to it. */
-struct lane_denominator {
-    vd inverse;
-    vd inverse_size;
-    vd error;
+/* Where rays start: a corner from there, N, and the widths of quotients (see the head of this file), those of u and v
+ * before they are multiplied with the size of d. */
+struct start_terms {
+    vd p[3];
+    vd n;
+    vd n_width;
+    vd edge_width[2];
 };
 
-/* Rounds x / D to floats. Returns the lanes where that is certain. */
-MLRT_INLINE uint32_t round_quotients(vd x, vd size, const struct lane_denominator *d, float *result)
+MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origin[3], uint32_t outputs,
+                                 struct start_terms *start)
 {
-    const vd quotient = d_mul(x, d->inverse);
-    const vd width =
-        d_add(d_mul(d_mul(d_set1(MLRT_NUMERATOR_ERROR), size), d->inverse_size), d_mul(d_abs(quotient), d->error));
-    const vd low = d_sub(quotient, width), high = d_add(quotient, width);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) start->p[k] = d_sub(plane->corner[k], origin[k]);
+    const vd size = size_of_doubles(start->p);
+    start->n = fused_dot_product(start->p, plane->normal);
+    start->n_width = d_add(d_mul(d_mul(d_set1(MLRT_NUMERATOR_ERROR), size), plane->normal_size),
+                           d_mul(d_set1(MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE), d_abs(start->n)));
+    if (!(outputs & MLRT_OUTPUT_UV)) return;
+    const vd d_error = d_mul(d_set1(MLRT_DENOMINATOR_ERROR), plane->normal_size);
+    const vd numerator_error = d_mul(d_set1(MLRT_NUMERATOR_ERROR), size);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        start->edge_width[i] = d_add(d_mul(numerator_error, plane->side_size[i]), d_error);
+    }
+}
+
+MLRT_INLINE void get_terms(const double *kept, int count, vd *term)
+{
+    MLRT_UNROLL
+    for (int i = 0; i < count; ++i) term[i] = d_set1(kept[i]);
+}
+
+MLRT_INLINE void get_plane_terms(const struct mlrt_hit_terms *kept, struct plane_terms *plane)
+{
+    get_terms(kept->term + MLRT_HIT_CORNER, 3, plane->corner);
+    get_terms(kept->term + MLRT_HIT_SIDE, 3, plane->side[0]);
+    get_terms(kept->term + MLRT_HIT_SIDE + 3, 3, plane->side[1]);
+    get_terms(kept->term + MLRT_HIT_SIDE_SIZE, 2, plane->side_size);
+    get_terms(kept->term + MLRT_HIT_NORMAL, 3, plane->normal);
+    get_terms(kept->term + MLRT_HIT_NORMAL_SIZE, 1, &plane->normal_size);
+}
+
+/* The terms of a triangle that all lanes hit. They are there until the next call. */
+MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tree *tree,
+                                                           const struct mlrt_packet *packet, uint32_t number,
+                                                           struct mlrt_hit_term_cache *cache)
+{
+    const uint32_t place = number % MLRT_HIT_TERMS_COUNT;
+    struct mlrt_hit_terms *kept = &cache->entries[place];
+    if (cache->numbers[place] != number) {
+        mlrt_set_plane_terms(&tree->triangles[number], kept);
+        cache->numbers[place] = number;
+    }
+    if (packet->has_apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
+        mlrt_set_origin_terms(packet->apex, kept);
+    }
+    return kept;
+}
+
+/* The greatest size of a direction, or more. */
+MLRT_INLINE double greatest_direction_size(const struct mlrt_packet *packet, uint32_t hit)
+{
+    vf greatest = v_set1(0);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf x = v_abs(v_load(packet->direction[0] + v)), y = v_abs(v_load(packet->direction[1] + v)),
+                 z = v_abs(v_load(packet->direction[2] + v));
+        greatest = v_max(v_select(m_from_bits(hit >> v), v_add(v_add(x, y), z), v_set1(0)), greatest);
+    }
+    return (double)v_hmax(greatest) * (1 + 0x1p-22);
+}
+
+/* 1 / D, its magnitude, and that negated. */
+struct lane_denominator {
+    vd inverse;
+    vd size;
+    vd minus_size;
+};
+
+/* Returns the lanes where D is great enough for what follows. */
+MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator *denominator)
+{
+    denominator->inverse = d_div(d_set1(1), d);
+    denominator->size = d_abs(denominator->inverse);
+    denominator->minus_size = d_sub(d_set1(0), denominator->size);
+    return d_gt(d_set1(MLRT_GREATEST_D_SIZE), d_mul(d_size, denominator->size));
+}
+
+/* Rounds x / D to floats. Returns the lanes where that is certain. */
+MLRT_INLINE uint32_t round_quotients(vd x, vd width, const struct lane_denominator *denominator, float *result)
+{
+    const vd quotient = d_mul(x, denominator->inverse);
+    const vd low = d_mul_add(width, denominator->minus_size, quotient);
+    const vd high = d_mul_add(width, denominator->size, quotient);
     d_store(result, high);
     return MLRT_GUESS ? ALL_LANES : d_same_float(low, high);
 }
 
-/* The numbers of DW lanes. Returns those that are certain; `positive` receives those with D > 0. */
-MLRT_INLINE uint32_t report_vector(const vd term[MLRT_HIT_TERM_COUNT], const struct mlrt_packet *packet, uint32_t lane,
-                                   uint32_t outputs, uint32_t *positive, struct packet_numbers *numbers)
+MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane, vd direction[3])
 {
-    const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
-                             d_load(packet->direction[2] + lane)};
-    const vd direction_size = size_of_doubles(direction);
-    const vd d = fused_dot_product(direction, term + MLRT_HIT_NORMAL),
-             d_size = d_mul(direction_size, term[MLRT_HIT_NORMAL_SIZE]);
-    uint32_t certain = d_gt(d_abs(d), d_mul(d_set1(MLRT_LEAST_DENOMINATOR), d_size));
-    *positive = d_gt(d, d_set1(0));
-    struct lane_denominator denominator;
-    denominator.inverse = d_div(d_set1(1), d);
-    denominator.inverse_size = d_abs(denominator.inverse);
-    denominator.error = d_mul(d_mul(d_set1(MLRT_DENOMINATOR_ERROR), d_size), denominator.inverse_size);
-    if (outputs & MLRT_OUTPUT_T) {
-        certain &= round_quotients(term[MLRT_HIT_N], term[MLRT_HIT_N_SIZE], &denominator, numbers->t + lane);
-    }
-    const int place_count = outputs & MLRT_OUTPUT_UV ? 2 : 0;
-    for (int i = 0; i < place_count; ++i) {
-        certain &=
-            round_quotients(fused_dot_product(direction, term + MLRT_HIT_EDGE + 3 * i),
-                            d_mul(direction_size, term[MLRT_HIT_EDGE_SIZE + i]), &denominator, numbers->uv[i] + lane);
-    }
-    return certain;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) direction[k] = d_load(packet->direction[k] + lane);
 }
 
-/* One lane, by the judge. */
-static MLRT_NOINLINE void report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane,
-                                      uint32_t outputs, struct packet_numbers *numbers)
-{
-    struct mlrt_ray_segment ray;
-    struct mlrt_hit_report report = {0, 0, 0, 0};
-    mlrt_get_segment(packet, lane, &ray);
-    mlrt_report_hit(&ray, &tree->triangles[packet->triangle[lane]], outputs, &report);
-    numbers->t[lane] = report.t;
-    numbers->uv[0][lane] = report.u;
-    numbers->uv[1][lane] = report.v;
-    numbers->facing[lane] = (uint32_t)report.facing;
-}
-
-/* What a miss has. */
-MLRT_INLINE void report_misses(struct packet_numbers *numbers)
+/* What misses have: the lanes outside of `hit`. */
+static MLRT_NOINLINE void report_misses(uint32_t hit, struct mlrt_packet_values *values)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        v_store(numbers->t + v, v_set1(INFINITY));
-        v_store(numbers->uv[0] + v, v_set1(0));
-        v_store(numbers->uv[1] + v, v_set1(0));
-        i_store(numbers->facing + v, i_set1(0));
+        const vm is_hit = m_from_bits(hit >> v);
+        v_store(values->t + v, v_select(is_hit, v_load(values->t + v), v_set1(INFINITY)));
+        v_store(values->uv[0] + v, v_select(is_hit, v_load(values->uv[0] + v), v_set1(0)));
+        v_store(values->uv[1] + v, v_select(is_hit, v_load(values->uv[1] + v), v_set1(0)));
+        i_store(values->facing + v, i_select(is_hit, i_load(values->facing + v), i_set1(0)));
     }
 }
 
-/* Puts what a miss has where there is no hit, which is rare beside hits; and facing, from where D > 0. */
-MLRT_INLINE void settle_numbers(uint32_t hit, uint32_t positive, struct packet_numbers *numbers)
+static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vi facing = i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu));
-        i_store(numbers->facing + v, i_select(m_from_bits(hit >> v), facing, i_set1(0)));
-    }
-    for (uint32_t missing = ~hit & 0xFFFF; missing; missing &= missing - 1) {
-        const uint32_t lane = mlrt_lowest_bit(missing);
-        numbers->t[lane] = INFINITY;
-        numbers->uv[0][lane] = numbers->uv[1][lane] = 0;
+        i_store(values->facing + v, i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu)));
     }
 }
 
 /*
- * What is reported of lanes, in one number: bits 0 .. 15 are lanes that are certain, 16 .. 31 those that go along the
- * normal of what they hit. (Of a struct gcc would load both after storing each, and wait.)
+ * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are lanes
+ * that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after storing
+ * each, and wait.)
  */
-MLRT_INLINE uint32_t report_lanes(const vd term[MLRT_HIT_TERM_COUNT], const struct mlrt_packet *packet, uint32_t lane,
-                                  uint32_t outputs, struct packet_numbers *numbers)
+static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *term, double direction_size,
+                                 uint32_t outputs, struct mlrt_packet_values *values)
 {
-    uint32_t positive;
-    const uint32_t certain = report_vector(term, packet, lane, outputs, &positive, numbers);
-    return certain << lane | positive << (16 + lane);
-}
-
-/* All lanes that hit something hit one triangle, from one origin. */
-static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *shared, uint32_t outputs,
-                                 struct packet_numbers *numbers)
-{
-    uint32_t reported = 0;
-    vd term[MLRT_HIT_TERM_COUNT];
-    const int count = outputs & MLRT_OUTPUT_UV ? MLRT_HIT_TERM_COUNT : MLRT_HIT_EDGE;
-    for (int k = 0; k < count; ++k) term[k] = d_set1(shared[k]);
+    uint32_t reported = 0, positive = 0;
+    const vd normal[3] = {d_set1(term[MLRT_HIT_NORMAL]), d_set1(term[MLRT_HIT_NORMAL + 1]),
+                          d_set1(term[MLRT_HIT_NORMAL + 2])};
+    const vd d_size = d_set1(term[MLRT_HIT_NORMAL_SIZE] * direction_size);
+    const vd n = d_set1(term[MLRT_HIT_N]), n_width = d_set1(term[MLRT_HIT_N_WIDTH]);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        reported |= report_lanes(term, packet, lane, outputs, numbers);
+        vd direction[3];
+        struct lane_denominator denominator;
+        load_directions(packet, lane, direction);
+        const vd d = fused_dot_product(direction, normal);
+        uint32_t certain = invert_denominator(d, d_size, &denominator);
+        if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(n, n_width, &denominator, values->t + lane);
+        if (outputs & MLRT_OUTPUT_UV) {
+            MLRT_UNROLL
+            for (int i = 0; i < 2; ++i) {
+                const double *terms = term + MLRT_HIT_EDGE + 3 * i;
+                const vd edge[3] = {d_set1(terms[0]), d_set1(terms[1]), d_set1(terms[2])};
+                const vd width = d_set1(term[MLRT_HIT_EDGE_WIDTH + i] * direction_size);
+                certain &=
+                    round_quotients(fused_dot_product(direction, edge), width, &denominator, values->uv[i] + lane);
+            }
+        }
+        reported |= certain << lane;
+        if (outputs & MLRT_OUTPUT_FACING) positive |= d_gt(d, d_set1(0)) << lane;
     }
-    return reported;
+    return reported | positive << 16;
 }
 
-MLRT_INLINE void load_origin(const struct mlrt_packet *packet, uint32_t lane, vd origin[3])
+/* Lanes of different origins, or of different triangles. */
+MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct plane_terms *plane, uint32_t lane,
+                                  double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
+    vd direction[3], origin[3], moment[3];
+    struct lane_denominator denominator;
+    struct start_terms start;
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
     }
+    load_directions(packet, lane, direction);
+    set_start_terms(plane, origin, outputs, &start);
+    const vd d = fused_dot_product(direction, plane->normal);
+    const vd d_size = d_mul(plane->normal_size, d_set1(direction_size));
+    uint32_t certain = invert_denominator(d, d_size, &denominator);
+    if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(start.n, start.n_width, &denominator, values->t + lane);
+    if (outputs & MLRT_OUTPUT_UV) {
+        fused_cross_product(start.p, direction, moment);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            certain &= round_quotients(fused_dot_product(plane->side[i], moment),
+                                       d_mul(start.edge_width[i], d_set1(direction_size)), &denominator,
+                                       values->uv[i] + lane);
+        }
+    }
+    return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
 }
 
 /* They hit one triangle, from different origins. */
-static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_triangle *triangle,
-                                    uint32_t outputs, struct packet_numbers *numbers)
+static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_hit_terms *terms,
+                                    double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
     uint32_t reported = 0;
-    vd corner[9], origin[3], term[MLRT_HIT_TERM_COUNT];
     struct plane_terms plane;
-    for (int k = 0; k < 9; ++k) corner[k] = d_set1(triangle->v[k / 3][k % 3]);
-    set_plane_terms(corner, &plane, term);
+    get_plane_terms(terms, &plane);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        load_origin(packet, lane, origin);
-        set_origin_terms(&plane, origin, outputs, term);
-        reported |= report_lanes(term, packet, lane, outputs, numbers);
+        reported |= report_lanes(packet, &plane, lane, direction_size, outputs, values);
     }
     return reported;
 }
 
 static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                                 uint32_t outputs, struct packet_numbers *numbers)
+                                 double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
     uint32_t reported = 0;
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
     gather_corners(tree, packet, hit, corners);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        vd corner[9], origin[3], term[MLRT_HIT_TERM_COUNT];
+        vd corner[9];
         struct plane_terms plane;
+        MLRT_UNROLL
         for (int k = 0; k < 9; ++k) corner[k] = d_load(corners[k] + lane);
-        set_plane_terms(corner, &plane, term);
-        load_origin(packet, lane, origin);
-        set_origin_terms(&plane, origin, outputs, term);
-        reported |= report_lanes(term, packet, lane, outputs, numbers);
+        set_plane_terms(corner, &plane);
+        reported |= report_lanes(packet, &plane, lane, direction_size, outputs, values);
+    }
+    return reported;
+}
+
+/* All lanes of a triangle, as its terms are kept. */
+static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
+                            double direction_size, uint32_t outputs, struct mlrt_hit_term_cache *cache,
+                            struct mlrt_packet_values *values)
+{
+    const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
+    return packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
+                            : report_one_triangle(packet, terms, direction_size, outputs, values);
+}
+
+static void take_lanes(uint32_t lanes, const struct mlrt_packet_values *from, struct mlrt_packet_values *values)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm is_taken = m_from_bits(lanes >> v);
+        v_store(values->t + v, v_select(is_taken, v_load(from->t + v), v_load(values->t + v)));
+        v_store(values->uv[0] + v, v_select(is_taken, v_load(from->uv[0] + v), v_load(values->uv[0] + v)));
+        v_store(values->uv[1] + v, v_select(is_taken, v_load(from->uv[1] + v), v_load(values->uv[1] + v)));
+    }
+}
+
+/* Do lanes hit at most FEW_TRIANGLES triangles? */
+MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
+{
+    for (int i = 0; i < FEW_TRIANGLES && hit; ++i) {
+        hit &= ~lanes_of_triangle(packet, packet->triangle[mlrt_lowest_bit(hit)]);
+    }
+    return !hit;
+}
+
+/* Several triangles: few of them one after the other. */
+static MLRT_NOINLINE uint32_t report_several(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                             uint32_t hit, double direction_size, uint32_t outputs,
+                                             struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
+{
+    if (!hits_few_triangles(packet, hit)) return report_triangles(tree, packet, hit, direction_size, outputs, values);
+    struct mlrt_packet_values some;
+    uint32_t reported = 0;
+    for (uint32_t left = hit; left;) {
+        const uint32_t number = packet->triangle[mlrt_lowest_bit(left)];
+        const uint32_t lanes = left & lanes_of_triangle(packet, number);
+        reported |= report_kept(tree, packet, number, direction_size, outputs, cache, &some) & (lanes | lanes << 16);
+        take_lanes(lanes, &some, values);
+        left &= ~lanes;
     }
     return reported;
 }
 
 /* The numbers of a packet's lanes, `hit` those with a hit. */
-static MLRT_NOINLINE void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                                        uint32_t outputs, struct mlrt_hit_term_cache *cache,
-                                        struct packet_numbers *numbers)
+static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                          uint32_t outputs, struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {
-    if (!hit) {
-        report_misses(numbers);
-        return;
+    if (hit) {
+        const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
+        const double direction_size = greatest_direction_size(packet, hit);
+        const uint32_t reported =
+            hit & ~lanes_of_triangle(packet, number)
+                ? report_several(tree, packet, hit, direction_size, outputs, cache, values)
+                : report_kept(tree, packet, number, direction_size, outputs, cache, values);
+        if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
+        for (uint32_t left = hit & ~reported; left; left &= left - 1) {
+            mlrt_report_lane(tree, packet, mlrt_lowest_bit(left), outputs, values);
+        }
     }
-    const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
-    uint32_t reported;
-    if (hit & ~lanes_of_triangle(packet, number)) {
-        reported = report_triangles(tree, packet, hit, outputs, numbers);
-    } else if (packet->has_apex) {
-        reported = report_from_apex(packet, find_shared_terms(tree, packet, number, cache), outputs, numbers);
-    } else {
-        reported = report_one_triangle(packet, &tree->triangles[number], outputs, numbers);
-    }
-    settle_numbers(hit, reported >> 16, numbers);
-    for (uint32_t left = hit & ~reported; left; left &= left - 1) {
-        report_lane(tree, packet, mlrt_lowest_bit(left), outputs, numbers);
-    }
+    if (hit != 0xFFFF) report_misses(hit, values);
 }

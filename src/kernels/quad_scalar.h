@@ -39,6 +39,15 @@ MLRT_INLINE void f4_store_any(void *p, f4 a)
 {
     memcpy(p, a.x, sizeof a.x);
 }
+/* two of them: the first ones, the last ones */
+MLRT_INLINE void f4_store_low(void *p, f4 a)
+{
+    memcpy(p, a.x, 2 * sizeof a.x[0]);
+}
+MLRT_INLINE void f4_store_high(void *p, f4 a)
+{
+    memcpy(p, a.x + 2, 2 * sizeof a.x[0]);
+}
 /* bits of those of any four words that are `word` */
 MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
 {

@@ -32,6 +32,14 @@ MLRT_INLINE void f4_store_any(void *p, f4 a)
 {
     _mm_storeu_ps(p, a);
 }
+MLRT_INLINE void f4_store_low(void *p, f4 a)
+{
+    _mm_storel_pi(p, a);
+}
+MLRT_INLINE void f4_store_high(void *p, f4 a)
+{
+    _mm_storeh_pi(p, a);
+}
 MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
 {
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_set1_epi32((int)word));

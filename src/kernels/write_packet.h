@@ -6,73 +6,51 @@
 
 #include "hit_numbers.h"
 
-/* Turns the triangle numbers of a packet into ids, if all are of the mesh that was last seen: 0 if not. */
-MLRT_INLINE int find_packet_ids(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
-                                uint32_t meshes[MLRT_PACKET_RAYS], uint32_t triangles[MLRT_PACKET_RAYS])
+/* The ids of the lanes whose triangles are of a mesh. `is_first`: other lanes get those of misses; else they stay. Returns
+ * the lanes. */
+MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
+                                      int is_first, struct mlrt_packet_values *values)
 {
     const vi first = i_set1(tree->mesh_first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->mesh_ids[mesh]);
     const vi count = i_set1(tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]);
     uint32_t found = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vi number = i_load(packet->triangle + v), place = i_sub(number, first);
+        const vi place = i_sub(i_load(packet->triangle + v), first);
         const vm hit = i_lt(place, count);
-        i_store(meshes + v, i_select(hit, id, none));
-        i_store(triangles + v, i_select(hit, place, none));
-        found |= m_bits(m_or(hit, i_eq(number, none))) << v;
+        i_store(values->mesh + v, i_select(hit, id, is_first ? none : i_load(values->mesh + v)));
+        i_store(values->triangle + v, i_select(hit, place, is_first ? none : i_load(values->triangle + v)));
+        found |= m_bits(hit) << v;
     }
-    return found == 0xFFFF;
+    return found;
 }
 
-/* Writes the ids of a packet's lanes. `hit`: those with a hit. */
-static void write_ids(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                      uint32_t hit, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+/* The ids of what the lanes `hit` hit, of one mesh after the other. Neighbours mostly hit the mesh that was hit last. */
+MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                                 uint32_t *last_mesh, struct mlrt_packet_values *values)
 {
-    MLRT_ALIGNED(64) uint32_t meshes[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) uint32_t triangles[MLRT_PACKET_RAYS];
-    if (!job->tree->mesh_count || !find_packet_ids(job->tree, worker->mesh, packet, meshes, triangles)) {
-        if (hit) worker->mesh = mlrt_mesh_of_triangle(job->tree, packet->triangle[mlrt_lowest_bit(hit)]);
-        mlrt_find_packet_ids(job->tree, packet, meshes, triangles);
-    }
-    if (sink->channel[MLRT_CHANNEL_MESH].data) mlrt_write_words(meshes, lanes, x, y, MLRT_CHANNEL_MESH, sink);
-    if (sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
-        mlrt_write_words(triangles, lanes, x, y, MLRT_CHANNEL_TRIANGLE, sink);
+    uint32_t left = hit & ~find_ids_in_mesh(tree, *last_mesh, packet, 1, values);
+    while (MLRT_UNLIKELY(left)) {
+        *last_mesh = mlrt_mesh_of_triangle(tree, packet->triangle[mlrt_lowest_bit(left)]);
+        left &= ~find_ids_in_mesh(tree, *last_mesh, packet, 0, values);
     }
 }
 
-static void write_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                          uint32_t hit, uint32_t lanes, uint32_t x, uint32_t y, uint32_t outputs,
-                          const struct mlrt_sink *sink)
-{
-    struct packet_numbers numbers;
-    const void *values[MLRT_CHANNEL_COUNT] = {numbers.t, numbers.uv[0], numbers.uv[1], NULL, NULL, numbers.facing};
-    report_packet(job->tree, packet, hit, outputs, &worker->hit_terms, &numbers);
-    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
-        if (!values[c] || !sink->channel[c].data) continue;
-        mlrt_write_words(values[c], lanes, x, y, (enum mlrt_channel)c, sink);
-    }
-}
-
-/* Writes the hits of a packet's lanes, whose block starts at (x, y) of the sink; `hit`: those with one. */
-static MLRT_NOINLINE void write_hits(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                     const struct mlrt_packet *packet, uint32_t hit, uint32_t lanes, uint32_t x,
-                                     uint32_t y, const struct mlrt_sink *sink)
-{
-    const uint32_t outputs = mlrt_sink_numbers(sink);
-    if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
-        write_ids(job, worker, packet, hit, lanes, x, y, sink);
-    }
-    if (outputs) write_numbers(job, worker, packet, hit, lanes, x, y, outputs, sink);
-}
-
-MLRT_INLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
-                               uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+/* Writes the results of a packet's lanes, whose block starts at (x, y) of the sink. */
+static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        const struct mlrt_packet *packet, uint32_t lanes, uint32_t x, uint32_t y,
+                                        const struct mlrt_sink *sink)
 {
     const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
-    if (!job->any) {
-        write_hits(job, worker, packet, hit, lanes, x, y, sink);
-    } else if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) {
-        mlrt_write_occluded(hit, lanes, x, y, sink);
+    if (job->any) {
+        if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
+        return;
     }
+    struct mlrt_packet_values values;
+    if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
+        find_packet_ids(job->tree, packet, hit, &worker->mesh, &values);
+    }
+    if (sink->numbers) report_packet(job->tree, packet, hit, sink->numbers, &worker->hit_terms, &values);
+    mlrt_write_values(&values, lanes, x, y, sink);
 }
 
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,

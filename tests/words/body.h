@@ -136,6 +136,8 @@ static void run_quad(const struct word_input *in, int v, struct word_output *out
     f4_store(out->values[WORD_QUAD_HIGH] + v, f4_high(a, b));
     f4_store(out->values[WORD_QUAD_EVENS] + v, f4_evens(a, b));
     f4_store(out->values[WORD_QUAD_ODDS] + v, f4_odds(a, b));
+    f4_store_low(out->values[WORD_QUAD_STORE_HALVES] + v, b);
+    f4_store_high(out->values[WORD_QUAD_STORE_HALVES] + v + 2, a);
     out->values[WORD_QUAD_LAST][v] = f4_last(a);
     if (in->has_order) {
         out->values[WORD_QUAD_HMIN][v] = f4_hmin(a) + 0.0f; /* of -0 and 0 either may be the least */
