@@ -237,6 +237,7 @@ static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle
 {
     if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
     memset(cache->children, 0, sizeof cache->children);
+    memset(cache->lines, 0, sizeof cache->lines);
     cache->waist = *waist;
 }
 
