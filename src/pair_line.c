@@ -57,11 +57,17 @@ static void cross_with_sizes(const double p[3], const double q[3], double cross[
 /* Corners by axis from the main one on, in the signs of the waist; 0 if the triangle is odd. */
 static int load_corners(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number, double corner[3][3])
 {
-    struct mlrt_triangle triangle;
-    const int is_usual = mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &triangle);
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    const double unit = tree->bvh.unit, sign = waist->sign;
+    const int j = (waist->main_axis + 1) % 3, l = (waist->main_axis + 2) % 3;
+    int is_usual = 1;
     for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) corner[i][k] = triangle.v[i][(waist->main_axis + k) % 3];
-        corner[i][0] *= waist->sign;
+        corner[i][0] = triangle->v[i][waist->main_axis] * unit * sign;
+        corner[i][1] = triangle->v[i][j] * unit;
+        corner[i][2] = triangle->v[i][l] * unit;
+        for (int k = 0; k < 3; ++k) {
+            is_usual &= fabs(corner[i][k]) <= MLRT_SAFE_MAX && (double)(float)corner[i][k] == corner[i][k];
+        }
     }
     return is_usual;
 }
@@ -146,14 +152,16 @@ static void set_normal(double (*corner)[3], struct mlrt_pair_line *line)
     for (int k = 0; k < 3; ++k) line->normal[k] = (float)(normal[k] * scale);
 }
 
-MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t first,
+MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache, uint32_t first,
                                       uint32_t second, struct mlrt_worker *worker, struct mlrt_pair_line *line)
 {
+    const struct mlrt_waist *waist = &cache->waist;
     double corner_1[3][3], corner_2[3][3], height[3], error[3];
     const double from[3] = {(double)waist->sign * waist->point[waist->main_axis], waist->point[(waist->main_axis + 1) % 3],
                             waist->point[(waist->main_axis + 2) % 3]};
     int certain;
     memset(line, 0, sizeof *line);
+    line->waist_count = cache->waist_count;
     line->first = first;
     line->second = second;
     if (!load_corners(tree, waist, first, corner_1) || !load_corners(tree, waist, second, corner_2)) return;

@@ -8,8 +8,8 @@
 
 #include "kernels.h"
 
-/* Sets the line of two triangles relative to a waist. */
-void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t first, uint32_t second,
+/* Sets the line of two triangles relative to the waist of a cache. */
+void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache, uint32_t first, uint32_t second,
                         struct mlrt_worker *worker, struct mlrt_pair_line *line);
 
 /* The line of two triangles, of which the last ones for the waist of a cache are kept. */
@@ -18,8 +18,8 @@ static inline const struct mlrt_pair_line *mlrt_find_pair_line(const struct mlrt
                                                                struct mlrt_bundle_cache *cache)
 {
     struct mlrt_pair_line *line = &cache->lines[(first * 0x9E3779B1u ^ second * 0x85EBCA6Bu) >> (32 - MLRT_PAIR_LINE_BITS)];
-    if (MLRT_UNLIKELY(line->first != first || line->second != second)) {
-        mlrt_set_pair_line(tree, &cache->waist, first, second, worker, line);
+    if (MLRT_UNLIKELY(line->first != first || line->second != second || line->waist_count != cache->waist_count)) {
+        mlrt_set_pair_line(tree, cache, first, second, worker, line);
     }
     return line;
 }

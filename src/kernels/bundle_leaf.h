@@ -237,8 +237,8 @@ static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle
 {
     if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
     memset(cache->children, 0, sizeof cache->children);
-    memset(cache->lines, 0, sizeof cache->lines);
     cache->waist = *waist;
+    if (cache->waist_count++ == 0) memset(cache->lines, 0, sizeof cache->lines);
 }
 
 /* ---- cuts ---- */
