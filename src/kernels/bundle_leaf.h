@@ -426,8 +426,9 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
                                                   uint32_t lanes, uint32_t inside, struct mlrt_bundle_rays *rays,
                                                   struct mlrt_packet *packet)
 {
-    set_packet_distances(rays, packet);
     if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    if (job->any) return decide_any_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
+    set_packet_distances(rays, packet);
     const uint32_t nearer =
         decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     for (uint32_t left = nearer; left; left &= left - 1) set_lane_depths(packet, mlrt_lowest_bit(left), rays);
@@ -501,14 +502,14 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
 }
 
 /* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle (pair_line.c). */
-MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const vf *term, int term_count, vf bound, vf width,
-                                 vm *farther, vm *nearer)
+MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle_rays *rays, int v,
+                                 int term_count, vf bound, vf width, vm *farther, vm *nearer)
 {
     vf f = v_set1(line->constant), d = v_set1(line->normal[0]);
     MLRT_UNROLL
-    for (int i = 0; i < term_count; ++i) f = v_mul_add(v_set1(line->coefficient[i]), term[i], f);
+    for (int i = 0; i < term_count; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), term[i], d);
+    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), v_load(rays->term[i] + v), d);
     const vf signed_f = v_flip(f, d);
     const vm sure = v_gt(v_abs(d), width);
     *farther = m_and(sure, v_gt(signed_f, bound));
@@ -520,11 +521,12 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const vf *te
  * does, as in settle_covers (bundle_cover.h). Returns the lanes that are left.
  */
 static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                           const struct bundle *bundle, uint32_t place, uint32_t number, const vf *term,
+                                           const struct bundle *bundle, uint32_t place, uint32_t number, int v,
                                            uint32_t lanes, vm inside, const struct plane_of_rays *plane,
                                            struct bundle_vector *of)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
+    const struct mlrt_bundle_rays *rays = &bundle->rays[place];
     const float reach = hulls->reach[place];
     MLRT_ALIGNED(64) uint32_t nearest[VW];
     uint32_t unsettled = lanes;
@@ -545,9 +547,9 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
             vm above, below;
             if (bundle->has_places) {
                 const vf bound = v_set1((line->error + line->steepness * hulls->blur[place]) * reach * (1 + 0x1p-20f));
-                find_line_sides(line, term, MLRT_RAY_TERMS, bound, width, &above, &below);
+                find_line_sides(line, rays, v, MLRT_RAY_TERMS, bound, width, &above, &below);
             } else {
-                find_line_sides(line, term, 2, v_set1(line->error * reach * (1 + 0x1p-20f)), width, &above, &below);
+                find_line_sides(line, rays, v, 2, v_set1(line->error * reach * (1 + 0x1p-20f)), width, &above, &below);
             }
             const vm these = m_and(m_from_bits(same), plane->certain), forward = m_andnot(these, plane->backward);
             const vm backward = m_and(these, plane->backward);
@@ -595,6 +597,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
         const vm inside = m_or(v_gt(least, bound), v_lt(greatest, below));
         vm may = m_andnot(m_or(v_ge(least, below), v_le(greatest, bound)), known);
+        if (job->any) may = m_and(may, i_eq(of.triangle, i_set1(MLRT_NONE)));
         if (MLRT_UNLIKELY(packet->has_masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
         }
@@ -603,7 +606,11 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
         if (!job->any) {
-            undecided = settle_lanes(job, worker, bundle, place, number, term, undecided, inside, &plane, &of);
+            /* Copies, so that these may stay in registers. */
+            const struct plane_of_rays where = plane;
+            struct bundle_vector settled = of;
+            undecided = settle_lanes(job, worker, bundle, place, number, v, undecided, inside, &where, &settled);
+            of = settled;
             if (!undecided) continue;
         }
         decided |= store_bundle_vector(&of, v, rays, packet);
