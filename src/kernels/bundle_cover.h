@@ -241,6 +241,12 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         }
         uint32_t doubtful = job->any ? 0 : closed & ~these;
         if (doubtful) doubtful &= ~m_bits(i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE)));
+        if (doubtful) { /* are they close to each other at both ends? */
+            const vf from = v_abs(v_sub(of.near, v_load(hulls->cover_near + v)));
+            const vf to = v_abs(v_sub(of.far, v_load(hulls->last + v))), apart = v_add(from, to);
+            const vf width = v_sub(v_add(of.far, v_load(hulls->last + v)), v_add(of.near, v_load(hulls->cover_near + v)));
+            doubtful &= m_bits(v_le(apart, v_mul_add(width, v_set1(0.25f), v_mul(v_abs(of.far), v_set1(1e-4f)))));
+        }
         if (!doubtful) continue;
         const uint32_t may_cover = m_bits(m_and(of.inside, core));
         may &= ~(settle_covers(job, worker, bundle, number, doubtful, may_cover, v, &of) << v);
