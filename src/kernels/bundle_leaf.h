@@ -421,6 +421,48 @@ MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane
     rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
 }
 
+/*
+ * As decide_lanes (close_calls.h), of rays that have no hit and for which any will do: bounds of its t are not kept.
+ */
+static MLRT_NOINLINE uint32_t decide_any_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                               uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
+                                               mlrt_counters *counters)
+{
+    struct close_triangle triangle;
+    uint32_t passed = 0, hit = 0, reached = 0;
+    if (mlrt_is_stopped_in_step(worker)) return 0;
+    set_close_triangle(&tree->triangles[number], packet, &triangle);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        const uint32_t among = lanes >> lane & DOUBLE_LANES;
+        struct close_bounds bounds;
+        if (!among) continue;
+        bound_quotient(&triangle, packet, lane, &bounds);
+        const vd end = d_load(packet->t_max + lane);
+        const struct close_verdict verdict =
+            look_at_lanes(&triangle, packet, lane, among, inside >> lane, end, end, &bounds);
+        passed |= verdict.passed << lane;
+        hit |= verdict.hit << lane;
+        reached |= verdict.nearer << lane;
+    }
+    uint32_t left = lanes & ~(passed | reached);
+    if (left & hit) {
+        uint32_t beyond;
+        reached |= find_lanes_at_end(&tree->triangles[number], packet, left & hit, &beyond);
+        left &= ~(reached | beyond);
+    }
+    if (counters) {
+        counters->judged_lane_count += mlrt_count_bits(lanes & ~left);
+        counters->undecided_test_count += left != lanes;
+    }
+    for (uint32_t those = reached; those; those &= those - 1) packet->triangle[mlrt_lowest_bit(those)] = number;
+    if (MLRT_LIKELY(!left)) return reached;
+    for (uint32_t those = left; those; those &= those - 1) {
+        const uint32_t lane = mlrt_lowest_bit(those);
+        packet->lo[lane] = packet->hi[lane] = packet->t_max[lane];
+    }
+    return reached | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
+}
+
 /* Hands lanes to who knows (undecided.h). Returns those that are hit nearer than before. */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                                                   uint32_t lanes, uint32_t inside, struct mlrt_bundle_rays *rays,
