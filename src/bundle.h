@@ -102,12 +102,36 @@ struct mlrt_bundle_leaf {
     MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];      /* what the error of `distance` is relative to */
 };
 
+/* What is known of two triangles. */
+enum mlrt_pair_kind { MLRT_NO_LINE, MLRT_LINE, MLRT_ONE_PLANE };
+
+/*
+ * The line that the planes of two triangles have in common, as an edge function: of a ray that meets both, its sign times
+ * those of both D is that of t(first) - t(second); if D of the second is taken from `normal`, of rays that hit the second
+ * (pair_line.c).
+ */
+struct mlrt_pair_line {
+    uint32_t first;
+    uint32_t second;
+    uint32_t waist_count; /* the cache's when it was set */
+    int32_t kind;
+    float constant;
+    float coefficient[MLRT_RAY_TERMS];
+    float normal[3];
+    float error;     /* relative to R; as EDGE_ERROR */
+    float steepness; /* as that of a leaf */
+};
+
+#define MLRT_PAIR_LINE_BITS 8
+
 /* The set-ups of leaves that were met last, for one waist. */
 struct mlrt_bundle_cache {
     struct mlrt_bundle_leaf *leaves; /* 1 << bits of them, by a hash of the first quad */
     uint32_t bits;
     struct mlrt_waist waist; /* main_axis -1: of none */
+    uint32_t waist_count;    /* how many there were so far */
     uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes; 0 = nobody's */
+    struct mlrt_pair_line lines[1u << MLRT_PAIR_LINE_BITS];
 };
 
 #endif

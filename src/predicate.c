@@ -454,13 +454,6 @@ MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlr
     return facing * sign_beyond_exactly(ray, triangle, t, counters);
 }
 
-int mlrt_leaves_plane(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle)
-{
-    struct operands operands = load_operands(origin, direction, triangle);
-    struct crossing crossing = measure_crossing(&operands);
-    return certain_sign(crossing.d, SIGN_ERROR) * certain_sign(crossing.n, SIGN_ERROR) < 0;
-}
-
 int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                        mlrt_counters *counters)
 {
@@ -698,6 +691,38 @@ void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_t
     struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
     *lo = mlrt_float_down(t.low > 0 ? t.low : 0); // a hit has t > 0
     *hi = mlrt_float_up(t.high);
+}
+
+int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
+                         const struct mlrt_triangle *other, float *lo, float *hi)
+{
+    const struct operands operands = load_operands(ray->origin, ray->direction, triangle);
+    const struct crossing crossing = measure_crossing(&operands);
+    const int facing = certain_sign(crossing.d, SIGN_ERROR);
+    const int begun = facing * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR);
+    if (begun < 0) return 0; /* most rays that come here start beside a surface, and leave it */
+    if (facing == 0 || !is_safe_denominator(crossing.d)) return -1;
+    if (!is_inside) {
+        const struct two_edges edges = measure_edges(&operands);
+        const int ab = facing * certain_sign(edges.ab, SIGN_ERROR), ca = facing * certain_sign(edges.ca, SIGN_ERROR);
+        const int bc = facing * certain_sign(measure_third_edge(&edges, crossing.d), SIGN_ERROR);
+        if (ab < 0 || bc < 0 || ca < 0) return 0;
+        is_inside = ab > 0 && bc > 0 && ca > 0;
+    }
+    const struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
+    if (t.low > *hi) return 0;
+    if (!is_inside || begun == 0) return -1;
+    if (!(t.high < *lo)) {
+        if (!other) return -1;
+        const struct operands operands_2 = load_operands(ray->origin, ray->direction, other);
+        const struct crossing crossing_2 = measure_crossing(&operands_2);
+        const int order = facing * certain_sign(crossing_2.d, SIGN_ERROR) *
+                          certain_sign(measure_order(&crossing, &crossing_2), ORDER_ERROR);
+        if (order >= 0) return order > 0 ? 0 : -1;
+    }
+    *lo = mlrt_float_down(t.low > 0 ? t.low : 0);
+    *hi = mlrt_float_up(t.high);
+    return 1;
 }
 
 /* The float nearest to x / d, which is not negative. */

@@ -50,9 +50,6 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
  */
 int mlrt_reaches_flat(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t, int *sign);
 
-/* 1 if the ray surely begins on the side of the triangle's plane that it goes on to, and so hits it at no t > 0. */
-int mlrt_leaves_plane(const float origin[3], const float direction[3], const struct mlrt_triangle *triangle);
-
 /*
  * Rule R6, for a triangle that the ray hits: 1 if it would still be hit with the origin moved by (e, e^2, e^3) for
  * every e > 0 that is small enough, t_max aside.
@@ -65,6 +62,14 @@ int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_
  */
 int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                           const struct mlrt_triangle *second, mlrt_counters *counters);
+
+/*
+ * What double tells of a triangle and the nearest hit so far, `other`, NULL if there is none, which lies between t = *lo
+ * and *hi: 1 if it is hit and nearer, *lo and *hi being bounds of its t then; 0 if it is not; -1 if that is not certain.
+ * `is_inside`: the ray is known to pass inside its edges.
+ */
+int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
+                         const struct mlrt_triangle *other, float *lo, float *hi);
 
 /* 1 if the triangles lie in one and the same plane: then no ray comes to one before the other. */
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second);

@@ -183,7 +183,10 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
         worker->apex[k] = worker->caches[0].apex[k] = worker->caches[1].apex[k] = NAN;
     }
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
-    for (int any = 0; any < 2; ++any) worker->bundle_caches[any].waist.main_axis = -1;
+    for (int any = 0; any < 2; ++any) {
+        worker->bundle_caches[any].waist.main_axis = -1;
+        worker->bundle_caches[any].waist_count = 0;
+    }
     worker->mask = job->source.common_mask;
     worker->open_bundles[0] = worker->open_bundles[1] = 0;
     worker->lane_tiles[0] = worker->lane_tiles[1] = 0;

@@ -101,29 +101,31 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
                           uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
                           mlrt_counters *counters)
 {
-    float origin[3], direction[3];
+    const struct mlrt_triangle *triangles = job->tree->triangles;
+    struct mlrt_ray_segment ray;
     uint32_t hit = 0;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
-        direction[k] = packet->direction[k][lane];
-    }
+    mlrt_get_segment(packet, lane, &ray);
     for (; undecided; undecided &= undecided - 1) {
         const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i], nearest = packet->triangle[lane];
         const uint32_t known_inside = (inside >> i & 1) << lane;
+        const struct mlrt_triangle *other = nearest == MLRT_NONE ? NULL : &triangles[nearest];
         if (mlrt_is_stopped_in_step(worker)) break;
-        if (nearest != MLRT_NONE &&
-            mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
+        if (other && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
             mlrt_settle_tie(number, nearest, 1u << lane, known_inside, packet)) {
             if (counters) ++counters->tie_lane_count;
             continue;
         }
-        /* Most rays that come here start beside a surface, and leave it. */
-        if (mlrt_leaves_plane(origin, direction, &job->tree->triangles[number])) {
+        const int nearer = mlrt_offer_in_double(&ray, &triangles[number], known_inside != 0, other, &packet->lo[lane],
+                                                &packet->hi[lane]);
+        if (nearer >= 0) {
             if (counters) {
                 ++counters->undecided_test_count;
                 ++counters->judged_lane_count;
             }
+            if (!nearer) continue;
+            packet->triangle[lane] = number;
+            hit = 1;
+            if (job->any) break;
             continue;
         }
         hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, known_inside, packet, worker, counters);

@@ -91,6 +91,45 @@ static void doubled_walls(struct soup *soup, struct random *random)
     soup_add_random(soup, random, 20, 1.5f, 0.3f);
 }
 
+/* A vertex of a grid over a surface, each coordinate up to `most` floats aside. */
+static void surface_point(const float frame[3][3], float u, float v, uint32_t most, struct random *random, float point[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const int floats = (int)draw_below(random, 2 * most + 1) - (int)most;
+        point[k] = next_float(frame[0][k] + u * frame[1][k] + v * frame[2][k], floats);
+    }
+}
+
+/*
+ * Surfaces that are there two or three times, each cut into a grid of its own, along either diagonal. The vertices of a
+ * copy lie up to 3 floats aside, so the planes of triangles cross each other all over the surface.
+ */
+static void doubled_surfaces(struct soup *soup, struct random *random)
+{
+    const int is_aligned = (int)draw_below(random, 2), surfaces = 1 + (int)draw_below(random, 3);
+    for (int i = 0; i < surfaces; i++) {
+        float frame[3][3] = {{0}};
+        for (int n = 0; n < 3; n++) draw_point(random, n ? -4 : -1, n ? 4 : 1, frame[n]);
+        for (int k = 0; is_aligned && k < 3; k++) frame[1][k] *= k == i, frame[2][k] *= k == (i + 1) % 3;
+        for (int k = 0; k < 3; k++) frame[0][k] -= 0.5f * (frame[1][k] + frame[2][k]);
+        const int copies = 2 + (int)draw_below(random, 2);
+        for (int copy = 0; copy < copies; copy++) {
+            const uint32_t cells = 1 + draw_below(random, 4), most = copy ? draw_below(random, 4) : 0;
+            const int turned = (int)draw_below(random, 2);
+            for (uint32_t cell = 0; cell < cells * cells; cell++) {
+                float corner[4][3];
+                for (uint32_t c = 0; c < 4; c++) {
+                    const uint32_t column = cell % cells + (c == 1 || c == 2), row = cell / cells + (c >= 2);
+                    surface_point((const float(*)[3])frame, (float)column / (float)cells, (float)row / (float)cells,
+                                  most, random, corner[c]);
+                }
+                soup_add_triangle(soup, corner[turned], corner[1 + turned], corner[2 + turned]);
+                soup_add_triangle(soup, corner[turned], corner[2 + turned], corner[(3 + turned) % 4]);
+            }
+        }
+    }
+}
+
 /* Parallel walls with gaps, one behind the other: depths differ from pixel to pixel. */
 static void combs(struct soup *soup, struct random *random)
 {
@@ -234,6 +273,7 @@ static const struct {
     {"triangles on a lattice", lattice_triangles, 1},
     {"coplanar grids", coplanar_grids, 1},
     {"doubled walls", doubled_walls, 1},
+    {"doubled surfaces", doubled_surfaces, 1},
     {"combs", combs, 1},
     {"needles", needles, 1},
     {"needle fan", needle_fan, 1},

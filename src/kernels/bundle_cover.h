@@ -18,20 +18,20 @@
 struct triangle_of_packets {
     vm out;    /* no ray hits it */
     vm inside; /* all rays pass inside its edges */
-    vm sure;   /* D has one sign */
+    vm sure;   /* D has one sign: */
+    vm backward; /* -1 */
     vf near;   /* where `sure`: depths between which the rays cross its plane */
     vf far;
 };
 
 /* An edge function, or D, over the hulls of a vector of packets. */
-MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant,
-                                    const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], uint32_t triangle, int term_count,
-                                    vf *least, vf *greatest)
+MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant, const float *coefficient,
+                                    int stride, int term_count, vf *least, vf *greatest)
 {
     vf middle = v_set1(constant), radius = v_set1(0);
     MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) {
-        const vf c = v_set1(coefficient[i][triangle]);
+        const vf c = v_set1(coefficient[i * stride]);
         middle = v_mul_add(c, v_load(hulls->middle[i] + v), middle);
         radius = v_mul_add(v_abs(c), v_load(hulls->radius[i] + v), radius);
     }
@@ -74,8 +74,8 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
     vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least, greatest;
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
-        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], leaf->edge[i], triangle, term_count, &least,
-                           &greatest);
+        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], &leaf->edge[i][0][triangle],
+                           MLRT_BVH_LEAF_LIMIT, term_count, &least, &greatest);
         lowest = v_min(greatest, lowest);
         highest = v_max(least, highest);
         inner_low = v_min(least, inner_low);
@@ -86,13 +86,39 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
         bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * leaf->steepness[triangle]), bound);
     }
     const vf width = v_mul(reach, v_set1(2 * PLANE_BOUND));
-    bound_over_packets(hulls, v, leaf->normal[0][triangle], leaf->normal + 1, triangle, 2, &least, &greatest);
+    bound_over_packets(hulls, v, leaf->normal[0][triangle], &leaf->normal[1][triangle], MLRT_BVH_LEAF_LIMIT, 2, &least,
+                       &greatest);
     const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
     const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
     of->out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
     of->inside = m_or(m_and(forward, v_gt(inner_low, bound)), m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
     of->sure = m_or(forward, backward);
+    of->backward = backward;
     bound_depths(hulls, leaf, triangle, v, has_places, backward, least, greatest, of);
+}
+
+/* Of packets, those in which all rays that hit a triangle do so behind what covers them, and before it. */
+struct order_of_packets {
+    vm farther;
+    vm nearer;
+};
+
+/* Finds them for packets that have one cover, by the line of both (pair_line.c). */
+MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, int v, int has_places,
+                            const struct triangle_of_packets *of, struct order_of_packets *order)
+{
+    const vf reach = v_load(hulls->reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
+    vf least, greatest, least_d, greatest_d, bound = v_mul(reach, v_set1(2 * line->error));
+    if (has_places) bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * line->steepness), bound);
+    bound_over_packets(hulls, v, line->constant, line->coefficient, 1, has_places ? MLRT_RAY_TERMS : 2, &least, &greatest);
+    bound_over_packets(hulls, v, line->normal[0], line->normal + 1, 1, 2, &least_d, &greatest_d);
+    const vm above = v_gt(least, bound), below = v_lt(greatest, v_sub(zero, bound));
+    const vm backward = v_lt(greatest_d, v_sub(zero, width));
+    const vm sure = m_and(of->sure, m_or(v_gt(least_d, width), backward));
+    const vm same = m_or(m_and(backward, of->backward), m_andnot(m_andnot(sure, backward), of->backward));
+    const vm other = m_andnot(sure, same);
+    order->farther = m_or(m_and(above, same), m_and(below, other));
+    order->nearer = m_or(m_and(below, same), m_and(above, other));
 }
 
 /* Has an open packet's rays hit what covers them: at distances between those of the cover over all rays. */
@@ -152,12 +178,53 @@ static MLRT_NOINLINE void hide_riding_packets(struct bundle *bundle, uint32_t pl
 }
 
 /*
+ * Offers a triangle to closed packets `doubtful` of the vector that begins at `v`, whose covers are so close to it that
+ * distances do not tell which comes first. What is behind a cover wherever a ray hits it changes nothing, and what is
+ * before it may cover the packet instead. Of two in one plane the first in the input wins. Returns the packets that this
+ * settles.
+ */
+static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+                                            uint32_t number, uint32_t doubtful, uint32_t may_cover, int v,
+                                            const struct triangle_of_packets *of)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    uint32_t settled = 0;
+    while (doubtful) {
+        const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
+        const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->cover + v), i_set1(cover)));
+        doubtful &= ~same;
+        const struct mlrt_pair_line *line =
+            mlrt_find_pair_line(job->tree, number, cover, worker, &worker->bundle_caches[job->any]);
+        uint32_t replaced = 0;
+        if (line->kind == MLRT_ONE_PLANE) {
+            replaced = number < cover ? same & m_bits(of->inside) : 0;
+            settled |= number < cover ? replaced : same;
+        } else if (line->kind == MLRT_LINE) {
+            struct order_of_packets order;
+            if (bundle->has_places) {
+                find_order(hulls, line, v, 1, of, &order);
+            } else {
+                find_order(hulls, line, v, 0, of, &order);
+            }
+            replaced = same & m_bits(order.nearer) & may_cover;
+            settled |= replaced | (same & m_bits(order.farther));
+            const vm kept = m_from_bits(replaced);
+            const vf last = v_load(hulls->last + v);
+            v_store(hulls->last + v, v_select(kept, v_min(of->far, last), last));
+            v_store(hulls->cover_near + v, v_select(kept, of->near, v_load(hulls->cover_near + v)));
+        }
+        i_store(hulls->cover + v, i_select(m_from_bits(replaced), i_set1(number), i_load(hulls->cover + v)));
+    }
+    return settled;
+}
+
+/*
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
  */
-MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct bundle *bundle,
-                                      const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among,
-                                      int has_places)
+MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+                                         const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among,
+                                         int has_places)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const uint32_t number = leaf->numbers[triangle];
@@ -181,13 +248,26 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct bund
         }
         may |= met << v;
         left_alone |= m_bits(known) << v;
-        uint32_t these = m_bits(covers) & met & bundle->closed >> v & ~(m_bits(known) | passing);
-        if (!these) continue;
-        const vm kept = m_from_bits(these);
-        covered |= these << v;
-        v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
-        v_store(hulls->cover_near + v, v_select(kept, of.near, cover_near));
-        i_store(hulls->cover + v, i_select(kept, i_set1(number), i_load(hulls->cover + v)));
+        const uint32_t closed = met & bundle->closed >> v & ~(m_bits(known) | passing);
+        const uint32_t these = m_bits(covers) & closed;
+        if (these) {
+            const vm kept = m_from_bits(these);
+            covered |= these << v;
+            v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
+            v_store(hulls->cover_near + v, v_select(kept, of.near, cover_near));
+            i_store(hulls->cover + v, i_select(kept, i_set1(number), i_load(hulls->cover + v)));
+        }
+        uint32_t doubtful = job->any ? 0 : closed & ~these;
+        if (doubtful) doubtful &= ~m_bits(i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE)));
+        if (doubtful) { /* are they close to each other at both ends? */
+            const vf from = v_abs(v_sub(of.near, v_load(hulls->cover_near + v)));
+            const vf to = v_abs(v_sub(of.far, v_load(hulls->last + v))), apart = v_add(from, to);
+            const vf width = v_sub(v_add(of.far, v_load(hulls->last + v)), v_add(of.near, v_load(hulls->cover_near + v)));
+            doubtful &= m_bits(v_le(apart, v_mul_add(width, v_set1(0.25f), v_mul(v_abs(of.far), v_set1(1e-4f)))));
+        }
+        if (!doubtful) continue;
+        const uint32_t may_cover = m_bits(m_and(of.inside, core));
+        may &= ~(settle_covers(job, worker, bundle, number, doubtful, may_cover, v, &of) << v);
     }
     may &= among & ~covered & ~(left_alone & bundle->closed);
     for (uint32_t left = may & bundle->closed; left; left &= left - 1) open_bundle_packet(bundle, mlrt_lowest_bit(left));
@@ -201,9 +281,10 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct bund
     return may;
 }
 
-static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct bundle *bundle,
-                                               const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among)
+static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                               struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                               uint32_t triangle, uint32_t among)
 {
-    return bundle->has_places ? offer_to_packets_by(job, bundle, leaf, triangle, among, 1)
-                              : offer_to_packets_by(job, bundle, leaf, triangle, among, 0);
+    return bundle->has_places ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
+                              : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
 }

@@ -238,6 +238,7 @@ static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle
     if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
     memset(cache->children, 0, sizeof cache->children);
     cache->waist = *waist;
+    if (cache->waist_count++ == 0) memset(cache->lines, 0, sizeof cache->lines);
 }
 
 /* ---- cuts ---- */
@@ -420,13 +421,56 @@ MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane
     rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
 }
 
+/*
+ * As decide_lanes (close_calls.h), of rays that have no hit and for which any will do: bounds of its t are not kept.
+ */
+static MLRT_NOINLINE uint32_t decide_any_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                               uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
+                                               mlrt_counters *counters)
+{
+    struct close_triangle triangle;
+    uint32_t passed = 0, hit = 0, reached = 0;
+    if (mlrt_is_stopped_in_step(worker)) return 0;
+    set_close_triangle(&tree->triangles[number], packet, &triangle);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        const uint32_t among = lanes >> lane & DOUBLE_LANES;
+        struct close_bounds bounds;
+        if (!among) continue;
+        bound_quotient(&triangle, packet, lane, &bounds);
+        const vd end = d_load(packet->t_max + lane);
+        const struct close_verdict verdict =
+            look_at_lanes(&triangle, packet, lane, among, inside >> lane, end, end, &bounds);
+        passed |= verdict.passed << lane;
+        hit |= verdict.hit << lane;
+        reached |= verdict.nearer << lane;
+    }
+    uint32_t left = lanes & ~(passed | reached);
+    if (left & hit) {
+        uint32_t beyond;
+        reached |= find_lanes_at_end(&tree->triangles[number], packet, left & hit, &beyond);
+        left &= ~(reached | beyond);
+    }
+    if (counters) {
+        counters->judged_lane_count += mlrt_count_bits(lanes & ~left);
+        counters->undecided_test_count += left != lanes;
+    }
+    for (uint32_t those = reached; those; those &= those - 1) packet->triangle[mlrt_lowest_bit(those)] = number;
+    if (MLRT_LIKELY(!left)) return reached;
+    for (uint32_t those = left; those; those &= those - 1) {
+        const uint32_t lane = mlrt_lowest_bit(those);
+        packet->lo[lane] = packet->hi[lane] = packet->t_max[lane];
+    }
+    return reached | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
+}
+
 /* Hands lanes to who knows (undecided.h). Returns those that are hit nearer than before. */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                                                   uint32_t lanes, uint32_t inside, struct mlrt_bundle_rays *rays,
                                                   struct mlrt_packet *packet)
 {
-    set_packet_distances(rays, packet);
     if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    if (job->any) return decide_any_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
+    set_packet_distances(rays, packet);
     const uint32_t nearer =
         decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     for (uint32_t left = nearer; left; left &= left - 1) set_lane_depths(packet, mlrt_lowest_bit(left), rays);
@@ -440,13 +484,34 @@ struct plane_bounds {
     int has_begins;
 };
 
+/* Where a vector of rays meets the plane of a triangle: bounds of N and D, in signs that make D positive. */
+struct plane_of_rays {
+    vf least_n;
+    vf greatest_n;
+    vf least_d;
+    vf greatest_d;
+    vm backward; /* D < 0 */
+    vm certain;  /* of rays that may be inside its edges: D has a certain sign */
+    vm begun;    /* after the ray begins */
+};
+
+/* Makes a triangle the nearest hit of lanes. */
+MLRT_INLINE void keep_bundle_hits(const struct plane_of_rays *plane, uint32_t number, vm hit, struct bundle_vector *of)
+{
+    of->least_n = v_select(hit, plane->least_n, of->least_n);
+    of->greatest_n = v_select(hit, plane->greatest_n, of->greatest_n);
+    of->least_d = v_select(hit, plane->least_d, of->least_d);
+    of->greatest_d = v_select(hit, plane->greatest_d, of->greatest_d);
+    of->triangle = i_select(hit, i_set1(number), of->triangle);
+}
+
 /*
  * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
  * returns the lanes that are left undecided. A quotient of bounds is compared as products (bvh_tile.h).
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const struct plane_bounds *bounds,
                                     const float *begin, int has_places, vm candidates, vm inside,
-                                    struct bundle_vector *of)
+                                    struct bundle_vector *of, struct plane_of_rays *plane)
 {
     vf n = v_set1(leaf->distance[triangle]), d = v_set1(leaf->normal[0][triangle]);
     MLRT_UNROLL
@@ -455,28 +520,89 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     for (int i = 0; has_places && i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), of->to_waist[i], n);
     const float error = DISTANCE_ERROR * (leaf->away[triangle] + bounds->away) + DISTANCE_FLOOR;
     const vf size = v_abs(d), distance = v_flip(n, d), width = bounds->width;
-    const vf least_d = v_sub(size, width), greatest_d = v_add(size, width);
-    const vf least_n = v_sub(distance, v_set1(error)), greatest_n = v_add(distance, v_set1(error));
-    const vm certain = m_and(candidates, v_gt(least_d, width));
-    vm farther = v_gt(v_mul(least_n, of->least_d), v_mul(of->greatest_n, greatest_d));
-    vm nearer = v_lt(v_mul(greatest_n, of->greatest_d), v_mul(of->least_n, least_d));
+    plane->least_d = v_sub(size, width);
+    plane->greatest_d = v_add(size, width);
+    plane->least_n = v_sub(distance, v_set1(error));
+    plane->greatest_n = v_add(distance, v_set1(error));
+    plane->certain = m_and(candidates, v_gt(plane->least_d, width));
+    plane->backward = v_lt(d, v_set1(0));
+    vm farther = v_gt(v_mul(plane->least_n, of->least_d), v_mul(of->greatest_n, plane->greatest_d));
+    const vm nearer = v_lt(v_mul(plane->greatest_n, of->greatest_d), v_mul(of->least_n, plane->least_d));
     if (MLRT_UNLIKELY(bounds->has_begins)) {
         const vf from = v_load(begin);
-        farther = m_or(farther, v_lt(greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), least_d)));
-        nearer = m_and(nearer, v_gt(least_n, v_mul(v_mul(from, v_set1(1 + SLOPE_SLACK)), greatest_d)));
+        farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
+        plane->begun = v_gt(plane->least_n, v_mul(v_mul(from, v_set1(1 + SLOPE_SLACK)), plane->greatest_d));
     } else {
-        farther = m_or(farther, v_lt(greatest_n, v_set1(0)));
-        nearer = m_and(nearer, v_gt(least_n, v_set1(0)));
+        farther = m_or(farther, v_lt(plane->greatest_n, v_set1(0)));
+        plane->begun = v_gt(plane->least_n, v_set1(0));
     }
-    vm hit = m_and(m_and(certain, inside), nearer);
-    uint32_t undecided = m_bits(m_andnot(m_andnot(candidates, m_and(certain, farther)), hit));
-    if (MLRT_GUESS) hit = m_and(m_and(candidates, nearer), v_gt(size, v_set1(0))), undecided = 0;
-    of->least_n = v_select(hit, least_n, of->least_n);
-    of->greatest_n = v_select(hit, greatest_n, of->greatest_n);
-    of->least_d = v_select(hit, least_d, of->least_d);
-    of->greatest_d = v_select(hit, greatest_d, of->greatest_d);
-    of->triangle = i_select(hit, i_set1(leaf->numbers[triangle]), of->triangle);
+    vm hit = m_and(m_and(plane->certain, inside), m_and(nearer, plane->begun));
+    uint32_t undecided = m_bits(m_andnot(m_andnot(candidates, m_and(plane->certain, farther)), hit));
+    if (MLRT_GUESS) hit = m_and(m_and(candidates, m_and(nearer, plane->begun)), v_gt(size, v_set1(0))), undecided = 0;
+    keep_bundle_hits(plane, leaf->numbers[triangle], hit, of);
     return undecided;
+}
+
+/* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle (pair_line.c). */
+MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle_rays *rays, int v,
+                                 int term_count, vf bound, vf width, vm *farther, vm *nearer)
+{
+    vf f = v_set1(line->constant), d = v_set1(line->normal[0]);
+    MLRT_UNROLL
+    for (int i = 0; i < term_count; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), v_load(rays->term[i] + v), d);
+    const vf signed_f = v_flip(f, d);
+    const vm sure = v_gt(v_abs(d), width);
+    *farther = m_and(sure, v_gt(signed_f, bound));
+    *nearer = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
+}
+
+/*
+ * Lanes whose distances do not tell whether a triangle or the nearest hit so far comes first: the line of their planes
+ * does, as in settle_covers (bundle_cover.h). Returns the lanes that are left.
+ */
+static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                           const struct bundle *bundle, uint32_t place, uint32_t number, int v,
+                                           uint32_t lanes, vm inside, const struct plane_of_rays *plane,
+                                           struct bundle_vector *of)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const float reach = hulls->reach[place];
+    MLRT_ALIGNED(64) uint32_t nearest[VW];
+    uint32_t unsettled = lanes;
+    i_store(nearest, of->triangle);
+    while (lanes) {
+        const uint32_t other = nearest[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & m_bits(i_eq(i_load(nearest), i_set1(other)));
+        lanes &= ~same;
+        if (other == MLRT_NONE) continue;
+        const struct mlrt_pair_line *line =
+            mlrt_find_pair_line(job->tree, number, other, worker, &worker->bundle_caches[job->any]);
+        if (line->kind == MLRT_ONE_PLANE) {
+            const uint32_t earlier = number < other ? same & m_bits(inside) : 0;
+            of->triangle = i_select(m_from_bits(earlier), i_set1(number), of->triangle);
+            unsettled &= ~(number < other ? earlier : same);
+        } else if (line->kind == MLRT_LINE) {
+            const vf width = v_set1(PLANE_BOUND * reach);
+            vm above, below;
+            if (bundle->has_places) {
+                const vf bound = v_set1((line->error + line->steepness * hulls->blur[place]) * reach * (1 + 0x1p-20f));
+                find_line_sides(line, rays, v, MLRT_RAY_TERMS, bound, width, &above, &below);
+            } else {
+                find_line_sides(line, rays, v, 2, v_set1(line->error * reach * (1 + 0x1p-20f)), width, &above, &below);
+            }
+            const vm these = m_and(m_from_bits(same), plane->certain), forward = m_andnot(these, plane->backward);
+            const vm backward = m_and(these, plane->backward);
+            const vm farther = m_or(m_and(above, forward), m_and(below, backward));
+            vm nearer = m_or(m_and(below, forward), m_and(above, backward));
+            nearer = m_and(nearer, m_and(inside, plane->begun));
+            keep_bundle_hits(plane, number, nearer, of);
+            unsettled &= ~m_bits(m_or(farther, nearer));
+        }
+    }
+    return unsettled;
 }
 
 /* Tests a vector of a packet's rays against triangles of a leaf; those that no ray may hit stay in *passed. Returns the
@@ -513,12 +639,22 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
         const vm inside = m_or(v_gt(least, bound), v_lt(greatest, below));
         vm may = m_andnot(m_or(v_ge(least, below), v_le(greatest, bound)), known);
+        if (job->any) may = m_and(may, i_eq(of.triangle, i_set1(MLRT_NONE)));
         if (MLRT_UNLIKELY(packet->has_masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
         }
-        const uint32_t undecided =
-            test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of);
+        struct plane_of_rays plane;
+        uint32_t undecided =
+            test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
+        if (!job->any) {
+            /* Copies, so that these may stay in registers. */
+            const struct plane_of_rays where = plane;
+            struct bundle_vector settled = of;
+            undecided = settle_lanes(job, worker, bundle, place, number, v, undecided, inside, &where, &settled);
+            of = settled;
+            if (!undecided) continue;
+        }
         decided |= store_bundle_vector(&of, v, rays, packet);
         decided |= decide_bundle_lanes(job, worker, number, undecided << v, m_bits(inside) << v, rays, packet);
         load_bundle_vector(rays, packet, has_places, v, &of);

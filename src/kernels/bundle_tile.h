@@ -157,7 +157,7 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
         uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;
         for (uint32_t left = seen; left && met; left &= left - 1) {
             const uint32_t among = met & bundle->going, bit = left & (0u - left);
-            uint32_t may = offer_to_packets(job, bundle, leaf, mlrt_lowest_bit(left), among);
+            uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(left), among);
             for (listed |= may; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= bit;
         }
         for (; listed; listed &= listed - 1) {

@@ -140,21 +140,20 @@ struct close_verdict {
     uint32_t nearer; /* which it surely is */
 };
 
-/* DW lanes from `lane` on, by the bounds of their nearest hits so far (of a lane without, these are its t_max). Bits
- * begin with `lane`; those in `inside` are known to be. */
-MLRT_INLINE struct close_verdict look_at_lanes(struct close_triangle *triangle, const struct mlrt_packet *packet,
-                                               uint32_t lane, uint32_t lanes, uint32_t inside,
-                                               struct close_bounds *bounds)
+/* DW lanes from `lane` on, of rays that end, or have their nearest hits so far, between t = `lo` and `hi`. Bits begin with
+ * `lane`; those in `inside` are known to be. */
+MLRT_INLINE struct close_verdict look_at_lanes(const struct close_triangle *triangle, const struct mlrt_packet *packet,
+                                               uint32_t lane, uint32_t lanes, uint32_t inside, vd lo, vd hi,
+                                               const struct close_bounds *bounds)
 {
     struct close_verdict verdict;
-    bound_quotient(triangle, packet, lane, bounds);
     const vd t_min = d_load(packet->t_min + lane), zero = d_set1(0);
     const uint32_t certain = d_gt(bounds->least_d, zero), parallel = ~d_gt(bounds->greatest_d, zero);
-    const uint32_t beyond = d_gt(bounds->least_n, d_mul(d_load(packet->hi + lane), bounds->greatest_d));
+    const uint32_t beyond = d_gt(bounds->least_n, d_mul(hi, bounds->greatest_d));
     const uint32_t before = ~d_gt(bounds->greatest_n, d_mul(t_min, bounds->least_d));
     const uint32_t begun = d_gt(bounds->least_n, d_mul(t_min, bounds->greatest_d));
     verdict.passed = (certain & (beyond | before)) | parallel;
-    verdict.nearer = d_gt(d_mul(d_load(packet->lo + lane), bounds->least_d), bounds->greatest_n);
+    verdict.nearer = d_gt(d_mul(lo, bounds->least_d), bounds->greatest_n);
     if (lanes & ~inside & ~verdict.passed) {
         uint32_t surely, outside;
         find_sides(triangle, bounds, packet, lane, &surely, &outside);
@@ -305,8 +304,10 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         const uint32_t among = lanes >> lane & DOUBLE_LANES;
         if (!among) continue;
+        bound_quotient(&triangle, packet, lane, &bounds[lane / DW]);
         const struct close_verdict verdict =
-            look_at_lanes(&triangle, packet, lane, among, inside >> lane, &bounds[lane / DW]);
+            look_at_lanes(&triangle, packet, lane, among, inside >> lane, d_load(packet->lo + lane),
+                          d_load(packet->hi + lane), &bounds[lane / DW]);
         passed |= verdict.passed << lane;
         hit |= verdict.hit << lane;
         nearer |= verdict.nearer << lane;

@@ -15,6 +15,7 @@
 #include "hybrid.h"
 #include "kernels.h"
 #include "levels.h"
+#include "pair_line.h"
 #include "ray_interval.h"
 #include "rounding.h"
 #include "results.h"

@@ -169,7 +169,7 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
                             uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     int changed = 0;
-    for (uint32_t left = undecided; left; left &= left - 1) {
+    for (uint32_t left = mlrt_has_usual_triangles(job->tree) ? 0 : undecided; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), number = numbers[place];
         struct mlrt_triangle triangle;
         if (MLRT_LIKELY(mlrt_triangle_in_units(&job->tree->triangles[number], job->tree->bvh.unit, &triangle)))
