@@ -33,7 +33,7 @@ static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packe
     for (int i = 0; i < 3; ++i) {
         for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
             vf corner[3];
-            v_triples_at((const unsigned char *)tree->triangles->v[i], offset + v, corner);
+            v_triples_of((const unsigned char *)tree->triangles->v[i], offset + v, corner);
             MLRT_UNROLL
             for (int k = 0; k < 3; ++k) v_store(corners[3 * i + k] + v, corner[k]);
         }

@@ -11,7 +11,7 @@
  * and d_mul_sub round once or twice, like v_mul_add.
  *   v_triples_at (by axis), v_quads_at, v_floats_at and i_pairs_at: three, four, one or two words of each lane, out of a
  * block of elements whose neighbours in a row are `step` bytes apart, and whose rows are `row_step` apart; v_triples is
- * for a step of 12. p is where the first lane's element is; the lanes are squares of 2x2 (packet.h). Nothing beside
+ * for a step of 12; v_triples_of, for lanes at p + offset[i]. p is where the first lane's element is; the lanes are squares of 2x2 (packet.h). Nothing beside
  * these words is read.
  */
 #ifndef MLRT_SIMD_SCALAR_H
@@ -200,6 +200,10 @@ MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_st
 {
     (void)step, (void)row_step;
     for (int k = 0; k < 3; ++k) memcpy(&by_axis[k], p + 4 * k, 4);
+}
+MLRT_INLINE void v_triples_of(const unsigned char *p, const size_t *offset, vf by_axis[3])
+{
+    v_triples_at(p + offset[0], 0, 0, by_axis);
 }
 MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
 {
