@@ -14,17 +14,34 @@
 #ifndef MLRT_BUNDLE_H
 #define MLRT_BUNDLE_H
 
+#include <math.h>
+
 #include "bvh.h"
 #include "packet.h"
 #include "tuning.h"
 
 #define MLRT_BUNDLE_PACKETS 16
 
+/* The axis that slope or place `side` of a bundle with this main axis is over. */
+MLRT_INLINE int mlrt_slope_axis(int main_axis, int side)
+{
+    const int axis = main_axis + 1 + side;
+    return axis < 3 ? axis : axis - 3;
+}
+
 struct mlrt_waist {
     int32_t main_axis;
     float sign; /* of the main components: +-1 */
     float point[3];
 };
+
+/* Has a bundle go along the axis that a direction goes along most. */
+static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_waist *waist)
+{
+    const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
+    waist->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    waist->sign = direction[waist->main_axis] < 0 ? -1.0f : 1.0f;
+}
 
 /* What rays of a packet have in numbers: their slopes, their places at the waist and the cross product of both. */
 enum mlrt_ray_term {
@@ -74,6 +91,7 @@ struct mlrt_hulls {
     MLRT_ALIGNED(64) float core_last[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float cover_near[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS]; /* a triangle's number; MLRT_NONE: nothing so far */
+    MLRT_ALIGNED(64) uint32_t skip[MLRT_BUNDLE_PACKETS];  /* of packets without rays: the triangle that all of them pass */
 };
 
 /* One hull of all packets that go together. */
@@ -86,8 +104,46 @@ struct mlrt_hull {
     float last;
 };
 
+/* What boxes need of the rays of a packet that go one by one (kernels/bvh_single.h). */
+struct mlrt_reciprocals {
+    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];
+};
+
+struct mlrt_bundle_cache;
+struct mlrt_ray_tile;
+
+/* A bundle on its way down the hierarchy: the packets of a tile, or the tiles of a square, which have no rays. Bits are
+ * packets. */
+struct mlrt_bundle {
+    struct mlrt_waist waist;
+    int has_places; /* 0: all rays start at the waist, and all places are 0 */
+    int is_apex;    /* the waist is where some rays start */
+    int has_begins; /* some t_min is not 0 */
+    int far_first;  /* boxes that the rays come to last are opened first */
+    float unit;     /* brings rays into units (bvh_unit.h), where all of this is */
+    float scene_first, scene_last;
+    float core_first, core_last; /* where most triangles are, as a guess */
+    struct mlrt_hull whole;
+    struct mlrt_hulls hulls;
+    uint32_t going;           /* packets with a hull */
+    uint32_t apexes;          /* packets whose rays all start at the waist */
+    uint32_t closed;          /* of whose rays no more is known than what covers all of them (kernels/bundle_cover.h) */
+    uint32_t covered;         /* that are done, as one triangle hides all of their rays */
+    uint32_t riding;          /* that go lane by lane afterwards, unless one triangle happens to hide all of their rays */
+    uint32_t nearer;          /* whose rays may look less far than their hulls say */
+    uint32_t given_up;        /* that were tested in vain too often */
+    uint32_t set_aside;       /* that are to go lane by lane afterwards */
+    uint32_t made;            /* of whose rays there are the numbers, lane by lane */
+    uint32_t has_reciprocals; /* of whose rays there are these */
+    uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
+    struct mlrt_bundle_cache *cache;
+    struct mlrt_ray_tile *tile; /* whose packets they are; NULL: they are tiles */
+};
+
 /* What bundles with one waist share about the triangles of a leaf: arrays have a place for each triangle. */
 struct mlrt_bundle_leaf {
+    int32_t axis;   /* the main one; ~axis if rays go down it */
     uint32_t there; /* places with a triangle that the call's common mask shows; bit per place */
     uint32_t row;   /* floats in a row of corners */
     const uint32_t *numbers;

@@ -66,35 +66,6 @@ struct mlrt_triangle_setup {
 
 #define MLRT_SETUP_COUNT 256 /* 24 KiB: fits the first-level cache beside a tile's packets and nodes */
 
-/*
- * What tiles of one apex share about the triangles of a leaf (bvh_leaf.h). Arrays have a place for each triangle, masks
- * a bit.
- */
-struct mlrt_leaf_setup {
-    int axis;          /* the main one; ~axis if rays go down it */
-    uint32_t there;    /* triangles that can be hit from the apex at all */
-    uint32_t ready;    /* those with terms */
-    uint32_t negative; /* of which N is, as float has it */
-    uint32_t row;      /* floats in a row of corners */
-    const float *corners;
-    const uint32_t *numbers;
-    MLRT_ALIGNED(64)
-    float slope_lo[2][MLRT_BVH_LEAF_LIMIT]; /* bounds of where it is seen; all if not wholly in front */
-    MLRT_ALIGNED(64) float slope_hi[2][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float least_depth[MLRT_BVH_LEAF_LIMIT]; /* inf if all of it is behind */
-    MLRT_ALIGNED(64) float cross[4][3][MLRT_BVH_LEAF_LIMIT]; /* edges ab, bc, ca and the normal, with N's sign */
-    MLRT_ALIGNED(64) float least_n[MLRT_BVH_LEAF_LIMIT];     /* bounds of |N| */
-    MLRT_ALIGNED(64) float greatest_n[MLRT_BVH_LEAF_LIMIT];
-};
-
-/* The set-ups of leaves that were met last, from one apex. */
-struct mlrt_leaf_cache {
-    struct mlrt_leaf_setup *leaves; /* 1 << bits of them, by a hash of the first quad */
-    uint32_t bits;
-    float apex[3];
-    uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes above; 0 = nobody's */
-};
-
 /* What was found of two triangles: not that they lie in one plane (undecided.h). All 0 = empty entry: nobody asks about
  * a triangle and itself. */
 struct mlrt_triangle_pair {
@@ -132,10 +103,7 @@ struct mlrt_worker {
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
-    struct mlrt_bundle_cache bundle_caches[2];
-    struct mlrt_leaf_cache caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
-    int32_t leaf_credit;              /* how often few rays met leaves of late (hybrid.c) */
-    uint32_t leaves_not_asked;        /* how many were not asked for it while that was seldom */
+    struct mlrt_bundle_cache bundle_caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
     uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets: of closest hits, of any */
     uint32_t lane_tiles[2]; /* how many of the next tiles go lane by lane: of closest hits, of any */
@@ -155,7 +123,6 @@ struct mlrt_worker {
 
 /* tile.h */
 struct mlrt_rectangle;
-struct mlrt_cells;
 struct mlrt_ray_tile;
 
 /* How packets of a picture are read and written. */
@@ -185,24 +152,14 @@ struct mlrt_kernels {
      * tree and `any` count. It does not count: the ones that do have NULL.
      */
     uint32_t (*trace_ray)(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t skip);
-    /* Traces the rays of a packet in the lanes `lanes`, likewise, one by one, from a node or leaf on. bvh_single.h */
-    void (*trace_singles)(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                          struct mlrt_worker *worker, uint32_t child);
-    /* Makes closed cells out of a camera's picture; 0 if it cannot be. Sets what holds for all cells. cells.h */
+    /* Makes a bundle without rays out of a camera's picture; 0 if it cannot be. camera_cells.h */
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                               struct mlrt_cells *cells);
-    void (*sum_up_cells)(struct mlrt_cells *cells);
-    /* Makes a cell of a packet's rays; 0 if they do not agree with the main axis, or are wide. ray_tile.h */
-    int (*add_packet)(struct mlrt_ray_tile *tile, uint32_t place);
-    /* Makes the cell of an open packet what it is after hits; those of the lanes `done` look no further. bvh_tile.h */
-    void (*update_cell)(struct mlrt_ray_tile *tile, uint32_t place, uint32_t done);
-    /* Traces the packets `waiting` (bit per place) of a tile, whose rays are there, down the hierarchy. bundle_tile.h */
-    void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                               struct mlrt_bundle *bundle);
+    /* Traces a bundle whose packets, or tiles, have no rays yet. bundle_tile.h */
+    void (*trace_cells)(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open, struct mlrt_bundle *bundle);
+    /* Traces the packets `waiting` (bit per place) of a bundle's tile, whose rays are there. bundle_tile.h */
+    void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                          uint32_t waiting);
-    /* Takes cells down the hierarchy; makes the rays of one. bvh_tile.h */
-    void (*traverse)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_cells *cells);
-    void (*open_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                        uint32_t place);
     /* Makes rays from what a packet hit to a light. shadow_packet.h; those that count have NULL. */
     uint32_t (*make_shadow_packet)(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t hit,
                                    struct mlrt_packet *packet);

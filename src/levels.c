@@ -16,16 +16,11 @@ static int is_list(const struct mlrt_source *source)
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
-/* Closed cells of a picture's tiles or packets; 0 if there are none to be made. */
+/* Packets or tiles of a picture as a bundle without rays; 0 if they cannot be that. */
 static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                                struct mlrt_cells *cells)
+                                struct mlrt_bundle *bundle)
 {
-    int is_done = 0;
-    if (mlrt_is_pinhole(&job->source)) {
-        is_done = job->kernels->gather_camera_cells(job, area, side, cells);
-    }
-    if (!is_done) cells->closed = 0;
-    return is_done;
+    return mlrt_is_pinhole(&job->source) && job->kernels->gather_camera_cells(job, area, side, bundle);
 }
 
 /* One triangle, or nothing, for a rectangle of pixels of a camera. */
@@ -46,24 +41,6 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
     const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
     if (MLRT_UNLIKELY(packet->single)) mlrt_finish_packet(job, worker, packet);
     job->kernels->picture->write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
-}
-
-static void open_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile)
-{
-    for (uint32_t left = tile->cells.closed; left; left &= left - 1) {
-        job->kernels->open_packet(job, worker, tile, mlrt_lowest_bit(left));
-    }
-}
-
-/* Packets that have rays by now. */
-static uint32_t opened(const struct mlrt_ray_tile *tile)
-{
-    uint32_t places = 0;
-    for (uint32_t left = tile->made; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        places |= ((tile->packets[place].active | tile->packets[place].single) != 0u) << place;
-    }
-    return places;
 }
 
 /* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
@@ -103,43 +80,60 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
     }
 }
 
+/* Traces the packets of a tile, which have rays or not afterwards. */
+static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+{
+    struct mlrt_ray_tile *tile = bundle->tile;
+    if (gather_picture_cells(job, &tile->area, 4, bundle)) {
+        job->kernels->trace_cells(job, worker, worker->open_tiles != 0, bundle);
+        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !bundle->closed ? MLRT_TILE_RUN : 0;
+        return;
+    }
+    tile->made = 0xFFFF;
+    const uint32_t waiting = mlrt_make_packets(job, tile);
+    if (job->has_frame && !is_list(&job->source)) {
+        mlrt_prefetch_sink(tile->area.x, tile->area.y, tile->area.width, tile->area.height, &job->frame);
+    }
+    job->kernels->trace_bundle(job, worker, bundle, waiting);
+    bundle->closed = 0;
+}
+
+/* Writes the results of the packets of a tile. */
+static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                          const struct mlrt_bundle *bundle)
+{
+    const int has_numbers = (job->frame.numbers | worker->tile.numbers) != 0;
+    const uint32_t open = tile->blocks & ~bundle->closed;
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
+        prefetch_next_tile(&job->source, &tile->area, place);
+        if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
+        if (bundle->closed >> place & 1) {
+            const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+            write_closed(job, worker, bundle->hulls.cover[place], &block);
+        } else {
+            finish_block(job, worker, tile, place);
+        }
+    }
+}
+
 /* Traces a rectangle of at most 16 blocks. `known`: what is known of all of it; NULL: nothing. */
 static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area,
                            const struct mlrt_known_lights *known)
 {
     struct mlrt_ray_tile tile;
+    struct mlrt_bundle bundle;
     mlrt_begin_tile(area, is_list(&job->source), &tile);
-    if (gather_picture_cells(job, area, 4, &tile.cells)) {
-        mlrt_set_tile(&tile, &tile.cells);
-        if (known) {
-            mlrt_fill_words(tile.cells.cover, known->cover);
-        } else {
-            if (worker->open_tiles) open_packets(job, worker, &tile);
-            job->kernels->traverse(job, worker, &tile.cells);
-            if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) job->kernels->trace_bundle(job, worker, &tile, opened(&tile));
-            worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !tile.cells.closed ? MLRT_TILE_RUN : 0;
-        }
+    bundle.tile = &tile;
+    bundle.closed = 0;
+    tile.cells = &bundle;
+    if (known) {
+        gather_picture_cells(job, area, 4, &bundle);
+        mlrt_fill_words(bundle.hulls.cover, known->cover);
+        write_closed(job, worker, known->cover, area);
     } else {
-        tile.made = 0xFFFF;
-        const uint32_t waiting = mlrt_make_packets(job, &tile);
-        if (job->has_frame && !is_list(&job->source)) {
-            mlrt_prefetch_sink(area->x, area->y, area->width, area->height, &job->frame);
-        }
-        job->kernels->trace_bundle(job, worker, &tile, waiting);
-    }
-    const int has_numbers = (job->frame.numbers | worker->tile.numbers) != 0;
-    if (known) write_closed(job, worker, known->cover, area);
-    const uint32_t open = tile.blocks & ~tile.cells.closed;
-    for (uint32_t left = known ? 0 : tile.blocks; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
-        prefetch_next_tile(&job->source, area, place);
-        if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile.packets[ahead]);
-        if (tile.cells.closed >> place & 1) {
-            const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
-            write_closed(job, worker, tile.cells.cover[place], &block);
-        } else {
-            finish_block(job, worker, &tile, place);
-        }
+        trace_packets(job, worker, &bundle);
+        write_packets(job, worker, &tile, &bundle);
     }
     if (MLRT_UNLIKELY(job->light_count)) mlrt_shade_tile(job, worker, &tile, known);
 }
@@ -147,29 +141,29 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
 /* Traces a rectangle of at most 4 x 4 tiles. */
 static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
-    struct mlrt_cells cells;
-    cells.closed = 0;
+    struct mlrt_bundle bundle;
+    bundle.tile = NULL;
+    bundle.closed = 0;
     if (worker->open_squares) {
         --worker->open_squares;
-    } else if (gather_picture_cells(job, area, 16, &cells)) {
-        mlrt_set_tile(NULL, &cells);
-        job->kernels->traverse(job, worker, &cells);
-        if (!cells.closed) worker->open_squares = MLRT_SQUARE_RUN;
+    } else if (gather_picture_cells(job, area, 16, &bundle)) {
+        job->kernels->trace_cells(job, worker, 0, &bundle);
+        if (!bundle.closed) worker->open_squares = MLRT_SQUARE_RUN;
     }
     struct mlrt_known_lights known[MLRT_CELL_COUNT];
-    uint32_t known_cells = cells.closed;
-    if (MLRT_UNLIKELY(job->light_count) && cells.closed) known_cells &= mlrt_shade_cells(job, worker, &cells, known);
+    uint32_t known_cells = bundle.closed;
+    if (MLRT_UNLIKELY(job->light_count) && bundle.closed) known_cells &= mlrt_shade_cells(job, worker, &bundle, known);
     for (uint32_t j = 0; j < area->height; j += 16) {
         for (uint32_t i = 0; i < area->width; i += 16) {
             const struct mlrt_rectangle tile = mlrt_cut_piece(area, i, j, 16);
-            const uint32_t place = j / 4 + i / 16;
+            const uint32_t place = j / 4 + i / 16, cover = bundle.hulls.cover[place];
             if (known_cells >> place & 1) {
-                write_closed(job, worker, cells.cover[place], &tile);
-                if (MLRT_UNLIKELY(job->light_count) && cells.cover[place] != MLRT_NONE) {
+                write_closed(job, worker, cover, &tile);
+                if (MLRT_UNLIKELY(job->light_count) && cover != MLRT_NONE) {
                     mlrt_write_picture_shadow(job, worker, known[place].dark, &tile);
                 }
             } else {
-                trace_ray_tile(job, worker, &tile, cells.closed >> place & 1 ? &known[place] : NULL);
+                trace_ray_tile(job, worker, &tile, bundle.closed >> place & 1 ? &known[place] : NULL);
                 if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
             }
         }

@@ -139,7 +139,7 @@ static size_t share_size(const struct mlrt_job *job)
                   (sizeof(struct mlrt_triangle_pair) << pair_bits(job));
     for (int any = 0; any < 2; ++any) {
         if (keeps_leaves(job, any)) {
-            size += (sizeof(struct mlrt_leaf_setup) + sizeof(struct mlrt_bundle_leaf)) << leaf_setup_bits(job);
+            size += sizeof(struct mlrt_bundle_leaf) << leaf_setup_bits(job);
         }
     }
     return (size + 63) / 64 * 64;
@@ -149,13 +149,10 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
     for (int any = 0; any < 2; ++any) {
-        struct mlrt_leaf_cache *cache = &worker->caches[any];
+        struct mlrt_bundle_cache *cache = &worker->bundle_caches[any];
         if (!keeps_leaves(job, any)) continue;
         cache->bits = leaf_setup_bits(job);
-        cache->leaves = (struct mlrt_leaf_setup *)(void *)next;
-        next += sizeof(struct mlrt_leaf_setup) << cache->bits;
-        worker->bundle_caches[any].bits = cache->bits;
-        worker->bundle_caches[any].leaves = (struct mlrt_bundle_leaf *)(void *)next;
+        cache->leaves = (struct mlrt_bundle_leaf *)(void *)next;
         next += sizeof(struct mlrt_bundle_leaf) << cache->bits;
     }
     worker->planes = (struct mlrt_known_plane *)(void *)next;
@@ -180,7 +177,7 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     /* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
     worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) {
-        worker->apex[k] = worker->caches[0].apex[k] = worker->caches[1].apex[k] = NAN;
+        worker->apex[k] = NAN;
     }
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
     for (int any = 0; any < 2; ++any) {
@@ -193,8 +190,6 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     worker->open_tiles = MLRT_FIRST_OPEN_TILES;
     worker->open_squares = MLRT_FIRST_OPEN_SQUARES;
     worker->mesh = 0;
-    worker->leaf_credit = MLRT_MOST_LEAF_CREDIT;
-    worker->leaves_not_asked = 0;
     worker->progress = NULL;
     worker->slow_steps = 0;
     worker->scaled = NULL;

@@ -25,7 +25,7 @@ static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *
     const uint32_t lanes = mlrt_existing_lanes(&picture->source, &block);
     if (!(seen->made >> place & 1)) {
         mlrt_make_rays(picture, seen, place);
-        mlrt_fill_words(packet->triangle, seen->cells.cover[place]);
+        mlrt_fill_words(packet->triangle, seen->cells->hulls.cover[place]);
     }
     return lanes & lanes_with_hit(packet);
 }
@@ -43,64 +43,63 @@ void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *t
     mlrt_fill_words(packet->triangle, MLRT_NONE);
 }
 
-/* Makes cells of what a point light sees of closed cells of a picture. Returns those; *dark receives those behind. */
-static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_cells *seen, uint32_t among,
-                                 struct mlrt_cells *cells, uint32_t *dark)
+/* Makes a bundle without rays of what a point light sees of closed cells of a picture. Returns those; *dark receives those
+ * that are behind. */
+static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_bundle *seen, uint32_t among,
+                                 struct mlrt_bundle *bundle, uint32_t *dark)
 {
-    const struct mlrt_seen_cells given = {seen->slopes, seen->cover, seen->apex, seen->main_axis, seen->sign};
-    struct mlrt_lit_cells lit = {cells->slopes, cells->farthest, cells->shortest, 0, 0};
-    cells->closed = mlrt_make_lit_cells(&job->source, job->tree, &given, among, &lit, dark);
-    if (!cells->closed) return 0;
-    cells->main_axis = lit.main_axis;
-    cells->sign = lit.sign;
-    memcpy(cells->apex, job->source.light, sizeof cells->apex);
-    memcpy(cells->skip, seen->cover, sizeof cells->skip);
-    job->kernels->sum_up_cells(cells);
-    return cells->closed;
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const uint32_t lit = mlrt_make_lit_cells(&job->source, job->tree, seen, among, bundle, dark);
+    memcpy(bundle->waist.point, job->source.light, sizeof bundle->waist.point);
+    memcpy(hulls->skip, seen->hulls.cover, sizeof hulls->skip);
+    bundle->going = bundle->closed = bundle->apexes = lit;
+    bundle->is_apex = 1;
+    return lit;
 }
 
 /* Do closed cells of a picture have what a light's cells are made of? */
 static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
-    return job->tree->bvh.unit == 1 && !job->kernels->counts && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+    return job->tree->bvh.unit == 1 && !job->kernels->counts && mlrt_is_pinhole(&job->source) &&
+           light->source.kind == MLRT_SOURCE_POINT_LIGHT;
 }
 
 /* Cells with a cover. */
-static uint32_t covered_cells(const struct mlrt_cells *cells)
+static uint32_t covered_cells(const struct mlrt_bundle *bundle)
 {
-    return cells->closed & ~mlrt_same_words(cells->cover, MLRT_NONE);
+    return bundle->closed & ~mlrt_same_words(bundle->hulls.cover, MLRT_NONE);
 }
 
 /*
  * Takes what a light sees of covered cells down the hierarchy. Returns the cells that are lit; *dark receives those
- * that are not. About others `cells` says nothing, or has rays by now.
+ * that are not. About others `bundle` says nothing, or has rays by now.
  */
-static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker, const struct mlrt_cells *seen,
-                                uint32_t covered, struct mlrt_cells *cells, uint32_t *dark)
+static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
+                                uint32_t covered, struct mlrt_bundle *bundle, uint32_t *dark)
 {
-    if (!gather_lit_cells(light, seen, covered, cells, dark)) return 0;
-    light->kernels->traverse(light, worker, cells);
-    const uint32_t shaded = covered_cells(cells);
+    if (!gather_lit_cells(light, seen, covered, bundle, dark)) return 0;
+    light->kernels->trace_cells(light, worker, 0, bundle);
+    const uint32_t shaded = covered_cells(bundle);
     *dark |= shaded;
-    return cells->closed & ~shaded;
+    return bundle->closed & ~shaded;
 }
 
 /* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
-uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_cells *seen,
+uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
                           struct mlrt_known_lights known[MLRT_CELL_COUNT])
 {
     const uint32_t covered = covered_cells(seen);
     uint32_t all = seen->closed;
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        known[place] = (struct mlrt_known_lights){seen->cover[place], 0, 0};
+        known[place] = (struct mlrt_known_lights){seen->hulls.cover[place], 0, 0};
     }
     for (uint32_t i = 0; i < job->light_count; ++i) {
         const struct mlrt_job *light = &job->lights[i];
-        struct mlrt_cells cells;
+        struct mlrt_bundle bundle;
         uint32_t dark = 0, lit = 0;
+        bundle.tile = NULL;
         if (covered && have_lit_cells(job, light)) {
-            mlrt_set_tile(NULL, &cells);
-            lit = trace_lit_cells(light, worker, seen, covered, &cells, &dark);
+            lit = trace_lit_cells(light, worker, seen, covered, &bundle, &dark);
         }
         for (uint32_t left = dark | lit; left; left &= left - 1) {
             struct mlrt_known_lights *of = &known[mlrt_lowest_bit(left)];
@@ -128,14 +127,15 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
                           struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
 {
     struct mlrt_ray_tile tile;
+    struct mlrt_bundle bundle;
     uint32_t dark = 0, lit = 0, waiting = 0, made = 0;
     mlrt_begin_tile(&seen->area, 0, &tile);
     tile.seen = seen;
     tile.picture = job;
-    const uint32_t covered = covered_cells(&seen->cells), missed = seen->cells.closed & ~covered;
+    bundle.tile = &tile;
+    const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->closed & ~covered;
     if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
-        mlrt_set_tile(&tile, &tile.cells);
-        lit = trace_lit_cells(light, worker, &seen->cells, covered, &tile.cells, &dark);
+        lit = trace_lit_cells(light, worker, seen->cells, covered, &bundle, &dark);
         made = tile.made;
     }
     for (uint32_t left = tile.blocks & ~(dark | lit | missed | made); left; left &= left - 1) {
@@ -145,7 +145,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         made |= 1u << place;
     }
     tile.made = 0xFFFF;
-    light->kernels->trace_bundle(light, worker, &tile, waiting);
+    light->kernels->trace_bundle(light, worker, &bundle, waiting);
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
         if (!(made >> place & 1)) continue;

@@ -15,7 +15,7 @@ struct mlrt_known_lights {
 };
 
 /* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
-uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_cells *seen,
+uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
                           struct mlrt_known_lights known[MLRT_CELL_COUNT]);
 
 /* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL.

@@ -84,30 +84,16 @@ int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ra
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
                        uint8_t shadows[MLRT_PACKET_RAYS], mlrt_counters *counters);
 
-/* Cells of a pinhole camera, each of which one triangle covers (kernels/cells.h), as a light sees what they see. */
-struct mlrt_seen_cells {
-    const struct mlrt_slopes *slopes; /* of the camera's cells */
-    const uint32_t *cover;
-    const float *eye;
-    int main_axis;
-    float sign;
-};
-
-struct mlrt_lit_cells {
-    struct mlrt_slopes *slopes; /* two; and sixteen of the others */
-    float *farthest;
-    float *shortest;
-    int main_axis;
-    float sign;
-};
+/* bundle.h */
+struct mlrt_bundle;
 
 /*
- * What a point light sees of those cells in `among` (bit per cell, some): all shadow rays of a cell lie between its
- * slopes, and end between depths `shortest` and `farthest`. Returns the cells of which that is known; others meet
- * nothing. *dark receives those (bit per cell) where the light is on the other side of the cover.
+ * What a point light sees of those packets, or tiles, of a pinhole camera's bundle in `among` (bit per place, some), each
+ * of which one triangle covers: in `lit`, the main axis with its sign, and for packets of which that is known slopes, and
+ * depths between which their shadow rays look; the waist is the light. Returns these packets. *dark receives those where
+ * the light is on the other side of the cover.
  */
-uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
-                             const struct mlrt_seen_cells *seen, uint32_t among, struct mlrt_lit_cells *lit,
-                             uint32_t *dark);
+uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree, const struct mlrt_bundle *seen,
+                             uint32_t among, struct mlrt_bundle *lit, uint32_t *dark);
 
 #endif

@@ -21,6 +21,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "bundle.h"
 #include "kernels/quad.h"
 #include "kernels/slopes.h"
 
@@ -31,9 +32,9 @@
 
 /* Of each cell: the plane of its cover. */
 struct planes {
-    MLRT_ALIGNED(16) float m[3][MLRT_CELL_COUNT];  /* with the sign of N */
-    MLRT_ALIGNED(16) float n[MLRT_CELL_COUNT];     /* |N| */
-    MLRT_ALIGNED(16) float reach[MLRT_CELL_COUNT]; /* P */
+    MLRT_ALIGNED(16) float m[3][MLRT_BUNDLE_PACKETS];  /* with the sign of N */
+    MLRT_ALIGNED(16) float n[MLRT_BUNDLE_PACKETS];     /* |N| */
+    MLRT_ALIGNED(16) float reach[MLRT_BUNDLE_PACKETS]; /* P */
 };
 
 enum side { UNKNOWN, DARK, FACING };
@@ -66,15 +67,15 @@ static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
 /* Planes of the cells that face the light: bit per cell. *dark receives those that do not; about others is nothing
  * known. */
 static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_tree *tree,
-                            const struct mlrt_seen_cells *seen, uint32_t among, struct planes *planes, uint32_t *dark)
+                            const struct mlrt_bundle *seen, uint32_t among, struct planes *planes, uint32_t *dark)
 {
     uint32_t facing = 0, number = MLRT_NONE, last = 0;
     enum side side = UNKNOWN;
     for (; among; among &= among - 1) {
         const uint32_t place = mlrt_lowest_bit(among);
-        if (seen->cover[place] != number) {
-            number = seen->cover[place];
-            side = find_plane(light, &tree->triangles[number], seen->eye, planes, last = place);
+        if (seen->hulls.cover[place] != number) {
+            number = seen->hulls.cover[place];
+            side = find_plane(light, &tree->triangles[number], seen->waist.point, planes, last = place);
         } else if (side == FACING) {
             copy_plane(planes, last, place);
         }
@@ -85,19 +86,16 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
 }
 
 /* The light's main axis, from what it sees in a cell: where the ray of lowest slopes hits. */
-static void set_main_axis(const struct mlrt_seen_cells *seen, const float from[3], const struct planes *planes,
-                          uint32_t place, struct mlrt_lit_cells *lit)
+static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
+                          uint32_t place, struct mlrt_bundle *lit)
 {
-    const int a = seen->main_axis;
+    const int a = seen->waist.main_axis;
     float d[3], steepness = 0, x[3];
-    d[a] = seen->sign;
-    for (int side = 0; side < 2; ++side) d[(a + 1 + side) % 3] = seen->slopes[side].lo[place];
+    d[a] = seen->waist.sign;
+    for (int side = 0; side < 2; ++side) d[(a + 1 + side) % 3] = seen->hulls.term[side].lo[place];
     for (int k = 0; k < 3; ++k) steepness += planes->m[k][place] * d[k];
     for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->n[place] / steepness * d[k];
-    const float sizes[3] = {fabsf(x[0]), fabsf(x[1]), fabsf(x[2])};
-    const int b = sizes[0] > sizes[1] ? (sizes[0] > sizes[2] ? 0 : 2) : (sizes[1] > sizes[2] ? 1 : 2);
-    lit->main_axis = b;
-    lit->sign = x[b] < 0 ? -1.0f : 1.0f;
+    mlrt_set_main_axis(x, &lit->waist);
 }
 
 /* Four cells: what of them the light sees, and the least D and depth and how far off places may be. */
@@ -111,15 +109,15 @@ struct quad_extremes {
 };
 
 /* The hits of the rays at one corner. */
-static MLRT_NOINLINE void add_corner(const struct mlrt_seen_cells *seen, const struct planes *planes,
+static MLRT_NOINLINE void add_corner(const struct mlrt_bundle *seen, const struct planes *planes,
                                      const float from[3], uint32_t first, uint32_t corner,
-                                     const struct mlrt_lit_cells *lit, struct quad_extremes *of)
+                                     const struct mlrt_bundle *lit, struct quad_extremes *of)
 {
-    const int a = seen->main_axis;
+    const int a = seen->waist.main_axis;
     f4 d[3], steepness = f4_set1(0);
-    d[a] = f4_set1(seen->sign);
+    d[a] = f4_set1(seen->waist.sign);
     for (uint32_t side = 0; side < 2; ++side) {
-        const struct mlrt_slopes *slopes = &seen->slopes[side];
+        const struct mlrt_hull_row *slopes = &seen->hulls.term[side];
         d[(a + 1 + (int)side) % 3] = f4_load((corner >> side & 1 ? slopes->hi : slopes->lo) + first);
     }
     for (int k = 0; k < 3; ++k) steepness = f4_add(steepness, f4_mul(f4_load(planes->m[k] + first), d[k]));
@@ -128,24 +126,14 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_seen_cells *seen, const s
     of->greatest_z = f4_max(z, of->greatest_z);
     f4 x[3];
     for (int k = 0; k < 3; ++k) x[k] = f4_add(f4_set1(from[k]), f4_mul(z, d[k]));
-    const int b = lit->main_axis;
-    const f4 depth = f4_flip(x[b], lit->sign), inverse = f4_div(f4_set1(1), depth);
+    const int b = lit->waist.main_axis;
+    const f4 depth = f4_flip(x[b], lit->waist.sign), inverse = f4_div(f4_set1(1), depth);
     of->least_depth = f4_min(depth, of->least_depth);
     of->greatest_depth = f4_max(depth, of->greatest_depth);
     for (int side = 0; side < 2; ++side) {
         const f4 slope = f4_mul(x[(b + 1 + side) % 3], inverse);
         of->lo[side] = f4_min(slope, of->lo[side]);
         of->hi[side] = f4_max(slope, of->hi[side]);
-    }
-}
-
-/* A cell that meets nothing. */
-static void leave_out(uint32_t place, struct mlrt_lit_cells *lit)
-{
-    lit->farthest[place] = -INFINITY;
-    for (int side = 0; side < 2; ++side) {
-        lit->slopes[side].lo[place] = INFINITY;
-        lit->slopes[side].hi[place] = -INFINITY;
     }
 }
 
@@ -156,8 +144,9 @@ MLRT_INLINE float lane_of(const f4 *quad, uint32_t place)
 
 /* Sets what is known of one cell. Returns 0 if it is too little. */
 static int set_lit_cell(const struct quad_extremes *of, float reach, float away, uint32_t place,
-                        struct mlrt_lit_cells *lit)
+                        struct mlrt_bundle *lit)
 {
+    struct mlrt_hulls *hulls = &lit->hulls;
     const float steepness = lane_of(&of->least_steepness, place), z = lane_of(&of->greatest_z, place);
     const float depth = lane_of(&of->least_depth, place);
     const float error = PLACE_ERROR * (away + 2 * z + reach) + ALONG_ERROR * z / steepness + SLOPE_FLOOR;
@@ -167,16 +156,18 @@ static int set_lit_cell(const struct quad_extremes *of, float reach, float away,
         const float steepest = fmaxf(fabsf(lo), fabsf(hi));
         if (!(steepest <= STEEPEST_SLOPE)) return 0;
         const float slack = 2 * error * (1 + steepest) / depth + steepest * SLOPE_SLACK + SLOPE_FLOOR;
-        lit->slopes[side].lo[place] = lo - slack;
-        lit->slopes[side].hi[place] = hi + slack;
+        hulls->term[side].lo[place] = lo - slack;
+        hulls->term[side].hi[place] = hi + slack;
+        hulls->term[MLRT_PLACE_J + side].lo[place] = hulls->term[MLRT_PLACE_J + side].hi[place] = 0;
     }
-    lit->shortest[place] = (depth - error) * (1 - SLOPE_SLACK);
-    lit->farthest[place] = (lane_of(&of->greatest_depth, place) + error) * (1 + SLOPE_SLACK);
+    hulls->first[place] = hulls->core_first[place] = hulls->begin[place] = hulls->away[place] = 0;
+    hulls->core_last[place] = (depth - error) * (1 - SLOPE_SLACK);
+    hulls->last[place] = (lane_of(&of->greatest_depth, place) + error) * (1 + SLOPE_SLACK);
     return 1;
 }
 
 uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
-                             const struct mlrt_seen_cells *seen, uint32_t among, struct mlrt_lit_cells *lit,
+                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit,
                              uint32_t *dark)
 {
     struct planes planes;
@@ -184,7 +175,7 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
     *dark = 0;
     for (int k = 0; k < 3; ++k) {
         if (!mlrt_is_float_safe(light->light[k])) return 0;
-        from[k] = seen->eye[k] - light->light[k];
+        from[k] = seen->waist.point[k] - light->light[k];
         away = fmaxf(away, fabsf(from[k]));
     }
     memset(&planes, 0, sizeof planes);
@@ -192,7 +183,7 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
     if (!facing) return 0;
     set_main_axis(seen, from, &planes, mlrt_lowest_bit(facing), lit);
     uint32_t known = 0;
-    for (uint32_t first = 0; first < MLRT_CELL_COUNT; first += 4) {
+    for (uint32_t first = 0; first < MLRT_BUNDLE_PACKETS; first += 4) {
         const f4 infinity = f4_set1(INFINITY), below = f4_set1(-INFINITY);
         struct quad_extremes of = {infinity, infinity, below, below, {infinity, infinity}, {below, below}};
         for (uint32_t corner = facing >> first & 15 ? 0 : 4; corner < 4; ++corner) {
@@ -200,7 +191,6 @@ uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_
         }
         for (uint32_t place = first; place < first + 4; ++place) {
             const int is_known = facing >> place & 1 && set_lit_cell(&of, planes.reach[place], away, place, lit);
-            if (!is_known) leave_out(place, lit);
             known |= (uint32_t)is_known << place;
         }
     }

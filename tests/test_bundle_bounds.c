@@ -196,7 +196,7 @@ enum { WAIST = 9, ORIGIN = 12, FUSED = 15, DIRECTION = 16, INPUT_COUNT = 19, INP
 #define DIRECTIONS_ARE_SAFE 0x3F0000u
 
 static struct mlrt_ray_tile tile;
-static struct bundle bundle;
+static struct mlrt_bundle bundle;
 static struct mlrt_bundle_leaf leaf;
 
 /* Numbers without rounding: of these inputs none has more than 800 bits. */

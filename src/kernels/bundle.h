@@ -31,34 +31,6 @@
 /* Lane errors of edge functions per place: see bundle_leaf.h. */
 #define BLUR_OF_PLACE (13 * 0x1p-24f)
 
-struct bundle {
-    struct mlrt_waist waist;
-    int has_places; /* 0: all rays start at the waist, and all places are 0 */
-    int is_apex;    /* the waist is where some rays start */
-    uint32_t apexes; /* packets whose rays all start at the waist */
-    int has_begins; /* some t_min is not 0 */
-    int far_first;  /* boxes that the rays come to last are opened first */
-    float unit;     /* brings rays into units (../bvh_unit.h), where all of this is */
-    float scene_first, scene_last;
-    float core_first, core_last; /* where most triangles are, as a guess */
-    struct mlrt_hull whole;
-    struct mlrt_hulls hulls;
-    uint32_t going; /* packets with a hull */
-    uint32_t made;  /* packets of whose rays there are the numbers below */
-    uint32_t closed;   /* packets of whose rays no more is known than what covers all of them (bundle_cover.h) */
-    uint32_t riding;   /* packets that go lane by lane afterwards, unless one triangle happens to hide all of their rays */
-    uint32_t covered;  /* packets that are done, as one triangle hides all of their rays */
-    uint32_t nearer;   /* packets whose rays may look less far than their hulls say */
-    uint32_t has_reciprocals; /* packets that have some below */
-    uint32_t given_up; /* packets that were tested in vain too often */
-    uint32_t set_aside; /* packets that are to go lane by lane afterwards */
-    uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
-    struct mlrt_bundle_cache *cache;
-    struct mlrt_ray_tile *tile;
-    struct mlrt_bundle_rays rays[MLRT_BUNDLE_PACKETS];
-    struct reciprocals reciprocals[MLRT_BUNDLE_PACKETS];
-};
-
 /* ---- the waist ---- */
 
 /* Components of the origins of a vector of lanes. */
@@ -170,10 +142,8 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 {
     struct sample_spread of;
     if (!count) return 0;
-    const float x = fabsf(samples[0].direction[0]), y = fabsf(samples[0].direction[1]);
-    const float z = fabsf(samples[0].direction[2]);
-    const int a = waist->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    waist->sign = samples[0].direction[a] < 0 ? -1.0f : 1.0f;
+    mlrt_set_main_axis(samples[0].direction, waist);
+    const int a = waist->main_axis;
     memcpy(waist->point, samples[0].origin, sizeof waist->point);
     int is_apex = 1;
     for (uint32_t i = 1; i < count; ++i) {
@@ -212,9 +182,9 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 /* ---- rays and hulls ---- */
 
 /* Of a packet: the greatest depth at which each lane, or one of those it stands for, still looks; negated. */
-MLRT_INLINE vf negated_last_depths(const struct bundle *bundle, uint32_t place)
+MLRT_INLINE vf negated_last_depths(const struct mlrt_bundle *bundle, uint32_t place)
 {
-    const struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
     vf least = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -225,7 +195,7 @@ MLRT_INLINE vf negated_last_depths(const struct bundle *bundle, uint32_t place)
 }
 
 /* After hits: the greatest depths at which packets still look. Four at a time, since a step needs the one before. */
-static MLRT_NOINLINE void update_last_depths(struct bundle *bundle, uint32_t places)
+static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_t places)
 {
     while (places) {
         uint32_t place[4];
@@ -268,9 +238,9 @@ MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlr
 }
 
 /* Bounds a packet anew by its active lanes. */
-static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
+static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
-    const struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
     const vf inf = v_set1(INFINITY);
     vf least[12];
@@ -299,7 +269,7 @@ static MLRT_NOINLINE void bound_packet(struct bundle *bundle, uint32_t place)
 }
 
 /* Do all rays of a packet start at the waist? Says so in the packet, too. A unit that is not exact for it is none. */
-MLRT_INLINE int starts_at_waist(const struct bundle *bundle, struct mlrt_packet *packet)
+MLRT_INLINE int starts_at_waist(const struct mlrt_bundle *bundle, struct mlrt_packet *packet)
 {
     float apex[3];
     vm same = m_from_bits(ALL_LANES);
@@ -325,7 +295,7 @@ struct given_rays {
     vf from_waist[3]; /* o - w: depth, place j, place l */
 };
 
-MLRT_INLINE void load_given_rays(const struct bundle *bundle, const struct mlrt_packet *packet, int has_places, int v,
+MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int has_places, int v,
                                  struct given_rays *rays)
 {
     const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
@@ -344,7 +314,7 @@ MLRT_INLINE void load_given_rays(const struct bundle *bundle, const struct mlrt_
 }
 
 /* Origins that are exact in a unit below 1. */
-MLRT_INLINE vm exact_in_units(const struct bundle *bundle, const struct mlrt_packet *packet, int v)
+MLRT_INLINE vm exact_in_units(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int v)
 {
     vm exact = m_from_bits(ALL_LANES);
     MLRT_UNROLL
@@ -383,7 +353,7 @@ MLRT_INLINE void take_least(vf value, int v, vf *least)
  * Slopes are products with a reciprocal here: one rounding more than those of make_lanes, which 8 u of themselves that
  * hulls are wider by pay for. How far origins are away follows from depths, slopes and places.
  */
-MLRT_INLINE uint32_t bound_rays_by(struct bundle *bundle, uint32_t place, int has_places)
+MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, int has_places)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_hulls *hulls = &bundle->hulls;
@@ -444,18 +414,35 @@ MLRT_INLINE uint32_t bound_rays_by(struct bundle *bundle, uint32_t place, int ha
     return fit;
 }
 
-static MLRT_NOINLINE uint32_t bound_rays(struct bundle *bundle, uint32_t place)
+static MLRT_NOINLINE uint32_t bound_rays(struct mlrt_bundle *bundle, uint32_t place)
 {
     return bound_rays_by(bundle, place, 1);
 }
 
-static MLRT_NOINLINE uint32_t bound_apex_rays(struct bundle *bundle, uint32_t place)
+static MLRT_NOINLINE uint32_t bound_apex_rays(struct mlrt_bundle *bundle, uint32_t place)
 {
     return bound_rays_by(bundle, place, 0);
 }
 
+/* Bounds a packet. Returns the lanes of rays that can go with the bundle. */
+static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
+{
+    const int is_apex = bundle->is_apex && starts_at_waist(bundle, &bundle->tile->packets[place]);
+    bundle->apexes |= (uint32_t)is_apex << place;
+    return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
+}
+
+/* May a packet have slopes so small that float does not carry them, by its hull? */
+MLRT_INLINE int may_have_tiny_slopes(const struct mlrt_hulls *hulls, uint32_t place)
+{
+    int may = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) may |= hulls->term[i].lo[place] < LEAST_SLOPE && hulls->term[i].hi[place] > -LEAST_SLOPE;
+    return may;
+}
+
 /* Has a packet rays whose slope is so small that float does not carry it, but not 0? */
-static MLRT_NOINLINE int has_tiny_slopes(const struct bundle *bundle, const struct mlrt_packet *packet)
+static MLRT_NOINLINE int has_tiny_slopes(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet)
 {
     uint32_t tiny = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -475,7 +462,7 @@ static MLRT_NOINLINE int has_tiny_slopes(const struct bundle *bundle, const stru
  * Sets A of packets that were bounded, and returns those that float carries: slopes are not steep and not tiny, and origins
  * not far away. Depths of origins are within `begin` of where rays begin, |o'_j| <= |x_j| + |s_j o'_main|, and 2 |s_j| <= R.
  */
-static MLRT_NOINLINE uint32_t hulls_fit(struct bundle *bundle, uint32_t places)
+static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t places)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const float *w = bundle->waist.point;
@@ -500,7 +487,7 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct bundle *bundle, uint32_t places)
         }
         const vf deep = v_add(v_max(v_abs(first), v_abs(core_first)), v_load(hulls->begin + v));
         const vf away = v_mul(v_mul(v_mul_add(steepest, deep, aside), two), v_set1(1 + SLOPE_SLACK));
-        v_store(hulls->away + v, away);
+        v_store(hulls->away + v, v_select(m_from_bits(places >> v), away, v_load(hulls->away + v)));
         fit |= m_bits(m_and(fits, v_le(away, farthest))) << v;
         small |= m_bits(is_small) << v;
     }
@@ -513,10 +500,10 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct bundle *bundle, uint32_t places)
 }
 
 /* Makes the numbers of a packet's rays, lane by lane: nothing is hit so far. */
-static MLRT_NOINLINE void make_lanes(struct bundle *bundle, uint32_t place)
+static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
-    struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const vf zero = v_set1(0), unit = v_set1(bundle->unit);
     bundle->made |= 1u << place;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -550,14 +537,14 @@ static MLRT_NOINLINE void make_lanes(struct bundle *bundle, uint32_t place)
 }
 
 /* Has the numbers of a packet's rays made, if they are not there. */
-MLRT_INLINE void need_lanes(struct bundle *bundle, uint32_t place)
+MLRT_INLINE void need_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
     if (!(bundle->made >> place & 1)) make_lanes(bundle, place);
 }
 
 /* Moves the depths that bound_packet found apart by what rounding may change, and cuts them to where there is something:
  * for the packets `places` of a vector. */
-MLRT_INLINE void finish_depths(struct bundle *bundle, uint32_t places, int v)
+MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int v)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vm these = m_from_bits(places >> v);
@@ -602,7 +589,7 @@ MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_mo
  * bound of an edge function has 0.9 u R to spare. Ends of slopes and places do: they are compared with boxes, which may be as
  * near as a denormal.
  */
-static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
+static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vm going = m_from_bits(bundle->going >> v);
@@ -640,7 +627,7 @@ static MLRT_NOINLINE void finish_hulls(struct bundle *bundle, int v)
 }
 
 /* What holds for all packets that go. */
-static MLRT_NOINLINE void sum_up_hulls(struct bundle *bundle)
+static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     struct mlrt_hull *whole = &bundle->whole;
@@ -671,7 +658,7 @@ static MLRT_NOINLINE void sum_up_hulls(struct bundle *bundle)
     whole->last = v_hmax(last);
 }
 
-MLRT_INLINE void set_whole_last(struct bundle *bundle)
+MLRT_INLINE void set_whole_last(struct mlrt_bundle *bundle)
 {
     vf last = v_set1(-INFINITY);
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) last = v_max(v_load(bundle->hulls.last + v), last);
@@ -679,7 +666,7 @@ MLRT_INLINE void set_whole_last(struct bundle *bundle)
 }
 
 /* A packet that goes with the others no longer. */
-static void leave_bundle(struct bundle *bundle, uint32_t place)
+static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     bundle->going &= ~(1u << place);
@@ -711,7 +698,7 @@ MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo
 }
 
 /* The children of a node whose boxes the bundle may meet; the least depths go to `near`. */
-MLRT_INLINE uint32_t bundle_children_met(const struct bundle *bundle, const struct mlrt_bvh_node *node, int has_places,
+MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node, int has_places,
                                          float near[MLRT_BVH_WIDTH])
 {
     const struct mlrt_waist *waist = &bundle->waist;
@@ -763,7 +750,7 @@ MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlr
 }
 
 /* The packets that may meet a box. */
-MLRT_INLINE uint32_t packets_met(const struct bundle *bundle, const struct box_of_bundle *box, int has_places)
+MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     uint32_t met = 0;
@@ -785,10 +772,10 @@ MLRT_INLINE uint32_t packets_met(const struct bundle *bundle, const struct box_o
 }
 
 /* The rays of a packet that may meet a box: as the hull of each would (see the head of this file). */
-MLRT_INLINE uint32_t lanes_of_packet_met(const struct bundle *bundle, uint32_t place, const struct box_of_bundle *box)
+MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint32_t place, const struct box_of_bundle *box)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
-    const struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const float deepest = larger_of(fabsf(hulls->first[place]), fabsf(hulls->last[place]));
     float far = 0;
     MLRT_UNROLL

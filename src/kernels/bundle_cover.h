@@ -121,15 +121,53 @@ MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pa
     order->nearer = m_or(m_and(below, same), m_and(above, other));
 }
 
-/* Has an open packet's rays hit what covers them: at distances between those of the cover over all rays. */
-static MLRT_NOINLINE void open_bundle_packet(struct bundle *bundle, uint32_t place)
+/* Have the rays of a packet been made? */
+MLRT_INLINE int has_rays(const struct mlrt_bundle *bundle, uint32_t place)
+{
+    return bundle->tile && bundle->tile->made >> place & 1;
+}
+
+/*
+ * Makes the rays of a packet of which only the hull was known. Returns 0 if they do not go on with the bundle: if they can
+ * hit nothing, float does not carry them, or they turn out not to be what a bundle bears.
+ */
+static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
-    struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const int v = (int)(place - place % VW);
+    mlrt_make_rays(job, bundle->tile, place);
+    if (MLRT_UNLIKELY(bundle->unit != 1)) check_packet_in_units(packet->active | packet->single, bundle->unit, packet);
+    int fits = packet->active && !packet->single;
+    if (fits && (bundle->unit != 1 || bundle->tile->seen)) { /* closer than what was known before */
+        fits = !(packet->active & ~bound_from_anywhere(bundle, place)) && hulls_fit(bundle, 1u << place);
+        finish_depths(bundle, 1u << place, v);
+        finish_hulls(bundle, v);
+    } else if (fits) {
+        fits = !may_have_tiny_slopes(&bundle->hulls, place) || !has_tiny_slopes(bundle, packet);
+    }
+    if (fits) return 1;
+    leave_bundle(bundle, place);
+    bundle->set_aside |= packet->active ? 1u << place : 0;
+    return 0;
+}
+
+/*
+ * Opens a closed packet: has its rays hit what covers it, at distances between those of the cover over all rays. One that
+ * stands for a tile leaves the bundle.
+ */
+static MLRT_NOINLINE void open_bundle_packet(const struct mlrt_job *job, struct mlrt_bundle *bundle, uint32_t place)
+{
     const struct mlrt_hulls *hulls = &bundle->hulls;
     bundle->closed &= ~(1u << place);
+    if (!bundle->tile) {
+        leave_bundle(bundle, place);
+        return;
+    }
+    if (!has_rays(bundle, place) && !make_rays_of_packet(job, bundle, place)) return;
     need_lanes(bundle, place);
     if (hulls->cover[place] == MLRT_NONE) return;
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const vf near = v_set1(hulls->cover_near[place]), far = v_set1(hulls->last[place]), away = v_set1(hulls->away[place]);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
@@ -143,7 +181,7 @@ static MLRT_NOINLINE void open_bundle_packet(struct bundle *bundle, uint32_t pla
 }
 
 /* Ends a packet whose rays were never looked at: all of them hit what covers it, if that is something. */
-MLRT_INLINE void finish_untouched_packet(struct bundle *bundle, uint32_t place)
+MLRT_INLINE void finish_untouched_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     const vi cover = i_set1(bundle->hulls.cover[place]), none = i_set1(MLRT_NONE);
@@ -154,8 +192,9 @@ MLRT_INLINE void finish_untouched_packet(struct bundle *bundle, uint32_t place)
 }
 
 /* The rays of a packet that pass the triangle. */
-MLRT_INLINE uint32_t passing_lanes(const struct mlrt_packet *packet, uint32_t number)
+MLRT_INLINE uint32_t passing_lanes(const struct mlrt_bundle *bundle, uint32_t place, uint32_t number)
 {
+    const struct mlrt_packet *packet = &bundle->tile->packets[place];
     uint32_t passing = 0;
     for (int v = 0; packet->has_skip && v < MLRT_PACKET_RAYS; v += VW) {
         passing |= m_bits(i_eq(i_load(packet->skip + v), i_set1(number))) << v;
@@ -164,12 +203,12 @@ MLRT_INLINE uint32_t passing_lanes(const struct mlrt_packet *packet, uint32_t nu
 }
 
 /* Ends packets that were set aside, as a triangle hides all of their rays. */
-static MLRT_NOINLINE void hide_riding_packets(struct bundle *bundle, uint32_t places, uint32_t number)
+static MLRT_NOINLINE void hide_riding_packets(struct mlrt_bundle *bundle, uint32_t places, uint32_t number)
 {
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
-        if (passing_lanes(packet, number)) continue;
+        if (passing_lanes(bundle, place, number)) continue;
         bundle->riding &= ~(1u << place);
         bundle->hulls.cover[place] = number;
         finish_untouched_packet(bundle, place);
@@ -183,7 +222,7 @@ static MLRT_NOINLINE void hide_riding_packets(struct bundle *bundle, uint32_t pl
  * before it may cover the packet instead. Of two in one plane the first in the input wins. Returns the packets that this
  * settles.
  */
-static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                             uint32_t number, uint32_t doubtful, uint32_t may_cover, int v,
                                             const struct triangle_of_packets *of)
 {
@@ -194,7 +233,7 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
         const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->cover + v), i_set1(cover)));
         doubtful &= ~same;
         const struct mlrt_pair_line *line =
-            mlrt_find_pair_line(job->tree, number, cover, worker, &worker->bundle_caches[job->any]);
+            mlrt_find_pair_line(job->tree, number, cover, worker, bundle->cache);
         uint32_t replaced = 0;
         if (line->kind == MLRT_ONE_PLANE) {
             replaced = number < cover ? same & m_bits(of->inside) : 0;
@@ -222,7 +261,7 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
  */
-MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                          const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among,
                                          int has_places)
 {
@@ -241,9 +280,13 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
         uint32_t met = among >> v & ~m_bits(m_or(of.out, behind)) & ALL_LANES, passing = 0;
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
-            const struct mlrt_packet *packet = &bundle->tile->packets[(uint32_t)v + mlrt_lowest_bit(left)];
-            const uint32_t lanes = passing_lanes(packet, number), bit = left & (0u - left);
-            if (lanes == packet->active) met &= ~bit;
+            const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
+            if (!has_rays(bundle, place)) {
+                if (hulls->skip[place] == number) met &= ~bit;
+                continue;
+            }
+            const uint32_t lanes = passing_lanes(bundle, place, number);
+            if (lanes == bundle->tile->packets[place].active) met &= ~bit;
             if (lanes) passing |= bit;
         }
         may |= met << v;
@@ -270,19 +313,20 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         may &= ~(settle_covers(job, worker, bundle, number, doubtful, may_cover, v, &of) << v);
     }
     may &= among & ~covered & ~(left_alone & bundle->closed);
-    for (uint32_t left = may & bundle->closed; left; left &= left - 1) open_bundle_packet(bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = may & bundle->closed; left; left &= left - 1) open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
     if (job->any) bundle->covered |= covered;
     for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
+        leave_bundle(bundle, place);
+        if (!has_rays(bundle, place)) continue;
         finish_untouched_packet(bundle, place);
         bundle->tile->packets[place].active = 0;
-        leave_bundle(bundle, place);
     }
-    return may;
+    return may & bundle->going;
 }
 
 static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                               struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                               struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                                uint32_t triangle, uint32_t among)
 {
     return bundle->has_places ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)

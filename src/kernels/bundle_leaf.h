@@ -195,11 +195,18 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
     leaf->away[place] = float_or_infinity(fabs(distance) + error * 0x1p20);
 }
 
+/* The main axis; ~axis if rays go down it. */
+MLRT_INLINE int32_t axis_code(const struct mlrt_waist *waist)
+{
+    return waist->sign < 0 ? ~waist->main_axis : waist->main_axis;
+}
+
 static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
                                              uint32_t child, uint32_t mask, struct mlrt_bundle_leaf *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
     const float *corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
+    leaf->axis = axis_code(waist);
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
     leaf->there = 0;
@@ -218,25 +225,38 @@ static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
 }
 
-/* The set-up of a leaf. A worker keeps the last ones for its next tiles. */
-MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job, const struct bundle *bundle,
-                                                            uint32_t child, const struct mlrt_worker *worker,
-                                                            struct mlrt_bundle_cache *cache)
+/* Where the set-up of a leaf is kept, if it is. */
+MLRT_INLINE uint32_t place_of_leaf(uint32_t child, const struct mlrt_bundle_cache *cache)
 {
-    const uint32_t place = mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits);
-    struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
-    if (cache->children[place] != child) {
-        set_up_bundle_leaf(job->tree, &bundle->waist, child, worker->mask, leaf);
-        cache->children[place] = child;
-    }
-    return leaf;
+    return mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits);
 }
 
-/* Has set-ups for another waist forgotten. */
+MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, const struct mlrt_waist *waist, uint32_t child)
+{
+    const uint32_t place = place_of_leaf(child, cache);
+    return cache->children[place] == child && cache->leaves[place].axis == axis_code(waist);
+}
+
+/* The set-up of a leaf. A worker keeps the last ones for its next tiles. */
+MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job, const struct mlrt_bundle *bundle,
+                                                            uint32_t child, const struct mlrt_worker *worker)
+{
+    struct mlrt_bundle_cache *cache = bundle->cache;
+    const uint32_t place = place_of_leaf(child, cache);
+    if (!has_bundle_leaf(cache, &bundle->waist, child)) {
+        set_up_bundle_leaf(job->tree, &bundle->waist, child, worker->mask, &cache->leaves[place]);
+        cache->children[place] = child;
+    }
+    return &cache->leaves[place];
+}
+
+/* Has set-ups for another waist forgotten; those for other axes at the same point may stay. */
 static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle_cache *cache)
 {
     if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
-    memset(cache->children, 0, sizeof cache->children);
+    if (memcmp(waist->point, cache->waist.point, sizeof waist->point) != 0 || cache->waist.main_axis < 0) {
+        memset(cache->children, 0, sizeof cache->children);
+    }
     cache->waist = *waist;
     if (cache->waist_count++ == 0) memset(cache->lines, 0, sizeof cache->lines);
 }
@@ -292,7 +312,7 @@ MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf st
  * Of triangles whose boxes a packet may meet, those that its rays may hit by their edges: left out is what all rays pass
  * outside of one edge, where D has one sign, or of two edges on different sides.
  */
-MLRT_INLINE uint32_t triangles_within_edges(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, int has_places, uint32_t among)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -563,12 +583,12 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
  * does, as in settle_covers (bundle_cover.h). Returns the lanes that are left.
  */
 static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                           const struct bundle *bundle, uint32_t place, uint32_t number, int v,
+                                           const struct mlrt_bundle *bundle, uint32_t place, uint32_t number, int v,
                                            uint32_t lanes, vm inside, const struct plane_of_rays *plane,
                                            struct bundle_vector *of)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
-    const struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const float reach = hulls->reach[place];
     MLRT_ALIGNED(64) uint32_t nearest[VW];
     uint32_t unsettled = lanes;
@@ -608,7 +628,7 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
 /* Tests a vector of a packet's rays against triangles of a leaf; those that no ray may hit stay in *passed. Returns the
  * lanes whose nearest hit changed. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                        const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                        const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                         uint32_t triangles, const float *edge_bound, uint32_t place, int has_places, int v,
                                         struct mlrt_bundle_rays *rays, struct mlrt_packet *packet, uint32_t *passed)
 {
@@ -663,7 +683,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
 }
 
 /* Tests a packet against triangles of a leaf, and counts those in vain. Returns the lanes whose nearest hit changed. */
-MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                         const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
                                         int has_places)
 {
@@ -677,7 +697,7 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         changed |= test_bundle_vector(job, worker, bundle, leaf, triangles, edge_bound, place, has_places, v,
-                                      &bundle->rays[place], packet, &passed);
+                                      &bundle->tile->rays[place], packet, &passed);
     }
     bundle->tests[place] += mlrt_count_bits(passed);
     return changed;

@@ -12,11 +12,44 @@
  * Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007 (frusta against boxes).
  */
 
+/* A child that is still to be opened. */
+struct pending_box {
+    float near;    /* depth */
+    uint32_t slot; /* 16 * node + place in it */
+};
+
+#define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
+
+/* Has what a child refers to fetched into the cache. */
+MLRT_INLINE void prefetch_child(const struct mlrt_bvh *bvh, uint32_t child)
+{
+    const uint32_t quads = mlrt_bvh_quad_count(child), offset = mlrt_bvh_offset(child);
+    const char *first = quads ? (const char *)(bvh->corners + 36 * (size_t)offset) : (const char *)&bvh->nodes[offset];
+    const uint32_t size = quads ? 144 * quads : (uint32_t)sizeof *bvh->nodes;
+    for (uint32_t i = 0; i < size; i += 64) mlrt_prefetch(first + i);
+    if (quads) mlrt_prefetch(bvh->numbers + 4 * (size_t)offset);
+}
+
+/* Puts children on the stack, the nearest on top. */
+MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint32_t met,
+                                const float near[MLRT_BVH_WIDTH], struct pending_box *stack, uint32_t count)
+{
+    const uint32_t base = count;
+    for (; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        uint32_t at = count++;
+        for (; at > base && stack[at - 1].near < near[place]; --at) stack[at] = stack[at - 1];
+        stack[at] = (struct pending_box){near[place], node * MLRT_BVH_WIDTH + place};
+        prefetch_child(bvh, bvh->nodes[node].child[place]);
+    }
+    return count;
+}
+
 /* Packets so many times as wide as most of their tile go lane by lane: they lie across an edge of what the tile sees. */
 #define WIDE_PACKET MLRT_WIDE_FACTOR
 
 /* After hits of a packet in these lanes. */
-static MLRT_NOINLINE void update_bundle(struct bundle *bundle, uint32_t place, uint32_t changed, int any)
+static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t place, uint32_t changed, int any)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     if (!any) {
@@ -34,22 +67,22 @@ static MLRT_NOINLINE void update_bundle(struct bundle *bundle, uint32_t place, u
 }
 
 /* Has a packet ready to go without the bundle: lane by lane, or one by one. */
-static MLRT_NOINLINE void release_packet(struct bundle *bundle, uint32_t place)
+static MLRT_NOINLINE void release_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     leave_bundle(bundle, place);
     need_lanes(bundle, place);
-    set_packet_distances(&bundle->rays[place], &bundle->tile->packets[place]);
+    set_packet_distances(&bundle->tile->rays[place], &bundle->tile->packets[place]);
 }
 
 /* Takes a packet out of the bundle that had better gone lane by lane. */
-static void give_up_packet(struct bundle *bundle, uint32_t place)
+static void give_up_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     release_packet(bundle, place);
     bundle->given_up |= 1u << place;
 }
 
 /* Takes what packets hit into account for what comes. */
-MLRT_INLINE void settle_bundle(struct bundle *bundle)
+MLRT_INLINE void settle_bundle(struct mlrt_bundle *bundle)
 {
     if (bundle->nearer & bundle->going) update_last_depths(bundle, bundle->nearer & bundle->going);
     bundle->nearer = 0;
@@ -58,17 +91,17 @@ MLRT_INLINE void settle_bundle(struct bundle *bundle)
 
 /* Traces rays of a packet one by one from a child of a node on. */
 static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                                struct bundle *bundle, uint32_t place, uint32_t lanes, uint32_t child)
+                                                struct mlrt_bundle *bundle, uint32_t place, uint32_t lanes, uint32_t child)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
-    struct mlrt_bundle_rays *rays = &bundle->rays[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     uint32_t changed = 0;
     set_packet_distances(rays, packet);
-    if (!(bundle->has_reciprocals >> place & 1)) set_reciprocals(packet, &bundle->reciprocals[place]);
+    if (!(bundle->has_reciprocals >> place & 1)) set_reciprocals(packet, &bundle->tile->reciprocals[place]);
     bundle->has_reciprocals |= 1u << place;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->triangle[lane];
-        trace_single(job, &bundle->reciprocals[place], lane, child, packet, worker);
+        trace_single(job, &bundle->tile->reciprocals[place], lane, child, packet, worker);
         if (packet->triangle[lane] == before) continue;
         set_lane_depths(packet, lane, rays);
         changed |= 1u << lane;
@@ -81,7 +114,7 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
  * together, nor a set-up for all of them. Else returns 0.
  */
 static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                             struct bundle *bundle, const struct box_of_bundle *box, uint32_t child,
+                                             struct mlrt_bundle *bundle, const struct box_of_bundle *box, uint32_t child,
                                              uint32_t met)
 {
     const uint32_t most = mlrt_bvh_quad_count(child) ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
@@ -106,7 +139,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
 }
 
 /* Of the triangles of a leaf that the bundle may hit, those that a packet may. */
-MLRT_INLINE uint32_t cut_triangles_by(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t place,
+MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t place,
                                    int has_places, uint32_t seen)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -119,20 +152,14 @@ MLRT_INLINE uint32_t cut_triangles_by(const struct bundle *bundle, const struct 
     return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
 }
 
-static MLRT_NOINLINE uint32_t cut_triangles(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, uint32_t seen)
 {
     return bundle->has_places ? cut_triangles_by(bundle, leaf, place, 1, seen)
                               : cut_triangles_by(bundle, leaf, place, 0, seen);
 }
 
-/* Is the set-up of a leaf there? */
-MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, uint32_t child)
-{
-    return cache->children[mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits)] == child;
-}
-
-static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                           const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place)
 {
     need_lanes(bundle, place);
@@ -144,11 +171,10 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
     }
 }
 
-MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                       uint32_t child, uint32_t met, int has_places)
 {
-    const struct mlrt_bundle_leaf *leaf =
-        find_bundle_leaf(job, bundle, child, worker, bundle->cache);
+    const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, child, worker);
     const struct mlrt_hull *whole = &bundle->whole;
     const uint32_t seen = triangles_met(leaf, whole->first, whole->last, whole->slope_lo, whole->slope_hi, whole->place_lo,
                                         whole->place_hi, has_places, leaf->there);
@@ -175,14 +201,13 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
 }
 
 /* Takes a bundle down the hierarchy. */
-static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle)
+static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     const int has_places = bundle->has_places;
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     struct pending_box stack[TILE_STACK_SIZE];
     MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
-    const struct mlrt_bundle_cache *cache = bundle->cache;
-    const int is_many = mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS && bundle->unit == 1;
+    const int is_many = bundle->tile && mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS && bundle->unit == 1;
     const uint32_t few = is_many ? MLRT_FEW_PACKETS : 0;
     uint32_t node = 0, count = 0;
     for (;;) {
@@ -202,7 +227,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
             see_bundle_box(&bundle->waist, parent, place, &box);
             const uint32_t met = packets_met(bundle, &box, has_places);
             if (!met) continue;
-            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(cache, child)) &&
+            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle->cache, &bundle->waist, child)) &&
                 trace_few_of_bundle(job, worker, bundle, &box, child, met)) {
                 continue;
             }
@@ -228,14 +253,14 @@ static void find_depths(const struct mlrt_box *box, const struct mlrt_waist *wai
     *last = waist->sign > 0 ? above : -below;
 }
 
-static void look_at_scene(const struct mlrt_bvh *bvh, struct bundle *bundle)
+static void look_at_scene(const struct mlrt_bvh *bvh, struct mlrt_bundle *bundle)
 {
     find_depths(&bvh->whole, &bundle->waist, &bundle->scene_first, &bundle->scene_last);
     find_depths(&bvh->core, &bundle->waist, &bundle->core_first, &bundle->core_last);
 }
 
 /* Of the packets that go, those far wider than most. */
-static MLRT_NOINLINE uint32_t find_wide_bundles(const struct bundle *bundle)
+static MLRT_NOINLINE uint32_t find_wide_bundles(const struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     MLRT_ALIGNED(64) float widths[MLRT_BUNDLE_PACKETS];
@@ -276,7 +301,7 @@ static MLRT_NOINLINE uint32_t find_wide_bundles(const struct bundle *bundle)
  * since a triangle is likelier to hide all rays where they are close. Rays that are equally close everywhere begin on
  * surfaces, as a rule, and end in the open.
  */
-static int ends_closer(const struct bundle *bundle)
+static int ends_closer(const struct mlrt_bundle *bundle)
 {
     const struct mlrt_hull *whole = &bundle->whole;
     const float first = whole->first > bundle->core_first ? whole->first : bundle->core_first;
@@ -301,7 +326,7 @@ static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packe
 }
 
 /* Checks packets that do not go with a bundle; returns those that have rays. */
-static uint32_t check_odd_packets(const struct bundle *bundle, uint32_t places)
+static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t places)
 {
     uint32_t some = 0;
     for (uint32_t left = places; left; left &= left - 1) {
@@ -312,19 +337,10 @@ static uint32_t check_odd_packets(const struct bundle *bundle, uint32_t places)
     return some;
 }
 
-/* Bounds a packet. Returns the lanes of rays that can go with the bundle. */
-static uint32_t bound_from_anywhere(struct bundle *bundle, uint32_t place)
-{
-    const int is_apex = bundle->is_apex && starts_at_waist(bundle, &bundle->tile->packets[place]);
-    bundle->apexes |= (uint32_t)is_apex << place;
-    return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
-}
-
 /* Has packets that float carries go with the bundle; returns the others that have rays. */
-static uint32_t add_packets(struct bundle *bundle, uint32_t places)
+static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
 {
     uint32_t odd = 0, others = 0;
-    memset(bundle->tests, 0, sizeof bundle->tests);
     for (uint32_t left = ~places & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
     for (uint32_t left = places; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
@@ -351,7 +367,7 @@ static uint32_t add_packets(struct bundle *bundle, uint32_t places)
 }
 
 /* Takes packets that are far wider than the others out of a bundle. Where any hit will do they stay as riders. */
-static void set_wide_packets_aside(const struct mlrt_job *job, struct bundle *bundle)
+static void set_wide_packets_aside(const struct mlrt_job *job, struct mlrt_bundle *bundle)
 {
     for (uint32_t left = find_wide_bundles(bundle); left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
@@ -365,18 +381,39 @@ static void set_wide_packets_aside(const struct mlrt_job *job, struct bundle *bu
     }
 }
 
+/* Begins a bundle of which nothing is known but its tile. */
+static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+{
+    bundle->cache = &worker->bundle_caches[job->any];
+    bundle->unit = job->tree->bvh.unit;
+    bundle->made = bundle->given_up = bundle->nearer = bundle->covered = 0;
+    bundle->set_aside = bundle->riding = bundle->has_reciprocals = 0;
+    bundle->has_begins = 0;
+    memset(bundle->tests, 0, sizeof bundle->tests);
+}
+
+/* Makes hulls of what is known of packets; nothing covers them so far. */
+static void finish_all_hulls(struct mlrt_bundle *bundle)
+{
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        finish_depths(bundle, bundle->going, v);
+        finish_hulls(bundle, v);
+        v_store(bundle->hulls.cover_near + v, v_set1(INFINITY));
+        i_store(bundle->hulls.cover + v, i_set1(MLRT_NONE));
+    }
+}
+
 /*
  * Makes a bundle of the packets `places` whose rays go along one main axis; returns the others that have rays. What
  * remains of the bundle is in `going`.
  */
 static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t places,
-                                          struct bundle *bundle)
+                                          struct mlrt_bundle *bundle)
 {
     struct ray_sample samples[SAMPLE_LIMIT];
     const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
-    bundle->going = bundle->made = bundle->given_up = bundle->nearer = bundle->covered = 0;
-    bundle->set_aside = bundle->riding = bundle->has_reciprocals = bundle->apexes = 0;
-    bundle->has_begins = 0;
+    begin_bundle(job, worker, bundle);
+    bundle->going = bundle->apexes = 0;
     bundle->has_places = 1;
     if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
         return check_odd_packets(bundle, places);
@@ -387,12 +424,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     const uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
     bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
-    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        finish_depths(bundle, bundle->going, v);
-        finish_hulls(bundle, v);
-        v_store(bundle->hulls.cover_near + v, v_set1(INFINITY));
-        i_store(bundle->hulls.cover + v, i_set1(MLRT_NONE));
-    }
+    finish_all_hulls(bundle);
     bundle->closed = worker->open_bundles[job->any] ? 0 : bundle->going;
     if (worker->open_bundles[job->any]) --worker->open_bundles[job->any];
     for (uint32_t left = bundle->closed; left; left &= left - 1) {
@@ -406,45 +438,82 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
 }
 
 /* Takes a bundle down the hierarchy, and ends its packets but for those that are set aside. */
-static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle)
+static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
-    const uint32_t closed = bundle->closed;
     traverse_bundle(job, worker, bundle);
-    if (closed && !(bundle->closed & bundle->going) && !bundle->covered) {
-        worker->open_bundles[job->any] = MLRT_TILE_RUN;
-    }
-    for (uint32_t left = bundle->going & ~bundle->made; left; left &= left - 1) {
-        finish_untouched_packet(bundle, mlrt_lowest_bit(left));
-    }
     uint32_t rest = bundle->riding;
     if (mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP) {
         worker->lane_tiles[job->any] = MLRT_LANE_TILES;
         rest |= bundle->going;
     }
-    for (uint32_t left = rest; left; left &= left - 1) release_packet(bundle, mlrt_lowest_bit(left));
-    bundle->set_aside |= bundle->given_up | rest;
+    for (uint32_t left = rest; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (has_rays(bundle, place) || make_rays_of_packet(job, bundle, place)) {
+            bundle->closed &= ~(1u << place);
+            release_packet(bundle, place);
+            bundle->set_aside |= left & (0u - left);
+        }
+    }
+    bundle->set_aside |= bundle->given_up;
+    for (uint32_t left = bundle->going & ~bundle->made; left; left &= left - 1) {
+        if (has_rays(bundle, mlrt_lowest_bit(left))) finish_untouched_packet(bundle, mlrt_lowest_bit(left));
+    }
+}
+
+static void trace_packets_by_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                                   uint32_t places)
+{
+    for (; places; places &= places - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(places)];
+        trace_lanes(job, packet->active, packet, worker);
+    }
+}
+
+/*
+ * Traces a bundle of packets, or tiles, whose rays are not made yet, but their slopes are known (camera_cells.h). Those
+ * that remain closed have none afterwards either; `is_open`: all begin with rays.
+ */
+static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
+                                      struct mlrt_bundle *bundle)
+{
+    begin_bundle(job, worker, bundle);
+    bundle->has_places = 0;
+    look_at_scene(&job->tree->bvh, bundle);
+    for (uint32_t left = ~bundle->going & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    finish_all_hulls(bundle);
+    if (job->tree->bvh.node_count == 0) return;
+    for (uint32_t left = is_open ? bundle->going : 0; left; left &= left - 1) {
+        open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
+    }
+    sum_up_hulls(bundle);
+    bundle->far_first = 0;
+    keep_bundle_waist(&bundle->waist, bundle->cache);
+    trace_going_packets(job, worker, bundle);
+    if (bundle->set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->set_aside);
 }
 
 /* Traces packets of a tile that have a main axis in common as a bundle. Returns those that go lane by lane. */
-static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct bundle *bundle,
+static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                 uint32_t places)
 {
-    bundle->cache = &worker->bundle_caches[job->any];
     const uint32_t others = make_bundle(job, worker, places, bundle);
+    const uint32_t closed = bundle->closed;
     if (8 * mlrt_count_bits(bundle->going) < mlrt_count_bits(others)) worker->lane_tiles[job->any] = MLRT_LANE_TILES;
     if (!bundle->going) return others;
     trace_going_packets(job, worker, bundle);
+    if (closed && !(bundle->closed & bundle->going) && !bundle->covered) {
+        worker->open_bundles[job->any] = MLRT_TILE_RUN;
+    }
     return others | bundle->set_aside;
 }
 
 /* Traces the rays of packets of a tile that are active or single: those that exist, as their source gives them. */
-static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                                       uint32_t places)
+static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                       struct mlrt_bundle *bundle, uint32_t places)
 {
-    struct bundle bundle;
+    struct mlrt_ray_tile *tile = bundle->tile;
     uint32_t alone;
-    bundle.tile = tile;
-    bundle.unit = job->tree->bvh.unit;
+    bundle->unit = job->tree->bvh.unit;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
         packet->active |= packet->single;
@@ -454,12 +523,9 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     if (job->tree->bvh.node_count == 0) return;
     if (worker->lane_tiles[job->any] || !(places & (places - 1))) {
         worker->lane_tiles[job->any] -= worker->lane_tiles[job->any] != 0;
-        alone = check_odd_packets(&bundle, places);
+        alone = check_odd_packets(bundle, places);
     } else {
-        alone = trace_as_bundle(job, worker, &bundle, places);
+        alone = trace_as_bundle(job, worker, bundle, places);
     }
-    for (; alone; alone &= alone - 1) {
-        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(alone)];
-        trace_lanes(job, packet->active, packet, worker);
-    }
+    trace_packets_by_lanes(job, worker, tile, alone);
 }

@@ -16,13 +16,10 @@
 #include "shadow_packet.h"
 #endif
 
-#include "cells.h"
-#include "ray_tile.h"
-#include "bvh_leaf.h"
-#include "bvh_tile.h"
 #include "units.h"
 #include "bvh_single.h"
 #include "bundle.h"
+#include "camera_cells.h"
 #include "bundle_leaf.h"
 #include "bundle_cover.h"
 #include "lanes.h"
@@ -30,10 +27,8 @@
 
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
-    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .trace_singles = trace_singles,                          \
-    .gather_camera_cells = gather_camera_cells,                            \
-    .sum_up_cells = sum_up_cells, .add_packet = add_packet, .update_cell = update_cell,                                \
-    .traverse = traverse_bvh, .trace_bundle = trace_bundle, .open_packet = open_packet
+    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .gather_camera_cells = gather_camera_cells,               \
+    .trace_cells = trace_cells, .trace_bundle = trace_bundle
 /* clang-format on */
 
 #if MLRT_COUNTING

@@ -57,12 +57,6 @@
  */
 #define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
 
-/* What boxes need of the rays of a packet. */
-struct reciprocals {
-    MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];
-};
-
 struct single_ray {
     vf origin[3];
     vf direction[3];
@@ -75,7 +69,7 @@ struct single_ray {
     uint32_t lane;
 };
 
-MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct reciprocals *reciprocals)
+MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct mlrt_reciprocals *reciprocals)
 {
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
@@ -87,7 +81,7 @@ MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct recipr
     }
 }
 
-MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct reciprocals *reciprocals, uint32_t lane,
+MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals, uint32_t lane,
                                 struct single_ray *ray)
 {
     float reach = 0;
@@ -314,7 +308,7 @@ MLRT_INLINE float finite_limit(float hi)
 }
 
 /* From a child of a node on. */
-static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct reciprocals *reciprocals, uint32_t lane,
+static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals, uint32_t lane,
                                        uint32_t child, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
@@ -347,42 +341,12 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
     }
 }
 
-/* The same of rays that are in units. */
-static void trace_singles_in_units(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                                   struct mlrt_worker *worker, uint32_t child)
-{
-    struct reciprocals reciprocals;
-    set_reciprocals(packet, &reciprocals);
-    for (; lanes; lanes &= lanes - 1) {
-        trace_single(job, &reciprocals, mlrt_lowest_bit(lanes), child, packet, worker);
-    }
-}
-
-/* Traces the rays of a packet in the lanes `lanes`, which float can carry, from `child` on. */
-static MLRT_NOINLINE void trace_singles(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
-                                        struct mlrt_worker *worker, uint32_t child)
-{
-    const float unit = job->tree->bvh.unit;
-    if (job->tree->bvh.node_count == 0) return;
-    if (MLRT_LIKELY(unit == 1)) {
-        trace_singles_in_units(job, lanes, packet, worker, child);
-        return;
-    }
-    struct mlrt_scaled_packet scaled;
-    const uint32_t carried = scale_packet(lanes, unit, packet, &scaled);
-    worker->scaled = &scaled;
-    trace_singles_in_units(job, carried, &scaled.rays, worker, child);
-    worker->scaled = NULL;
-    take_scaled_hits(&scaled, carried);
-    if (lanes & ~carried) mlrt_trace_single_rays(job, lanes & ~carried, packet, COUNTERS(worker));
-}
-
 #if !MLRT_COUNTING
 /* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes. */
 static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip)
 {
     struct mlrt_packet packet;
-    struct reciprocals reciprocals;
+    struct mlrt_reciprocals reciprocals;
     struct mlrt_worker worker;
     struct mlrt_known_plane plane;
     struct mlrt_triangle_pair pairs[4];

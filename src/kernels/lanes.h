@@ -29,7 +29,7 @@ struct pending_lanes {
 
 /* A packet's rays as boxes are tested against them. */
 struct lanes_search {
-    struct reciprocals reciprocals;
+    struct mlrt_reciprocals reciprocals;
     uint32_t negative[3]; /* lanes whose direction goes down an axis */
     int agree;            /* the signs of all lanes are equal, and no component is 0 */
     float origin_lo[3], origin_hi[3];

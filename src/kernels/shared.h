@@ -12,7 +12,6 @@
 #include "bvh_unit.h"
 #include "counters.h"
 #include "hit.h"
-#include "hybrid.h"
 #include "kernels.h"
 #include "levels.h"
 #include "pair_line.h"

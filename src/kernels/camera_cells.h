@@ -1,60 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sixteen groups of rays of one apex that go through the hierarchy of boxes together: the packets of a tile, or the
- * tiles of a larger square. To the traversal they are the same: cells.
- *
- * Seen from the apex along a main axis with its sign, a point in front has a depth z = +-(p_main - apex_main) and
- * slopes (p_j - apex_j) / z over the other two axes; a ray has the slopes d_j / |d_main|. A cell is a rectangle of
- * slopes, and a depth behind which none of its rays looks any more; arrays have a place for each cell, so that one
- * step compares something with all of them.
- *
- * Slopes of rays have three roundings, and are moved apart by SLOPE_SLACK, 2^-20 of themselves. A depth or an offset
- * p - apex has one, the product of a slope and a depth one more. So where a ray meets a box between depths near and
- * far, its x_j = s_j z has x_j <= max(S near, S far), S the upper slope, also as computed: the slack of S pays for the
- * roundings, or, where products are denormal, x_j is a multiple of 2^-149 and rounding keeps the order of it and S z. S
- * itself is 0 or no denormal.
- *
- * To be compared with things a cell needs no rays. As long as all that it met was a triangle that covers it wholly and
- * what is surely behind that, it is closed: the triangle, and bounds of its depth, are all that is known of it. The
- * rays of a camera's closed cells are not even made.
+ * A camera's packets, or tiles of them, as a bundle of which no ray is made: the rectangle of the slopes of each.
  */
-
-/* A packet whose slopes differ by more than this gains nothing from going through the tree as one. */
-#define WIDEST_PACKET 0.25f
-
-MLRT_INLINE void set_whole_farthest(struct mlrt_cells *cells)
-{
-    vf farthest = v_set1(-INFINITY);
-    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) farthest = v_max(v_load(cells->farthest + v), farthest);
-    cells->whole_farthest = v_hmax(farthest);
-}
-
-/* Sets what holds for all cells. None of them has a cover. */
-static MLRT_NOINLINE void sum_up_cells(struct mlrt_cells *cells)
-{
-    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
-        v_store(cells->cover_near + v, v_set1(INFINITY));
-        i_store(cells->cover + v, i_set1(MLRT_NONE));
-    }
-    vf least[2], negated[2];
-    for (int side = 0; side < 2; ++side) {
-        least[side] = negated[side] = v_set1(INFINITY);
-        for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
-            least[side] = v_min(v_load(cells->slopes[side].lo + v), least[side]);
-            negated[side] = v_min(v_flip(v_load(cells->slopes[side].hi + v), v_set1(-1)), negated[side]);
-        }
-    }
-    MLRT_ALIGNED(16) float bounds[4];
-    f4_store(bounds, v_hmin4(least[0], least[1], negated[0], negated[1]));
-    float steepest = 0.5f;
-    for (int side = 0; side < 2; ++side) {
-        cells->slope_lo[side] = bounds[side];
-        cells->slope_hi[side] = -bounds[2 + side];
-        steepest = larger_of(larger_of(fabsf(cells->slope_lo[side]), fabsf(cells->slope_hi[side])), steepest);
-    }
-    cells->slope_bound = 2 * steepest;
-    set_whole_farthest(cells);
-}
 
 /* The columns or rows of a camera's pixels that cells begin and end with; 0 for what is beyond `length`. */
 MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
@@ -75,16 +22,16 @@ struct corner_slopes {
 };
 
 /* Adds the corners at these columns and rows. */
-static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct mlrt_cells *cells, const float *columns,
+static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct mlrt_waist *waist, const float *columns,
                                      const float *rows, struct corner_slopes *of)
 {
-    const int a = cells->main_axis;
+    const int a = waist->main_axis;
     const vf xs = v_load(columns), ys = v_load(rows);
     vf d[3];
     for (int k = 0; k < 3; ++k) {
         d[k] = v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))), v_mul(ys, v_set1(view->dy[k])));
     }
-    const vf depth = v_flip(d[a], v_set1(cells->sign)), inverse = v_div(v_set1(1), depth);
+    const vf depth = v_flip(d[a], v_set1(waist->sign)), inverse = v_div(v_set1(1), depth);
     of->least_depth = v_min(depth, of->least_depth);
     for (int j = 0; j < 2; ++j) {
         const vf slope = v_mul(d[mlrt_slope_axis(a, j)], inverse);
@@ -111,8 +58,31 @@ static MLRT_NOINLINE void scale_view(const struct mlrt_view *view, struct mlrt_v
     *limit = exponent < 66 ? MLRT_SAFE_MAX : (float)ldexp(1, 126 - exponent);
 }
 
+/* Has packets of a bundle, all from the waist and without rays so far, look from there to the end of the scene. */
+static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    bundle->going = bundle->closed = bundle->apexes = there;
+    bundle->is_apex = 1;
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        const vf zero = v_set1(0);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            v_store(hulls->term[MLRT_PLACE_J + i].lo + v, zero);
+            v_store(hulls->term[MLRT_PLACE_J + i].hi + v, zero);
+        }
+        v_store(hulls->first + v, zero);
+        v_store(hulls->away + v, zero);
+        v_store(hulls->last + v, v_set1(INFINITY));
+        v_store(hulls->core_first + v, zero);
+        v_store(hulls->core_last + v, v_set1(INFINITY));
+        v_store(hulls->begin + v, zero);
+        i_store(hulls->skip + v, i_set1(MLRT_NONE));
+    }
+}
+
 /*
- * Makes closed cells of `side` x `side` pixels out of a camera's picture, from (x, y) on. 0 if their rays have no
+ * Makes a bundle out of a camera's picture, of cells of `side` x `side` pixels from (x, y) on. 0 if their rays have no
  * main axis in common, or more to them than a direction.
  *
  * A ray's direction before rounding is affine in column and row, so that ratios of two components have their extremes
@@ -126,8 +96,9 @@ static MLRT_NOINLINE void scale_view(const struct mlrt_view *view, struct mlrt_v
  * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
  */
 static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                               struct mlrt_cells *cells)
+                               struct mlrt_bundle *bundle)
 {
+    struct mlrt_waist *waist = &bundle->waist;
     const struct mlrt_view *view = &job->source.view;
     const float unit = job->tree->bvh.unit;
     float floor = 0x1p-100f, limit = MLRT_SAFE_MAX;
@@ -147,38 +118,33 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
         larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
-        cells->apex[k] = view->eye[k] * unit;
-        if (!(whole <= limit) || !mlrt_is_float_safe(cells->apex[k])) return 0;
-        if (cells->apex[k] / unit != view->eye[k]) return 0;
+        waist->point[k] = view->eye[k] * unit;
+        if (!(whole <= limit) || !mlrt_is_float_safe(waist->point[k])) return 0;
+        if (waist->point[k] / unit != view->eye[k]) return 0;
         pad[k] = whole * (8 * 0x1p-24f) + floor;
         middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
     }
-    mlrt_set_main_axis(middle, cells);
+    mlrt_set_main_axis(middle, waist);
 
-    const int a = cells->main_axis;
+    const int a = waist->main_axis;
+    uint32_t all = 0;
     MLRT_ALIGNED(64) float samples[4][MLRT_CELL_COUNT];
-    cells->closed = 0;
     for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
         const uint32_t column = i % 4, row = i / 4;
-        cells->closed |= (uint32_t)(column * side < width && row * side < height) << i;
+        all |= (uint32_t)(column * side < width && row * side < height) << i;
         for (int end = 0; end < 2; ++end) {
             samples[end][i] = columns[end][column];
             samples[2 + end][i] = rows[end][row];
         }
     }
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
-        v_store(cells->farthest + v, v_select(m_from_bits(cells->closed >> v), v_set1(INFINITY), v_set1(-INFINITY)));
-        v_store(cells->shortest + v, v_set1(INFINITY));
-        i_store(cells->skip + v, i_set1(MLRT_NONE));
-    }
-    for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         struct corner_slopes of = {
             v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)}, {v_set1(-INFINITY), v_set1(-INFINITY)}};
         for (int corner = 0; corner < 4; ++corner) {
-            add_corner(view, cells, samples[corner & 1] + v, samples[2 + (corner >> 1)] + v, &of);
+            add_corner(view, waist, samples[corner & 1] + v, samples[2 + (corner >> 1)] + v, &of);
         }
         const vm forward = v_gt(of.least_depth, v_set1(4 * pad[a]));
-        const vm there = m_from_bits(cells->closed >> v);
+        const vm there = m_from_bits(all >> v);
         if (m_bits(m_andnot(there, forward))) return 0;
         const vf inverse = v_div(v_set1(2), of.least_depth);
         for (int j = 0; j < 2; ++j) {
@@ -186,10 +152,10 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
             if (m_bits(m_andnot(there, v_le(steepest, v_set1(STEEPEST_SLOPE))))) return 0;
             const vf error = v_mul(v_add(v_set1(pad[mlrt_slope_axis(a, j)]), v_mul(steepest, v_set1(pad[a]))), inverse);
             const vf slack = v_add(v_add(error, v_mul(steepest, v_set1(SLOPE_SLACK))), v_set1(SLOPE_FLOOR));
-            v_store(cells->slopes[j].lo + v, v_select(there, v_sub(of.lo[j], slack), v_set1(INFINITY)));
-            v_store(cells->slopes[j].hi + v, v_select(there, v_add(of.hi[j], slack), v_set1(-INFINITY)));
+            v_store(bundle->hulls.term[j].lo + v, v_sub(of.lo[j], slack));
+            v_store(bundle->hulls.term[j].hi + v, v_add(of.hi[j], slack));
         }
     }
-    sum_up_cells(cells);
+    begin_cells(all, bundle);
     return 1;
 }
