@@ -144,7 +144,11 @@ struct mlrt_bundle {
 /* What bundles with one waist share about the triangles of a leaf: arrays have a place for each triangle. */
 struct mlrt_bundle_leaf {
     int32_t axis;   /* the main one; ~axis if rays go down it */
-    uint32_t there; /* places with a triangle that the call's common mask shows; bit per place */
+    int32_t has_places; /* 0: set up for rays from the waist only */
+    uint32_t there;      /* places with a triangle that the call's common mask shows; bit per place */
+    uint32_t from_waist; /* of these, those that a ray from the waist can hit: it does not lie in their planes */
+    uint32_t flipped;    /* whose terms have the other sign, so that N is not negative at the waist */
+    uint32_t doubtful;   /* of which float does not know that sign; none once that is settled */
     uint32_t row;   /* floats in a row of corners */
     const uint32_t *numbers;
     MLRT_ALIGNED(64) float lo[3][MLRT_BVH_LEAF_LIMIT]; /* the triangle's box: depth, place j, place l */

@@ -90,8 +90,9 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
                        &greatest);
     const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
     const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
-    of->out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
-    of->inside = m_or(m_and(forward, v_gt(inner_low, bound)), m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
+    of->out = has_places ? m_or(m_and(below, m_or(above, forward)), m_and(above, backward)) : m_or(below, backward);
+    of->inside = m_and(forward, v_gt(inner_low, bound));
+    if (has_places) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
     of->sure = m_or(forward, backward);
     of->backward = backward;
     bound_depths(hulls, leaf, triangle, v, has_places, backward, least, greatest, of);
@@ -310,6 +311,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         }
         if (!doubtful) continue;
         const uint32_t may_cover = m_bits(m_and(of.inside, core));
+        if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D as it is */
         may &= ~(settle_covers(job, worker, bundle, number, doubtful, may_cover, v, &of) << v);
     }
     may &= among & ~covered & ~(left_alone & bundle->closed);

@@ -90,10 +90,10 @@ MLRT_INLINE vf cross_with_size(const vf p[3], const vf q[3], vf least, vf cross[
 }
 
 /* Sets what one vector of triangles is. */
-static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v,
-                                               struct mlrt_bundle_leaf *leaf)
+MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t v, int has_places,
+                                  struct mlrt_bundle_leaf *leaf)
 {
-    vf g[3][3], steepness = v_set1(0);
+    vf g[3][3], normal[3], steepness = v_set1(0);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vf a = corners->to[0][k], b = corners->to[1][k], c = corners->to[2][k];
@@ -102,32 +102,54 @@ static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corn
         MLRT_UNROLL
         for (int i = 0; i < 3; ++i) g[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
     }
+    const vf scale = v_div(v_set1(1), cross_with_size(g[2], g[0], v_set1(SMALLEST_SIZE), normal));
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) normal[k] = v_mul(normal[k], scale);
+    const vf distance = dot_product(corners->to[0], normal);
+    const vf other = v_max(v_abs(corners->to[0][1]), v_abs(corners->to[0][2]));
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) v_store(leaf->normal[k] + v, v_flip(normal[k], distance));
+    v_store(leaf->distance + v, v_abs(distance));
+    v_store(leaf->away + v, v_max(v_abs(corners->to[0][0]), v_mul(other, v_set1(2))));
+    leaf->flipped |= m_bits(v_lt(v_flip(v_set1(1), distance), v_set1(0))) << v;
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         vf cross[3];
         const vf length = v_add(v_add(v_abs(g[i][0]), v_abs(g[i][1])), v_abs(g[i][2]));
         const vf least = v_max(v_mul(length, v_set1(0x1p-20f)), v_set1(SMALLEST_SIZE));
-        const vf size = cross_with_size(corners->to[i], g[i], least, cross);
-        const vf scale = v_div(v_set1(1), size);
-        v_store(leaf->edge_constant[i] + v, v_mul(cross[0], scale));
-        v_store(leaf->edge[i][MLRT_SLOPE_J] + v, v_mul(cross[1], scale));
-        v_store(leaf->edge[i][MLRT_SLOPE_L] + v, v_mul(cross[2], scale));
-        v_store(leaf->edge[i][MLRT_PLACE_J] + v, v_sub(v_set1(0), v_mul(g[i][2], scale)));
-        v_store(leaf->edge[i][MLRT_PLACE_L] + v, v_mul(g[i][1], scale));
-        v_store(leaf->edge[i][MLRT_MOMENT] + v, v_mul(g[i][0], scale));
-        steepness = v_max(v_mul(length, scale), steepness);
+        const vf size = v_div(v_set1(1), cross_with_size(corners->to[i], g[i], least, cross)), factor = v_flip(size, distance);
+        v_store(leaf->edge_constant[i] + v, v_mul(cross[0], factor));
+        v_store(leaf->edge[i][MLRT_SLOPE_J] + v, v_mul(cross[1], factor));
+        v_store(leaf->edge[i][MLRT_SLOPE_L] + v, v_mul(cross[2], factor));
+        if (!has_places) continue;
+        v_store(leaf->edge[i][MLRT_PLACE_J] + v, v_sub(v_set1(0), v_mul(g[i][2], factor)));
+        v_store(leaf->edge[i][MLRT_PLACE_L] + v, v_mul(g[i][1], factor));
+        v_store(leaf->edge[i][MLRT_MOMENT] + v, v_mul(g[i][0], factor));
+        steepness = v_max(v_mul(length, size), steepness);
     }
     v_store(leaf->steepness + v, steepness);
-    vf normal[3];
-    const vf scale = v_div(v_set1(1), cross_with_size(g[2], g[0], v_set1(SMALLEST_SIZE), normal));
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        normal[k] = v_mul(normal[k], scale);
-        v_store(leaf->normal[k] + v, normal[k]);
+}
+
+static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v, int has_places,
+                                               struct mlrt_bundle_leaf *leaf)
+{
+    if (has_places) {
+        set_up_vector_by(corners, v, 1, leaf);
+    } else {
+        set_up_vector_by(corners, v, 0, leaf);
     }
-    v_store(leaf->distance + v, dot_product(corners->to[0], normal));
-    const vf other = v_max(v_abs(corners->to[0][1]), v_abs(corners->to[0][2]));
-    v_store(leaf->away + v, v_max(v_abs(corners->to[0][0]), v_mul(other, v_set1(2))));
+}
+
+/* Of the triangles at a place, turns the sign of its terms. */
+static void flip_triangle(struct mlrt_bundle_leaf *leaf, uint32_t place)
+{
+    leaf->flipped ^= 1u << place;
+    leaf->distance[place] = -leaf->distance[place];
+    for (int i = 0; i < 3; ++i) {
+        leaf->normal[i][place] = -leaf->normal[i][place];
+        leaf->edge_constant[i][place] = -leaf->edge_constant[i][place];
+        for (int term = 0; term < MLRT_RAY_TERMS; ++term) leaf->edge[i][term][place] = -leaf->edge[i][term][place];
+    }
 }
 
 MLRT_INLINE float float_or_infinity(double a)
@@ -193,6 +215,40 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
     }
     leaf->distance[place] = float_or_infinity(distance);
     leaf->away[place] = float_or_infinity(fabs(distance) + error * 0x1p20);
+    leaf->flipped &= ~(1u << place);
+    if (distance < 0) flip_triangle(leaf, place);
+}
+
+/* Places of which float does not know the sign of N at the waist. */
+MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
+{
+    uint32_t doubtful = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(leaf->there >> v & ALL_LANES)) continue;
+        const vf bound = v_mul_add(v_load(leaf->away + v), v_set1(DISTANCE_ERROR), v_set1(DISTANCE_FLOOR));
+        doubtful |= (~m_bits(v_gt(v_load(leaf->distance + v), bound)) & ALL_LANES) << v;
+    }
+    return doubtful & leaf->there;
+}
+
+/*
+ * Settles the signs that are doubtful, for rays that begin at the waist: the judge knows them. Where N is 0 no ray from
+ * there hits the triangle.
+ */
+static MLRT_NOINLINE void settle_signs(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                       struct mlrt_bundle_leaf *leaf)
+{
+    float eye[3]; /* as it was given: it is exact in units */
+    for (int k = 0; k < 3; ++k) eye[k] = waist->point[k] / tree->bvh.unit;
+    for (; leaf->doubtful; leaf->doubtful &= leaf->doubtful - 1) {
+        const uint32_t place = mlrt_lowest_bit(leaf->doubtful);
+        const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], eye); /* that of -N */
+        if (side == 0) {
+            leaf->from_waist &= ~(1u << place);
+        } else if ((leaf->flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) { /* depth may go down the axis */
+            flip_triangle(leaf, place);
+        }
+    }
 }
 
 /* The main axis; ~axis if rays go down it. */
@@ -202,19 +258,21 @@ MLRT_INLINE int32_t axis_code(const struct mlrt_waist *waist)
 }
 
 static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
-                                             uint32_t child, uint32_t mask, struct mlrt_bundle_leaf *leaf)
+                                             int has_places, uint32_t child, uint32_t mask,
+                                             struct mlrt_bundle_leaf *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
     const float *corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
     leaf->axis = axis_code(waist);
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
     leaf->row = row;
-    leaf->there = 0;
+    leaf->has_places = has_places;
+    leaf->there = leaf->flipped = 0;
     uint32_t odd = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct bundle_corners of;
         load_bundle_corners(waist, corners, row, v, &of);
-        set_up_bundle_vector(&of, v, leaf);
+        set_up_bundle_vector(&of, v, has_places, leaf);
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
         odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
     }
@@ -223,6 +281,8 @@ static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const
         set_up_odd_triangle(tree, waist, mlrt_lowest_bit(odd), leaf);
     }
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
+    leaf->from_waist = leaf->there;
+    leaf->doubtful = doubtful_places(leaf);
 }
 
 /* Where the set-up of a leaf is kept, if it is. */
@@ -231,10 +291,12 @@ MLRT_INLINE uint32_t place_of_leaf(uint32_t child, const struct mlrt_bundle_cach
     return mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits);
 }
 
-MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle_cache *cache, const struct mlrt_waist *waist, uint32_t child)
+MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child)
 {
-    const uint32_t place = place_of_leaf(child, cache);
-    return cache->children[place] == child && cache->leaves[place].axis == axis_code(waist);
+    const uint32_t place = place_of_leaf(child, bundle->cache);
+    const struct mlrt_bundle_leaf *leaf = &bundle->cache->leaves[place];
+    return bundle->cache->children[place] == child && leaf->axis == axis_code(&bundle->waist) &&
+           leaf->has_places >= bundle->has_places;
 }
 
 /* The set-up of a leaf. A worker keeps the last ones for its next tiles. */
@@ -243,11 +305,13 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
 {
     struct mlrt_bundle_cache *cache = bundle->cache;
     const uint32_t place = place_of_leaf(child, cache);
-    if (!has_bundle_leaf(cache, &bundle->waist, child)) {
-        set_up_bundle_leaf(job->tree, &bundle->waist, child, worker->mask, &cache->leaves[place]);
+    struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
+    if (!has_bundle_leaf(bundle, child)) {
+        set_up_bundle_leaf(job->tree, &bundle->waist, bundle->has_places, child, worker->mask, leaf);
         cache->children[place] = child;
     }
-    return &cache->leaves[place];
+    if (MLRT_UNLIKELY(leaf->doubtful != 0) && !bundle->has_places) settle_signs(job->tree, &bundle->waist, leaf);
+    return leaf;
 }
 
 /* Has set-ups for another waist forgotten; those for other axes at the same point may stay. */
@@ -310,7 +374,8 @@ MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf st
 
 /*
  * Of triangles whose boxes a packet may meet, those that its rays may hit by their edges: left out is what all rays pass
- * outside of one edge, where D has one sign, or of two edges on different sides.
+ * outside of one edge, where D has one sign, or of two edges on different sides. For rays from the waist N is not negative,
+ * so neither are D and the edge functions of those that hit.
  */
 MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, int has_places, uint32_t among)
@@ -334,7 +399,7 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
         const vf width = v_set1(2 * PLANE_BOUND * hulls->reach[place]);
         const vm below = v_lt(lowest, v_sub(v_set1(0), bound)), above = v_gt(highest, bound);
         const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(v_set1(0), width));
-        const vm out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
+        const vm out = has_places ? m_or(m_and(below, m_or(above, forward)), m_and(above, backward)) : m_or(below, backward);
         met |= (~m_bits(out) & ALL_LANES) << v;
     }
     return met & among;
@@ -349,9 +414,10 @@ struct edge_values {
 };
 
 /* Finds them. Returns whether some ray is not surely outside. */
-MLRT_INLINE int find_edge_values(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const vf *term, int term_count,
+MLRT_INLINE int find_edge_values(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const vf *term, int has_places,
                                  vf bound, struct edge_values *of)
 {
+    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
     vf least = v_set1(0), greatest = least;
     MLRT_UNROLL
     for (int edge = 0; edge < 3; ++edge) {
@@ -359,12 +425,13 @@ MLRT_INLINE int find_edge_values(const struct mlrt_bundle_leaf *leaf, uint32_t t
         MLRT_UNROLL
         for (int i = 0; i < term_count; ++i) e = v_mul_add(v_set1(leaf->edge[edge][i][triangle]), term[i], e);
         least = edge ? v_min(e, least) : e;
-        greatest = edge ? v_max(e, greatest) : e;
+        if (has_places) greatest = edge ? v_max(e, greatest) : e;
     }
     of->least = least;
     of->greatest = greatest;
     /* Lanes that are not active have NaN, of which no comparison is true. */
-    return m_bits(m_or(v_ge(least, v_sub(v_set1(0), bound)), v_le(greatest, bound))) != 0;
+    const vm positive = v_ge(least, v_sub(v_set1(0), bound));
+    return m_bits(has_places ? m_or(positive, v_le(greatest, bound)) : positive) != 0;
 }
 
 /* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients (bvh_tile.h). */
@@ -539,7 +606,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     MLRT_UNROLL
     for (int i = 0; has_places && i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), of->to_waist[i], n);
     const float error = DISTANCE_ERROR * (leaf->away[triangle] + bounds->away) + DISTANCE_FLOOR;
-    const vf size = v_abs(d), distance = v_flip(n, d), width = bounds->width;
+    const vf size = has_places ? v_abs(d) : d, distance = has_places ? v_flip(n, d) : n, width = bounds->width;
     plane->least_d = v_sub(size, width);
     plane->greatest_d = v_add(size, width);
     plane->least_n = v_sub(distance, v_set1(error));
@@ -557,7 +624,9 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
         plane->begun = v_gt(plane->least_n, v_set1(0));
     }
     vm hit = m_and(m_and(plane->certain, inside), m_and(nearer, plane->begun));
-    uint32_t undecided = m_bits(m_andnot(m_andnot(candidates, m_and(plane->certain, farther)), hit));
+    vm open = m_andnot(m_andnot(candidates, m_and(plane->certain, farther)), hit);
+    if (!has_places) open = m_andnot(open, v_lt(plane->greatest_d, v_set1(0)));
+    uint32_t undecided = m_bits(open);
     if (MLRT_GUESS) hit = m_and(m_and(candidates, m_and(nearer, plane->begun)), v_gt(size, v_set1(0))), undecided = 0;
     keep_bundle_hits(plane, leaf->numbers[triangle], hit, of);
     return undecided;
@@ -599,7 +668,7 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
         lanes &= ~same;
         if (other == MLRT_NONE) continue;
         const struct mlrt_pair_line *line =
-            mlrt_find_pair_line(job->tree, number, other, worker, &worker->bundle_caches[job->any]);
+            mlrt_find_pair_line(job->tree, number, other, worker, bundle->cache);
         if (line->kind == MLRT_ONE_PLANE) {
             const uint32_t earlier = number < other ? same & m_bits(inside) : 0;
             of->triangle = i_select(m_from_bits(earlier), i_set1(number), of->triangle);
@@ -643,7 +712,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     for (uint32_t left = triangles; left; left &= left - 1) {
         const uint32_t triangle = mlrt_lowest_bit(left);
         const vf bound = v_set1(edge_bound[triangle]);
-        met |= find_edge_values(leaf, triangle, term, term_count, bound, &edges[triangle]) ? left & (0u - left) : 0;
+        met |= find_edge_values(leaf, triangle, term, has_places, bound, &edges[triangle]) ? left & (0u - left) : 0;
     }
     if (!met) return 0;
     *passed &= ~met;
@@ -657,8 +726,9 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const vf bound = v_set1(edge_bound[triangle]), below = v_sub(v_set1(0), bound);
         const vf least = edges[triangle].least, greatest = edges[triangle].greatest;
         const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
-        const vm inside = m_or(v_gt(least, bound), v_lt(greatest, below));
-        vm may = m_andnot(m_or(v_ge(least, below), v_le(greatest, bound)), known);
+        vm inside = v_gt(least, bound), may = v_ge(least, below);
+        if (has_places) inside = m_or(inside, v_lt(greatest, below)), may = m_or(may, v_le(greatest, bound));
+        may = m_andnot(may, known);
         if (job->any) may = m_and(may, i_eq(of.triangle, i_set1(MLRT_NONE)));
         if (MLRT_UNLIKELY(packet->has_masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
@@ -669,8 +739,9 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         if (MLRT_LIKELY(!undecided)) continue;
         if (!job->any) {
             /* Copies, so that these may stay in registers. */
-            const struct plane_of_rays where = plane;
+            struct plane_of_rays where = plane;
             struct bundle_vector settled = of;
+            if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
             undecided = settle_lanes(job, worker, bundle, place, number, v, undecided, inside, &where, &settled);
             of = settled;
             if (!undecided) continue;

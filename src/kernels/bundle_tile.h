@@ -177,7 +177,8 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, child, worker);
     const struct mlrt_hull *whole = &bundle->whole;
     const uint32_t seen = triangles_met(leaf, whole->first, whole->last, whole->slope_lo, whole->slope_hi, whole->place_lo,
-                                        whole->place_hi, has_places, leaf->there);
+                                        whole->place_hi, has_places,
+                                        has_places ? leaf->there : leaf->from_waist);
     if (!seen) return;
     if (met & bundle->closed || mlrt_count_bits(seen) <= mlrt_count_bits(met)) {
         uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;
@@ -227,7 +228,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
             see_bundle_box(&bundle->waist, parent, place, &box);
             const uint32_t met = packets_met(bundle, &box, has_places);
             if (!met) continue;
-            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle->cache, &bundle->waist, child)) &&
+            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle, child)) &&
                 trace_few_of_bundle(job, worker, bundle, &box, child, met)) {
                 continue;
             }
