@@ -186,7 +186,6 @@ MLRT_INLINE void finish_untouched_packet(struct mlrt_bundle *bundle, uint32_t pl
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     const vi cover = i_set1(bundle->hulls.cover[place]), none = i_set1(MLRT_NONE);
-    bundle->closed &= ~(1u << place);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         i_store(packet->triangle + v, i_select(m_from_bits(packet->active >> v), cover, none));
     }
