@@ -33,6 +33,8 @@ struct mlrt_waist {
     int32_t main_axis;
     float sign; /* of the main components: +-1 */
     float point[3];
+    float slope[2];  /* along which triangles around it are seen: 0, or that of rays that are nearly parallel */
+    int32_t is_beam; /* they are */
 };
 
 /* Has a bundle go along the axis that a direction goes along most. */
@@ -41,6 +43,8 @@ static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_wais
     const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
     waist->main_axis = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
     waist->sign = direction[waist->main_axis] < 0 ? -1.0f : 1.0f;
+    waist->slope[0] = waist->slope[1] = 0;
+    waist->is_beam = 0;
 }
 
 /* What rays of a packet have in numbers: their slopes, their places at the waist and the cross product of both. */
@@ -151,8 +155,15 @@ struct mlrt_bundle_leaf {
     uint32_t doubtful;   /* of which float does not know that sign; none once that is settled */
     uint32_t row;   /* floats in a row of corners */
     const uint32_t *numbers;
-    MLRT_ALIGNED(64) float lo[3][MLRT_BVH_LEAF_LIMIT]; /* the triangle's box: depth, place j, place l */
-    MLRT_ALIGNED(64) float hi[3][MLRT_BVH_LEAF_LIMIT];
+    const float *corners;
+    uint32_t odd;        /* bvh_unit.h */
+    uint32_t ready;      /* vectors of places that have their terms */
+    uint32_t fans;       /* of what the outlines are: see kernels/bundle_outline.h */
+    MLRT_ALIGNED(64) float near[MLRT_BVH_LEAF_LIMIT]; /* depths of the triangle */
+    MLRT_ALIGNED(64) float far[MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float outline_lo[2][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float outline_hi[2][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float weight[MLRT_BVH_LEAF_LIMIT];
     /* Edge functions ab, bc, ca: a constant, and what the terms of a ray are multiplied with. */
     MLRT_ALIGNED(64) float edge_constant[3][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float edge[3][MLRT_RAY_TERMS][MLRT_BVH_LEAF_LIMIT];

@@ -96,9 +96,6 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
     vf g[3][3], normal[3], steepness = v_set1(0);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vf a = corners->to[0][k], b = corners->to[1][k], c = corners->to[2][k];
-        v_store(leaf->lo[k] + v, v_min(v_min(a, b), c));
-        v_store(leaf->hi[k] + v, v_max(v_max(a, b), c));
         MLRT_UNROLL
         for (int i = 0; i < 3; ++i) g[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
     }
@@ -170,6 +167,27 @@ static double cross_doubles_with_size(const double p[3], const double q[3], doub
     return all > least ? all : least;
 }
 
+/* Has an odd triangle (../bvh_unit.h) be seen everywhere, between its depths. */
+static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
+                                          struct mlrt_bundle_leaf *leaf)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
+    double near = INFINITY, far = -INFINITY;
+    for (int i = 0; i < 3; ++i) {
+        const double depth = (triangle->v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
+        near = fmin(depth, near);
+        far = fmax(depth, far);
+    }
+    leaf->near[place] = mlrt_low_bound(near);
+    leaf->far[place] = -mlrt_low_bound(-far);
+    leaf->fans &= ~(1u << place);
+    leaf->weight[place] = 0;
+    for (int i = 0; i < 2; ++i) {
+        leaf->outline_lo[i][place] = -INFINITY;
+        leaf->outline_hi[i][place] = INFINITY;
+    }
+}
+
 /*
  * Sets what an odd triangle (../bvh_unit.h) is: the same in double, where nothing overflows or underflows, from its corners
  * as they were given. Coefficients have one rounding to float then; where the distance of its plane is no float, all rays
@@ -190,8 +208,6 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
             to[i][k] = triangle->v[i][axis] * unit - flip * waist->point[axis];
             g[i][k] = ((double)triangle->v[(i + 1) % 3][axis] - triangle->v[i][axis]) * unit;
         }
-        leaf->lo[k][place] = mlrt_low_bound(fmin(fmin(to[0][k], to[1][k]), to[2][k]));
-        leaf->hi[k][place] = -mlrt_low_bound(-fmax(fmax(to[0][k], to[1][k]), to[2][k]));
     }
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
@@ -257,32 +273,50 @@ MLRT_INLINE int32_t axis_code(const struct mlrt_waist *waist)
     return waist->sign < 0 ? ~waist->main_axis : waist->main_axis;
 }
 
-static MLRT_NOINLINE void set_up_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
-                                             int has_places, uint32_t child, uint32_t mask,
-                                             struct mlrt_bundle_leaf *leaf)
+/* Begins the set-up of a leaf: which places there are, and where their triangles are seen. */
+static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist, int has_places,
+                                            uint32_t child, uint32_t mask, struct mlrt_bundle_leaf *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
-    const float *corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
-    leaf->axis = axis_code(waist);
+    leaf->corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
     leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    leaf->axis = axis_code(waist);
     leaf->row = row;
     leaf->has_places = has_places;
-    leaf->there = leaf->flipped = 0;
-    uint32_t odd = 0;
+    leaf->there = leaf->flipped = leaf->ready = leaf->fans = leaf->doubtful = leaf->odd = 0;
     for (uint32_t v = 0; v < row; v += VW) {
         struct bundle_corners of;
-        load_bundle_corners(waist, corners, row, v, &of);
-        set_up_bundle_vector(&of, v, has_places, leaf);
+        load_bundle_corners(waist, leaf->corners, row, v, &of);
+        set_outlines(waist, (const vf(*)[3])of.to, v, leaf);
         leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
-        odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
+        leaf->odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
     }
     leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
-    for (odd &= leaf->there; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
-        set_up_odd_triangle(tree, waist, mlrt_lowest_bit(odd), leaf);
+    leaf->odd &= leaf->there;
+    for (uint32_t odd = leaf->odd; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+        set_odd_outline(tree, waist, mlrt_lowest_bit(odd), leaf);
     }
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
     leaf->from_waist = leaf->there;
-    leaf->doubtful = doubtful_places(leaf);
+}
+
+/* Sets the terms of triangles whose vectors have some of `wanted`. */
+static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t wanted,
+                                           struct mlrt_bundle_leaf *leaf)
+{
+    uint32_t now = 0;
+    for (uint32_t v = 0; v < leaf->row; v += VW) {
+        if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
+        struct bundle_corners of;
+        load_bundle_corners(waist, leaf->corners, leaf->row, v, &of);
+        set_up_bundle_vector(&of, v, leaf->has_places, leaf);
+        now |= (ALL_LANES & 0xFFFF) << v;
+    }
+    for (uint32_t odd = leaf->odd & now; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+        set_up_odd_triangle(tree, waist, mlrt_lowest_bit(odd), leaf);
+    }
+    leaf->ready |= now;
+    leaf->doubtful |= doubtful_places(leaf) & now;
 }
 
 /* Where the set-up of a leaf is kept, if it is. */
@@ -299,18 +333,29 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child
            leaf->has_places >= bundle->has_places;
 }
 
-/* The set-up of a leaf. A worker keeps the last ones for its next tiles. */
+/*
+ * The set-up of a leaf, and in *seen which of its triangles the bundle may hit: these have their terms. A worker keeps the
+ * last set-ups for its next tiles.
+ */
 MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job, const struct mlrt_bundle *bundle,
-                                                            uint32_t child, const struct mlrt_worker *worker)
+                                                            int has_places, uint32_t child,
+                                                            const struct mlrt_worker *worker, uint32_t *seen)
 {
     struct mlrt_bundle_cache *cache = bundle->cache;
     const uint32_t place = place_of_leaf(child, cache);
     struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
     if (!has_bundle_leaf(bundle, child)) {
-        set_up_bundle_leaf(job->tree, &bundle->waist, bundle->has_places, child, worker->mask, leaf);
+        begin_bundle_leaf(job->tree, &bundle->waist, bundle->has_places, child, worker->mask, leaf);
         cache->children[place] = child;
     }
-    if (MLRT_UNLIKELY(leaf->doubtful != 0) && !bundle->has_places) settle_signs(job->tree, &bundle->waist, leaf);
+    struct hull_outline whole;
+    outline_whole(bundle, has_places, &whole);
+    *seen = triangles_met(leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
+    if (*seen & ~leaf->ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->ready, leaf);
+    if (MLRT_UNLIKELY(leaf->doubtful != 0) && !has_places) {
+        settle_signs(job->tree, &bundle->waist, leaf);
+        *seen &= leaf->from_waist;
+    }
     return leaf;
 }
 
@@ -326,28 +371,6 @@ static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle
 }
 
 /* ---- cuts ---- */
-
-/* Triangles of a leaf that rays with these slopes and places may hit, by their boxes. */
-MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, float first, float last, const float slope_lo[2],
-                                   const float slope_hi[2], const float place_lo[2], const float place_hi[2],
-                                   int has_places, uint32_t among)
-{
-    uint32_t met = 0;
-    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
-        if (!(among >> v & ALL_LANES)) continue;
-        const vf from = v_max(v_load(leaf->lo[0] + v), v_set1(first)), to = v_min(v_load(leaf->hi[0] + v), v_set1(last));
-        vm may = v_le(from, to);
-        MLRT_UNROLL
-        for (int i = 0; i < 2; ++i) {
-            const vf lo = v_set1(slope_lo[i]), hi = v_set1(slope_hi[i]);
-            const vf upper = upper_place(from, to, lo, hi, v_set1(place_hi[i]), has_places);
-            const vf lower = lower_place(from, to, lo, hi, v_set1(place_lo[i]), has_places);
-            may = m_and(may, m_and(v_le(v_load(leaf->lo[1 + i] + v), upper), v_ge(v_load(leaf->hi[1 + i] + v), lower)));
-        }
-        met |= m_bits(may) << v;
-    }
-    return met & among;
-}
 
 /* Of an edge function, or of D: bounds over the hull of a packet, but for rounding. */
 MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place, const float *constant,

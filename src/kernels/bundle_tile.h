@@ -142,13 +142,9 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
 MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t place,
                                    int has_places, uint32_t seen)
 {
-    const struct mlrt_hulls *hulls = &bundle->hulls;
-    const float slope_lo[2] = {hulls->slope[0].lo[place], hulls->slope[1].lo[place]};
-    const float slope_hi[2] = {hulls->slope[0].hi[place], hulls->slope[1].hi[place]};
-    const float place_lo[2] = {hulls->place[0].lo[place], hulls->place[1].lo[place]};
-    const float place_hi[2] = {hulls->place[0].hi[place], hulls->place[1].hi[place]};
-    const uint32_t met = triangles_met(leaf, hulls->first[place], hulls->last[place], slope_lo, slope_hi, place_lo,
-                                       place_hi, has_places, seen);
+    struct hull_outline hull;
+    outline_packet(bundle, place, has_places, &hull);
+    const uint32_t met = triangles_met(leaf, &hull, has_places, seen);
     return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
 }
 
@@ -174,11 +170,8 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                       uint32_t child, uint32_t met, int has_places)
 {
-    const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, child, worker);
-    const struct mlrt_hull *whole = &bundle->whole;
-    const uint32_t seen = triangles_met(leaf, whole->first, whole->last, whole->slope_lo, whole->slope_hi, whole->place_lo,
-                                        whole->place_hi, has_places,
-                                        has_places ? leaf->there : leaf->from_waist);
+    uint32_t seen;
+    const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, has_places, child, worker, &seen);
     if (!seen) return;
     if (met & bundle->closed || mlrt_count_bits(seen) <= mlrt_count_bits(met)) {
         uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;

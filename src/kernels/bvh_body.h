@@ -20,6 +20,7 @@
 #include "bvh_single.h"
 #include "bundle.h"
 #include "camera_cells.h"
+#include "bundle_outline.h"
 #include "bundle_leaf.h"
 #include "bundle_cover.h"
 #include "lanes.h"
