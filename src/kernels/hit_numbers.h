@@ -181,14 +181,25 @@ MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator
     return d_gt(d_set1(MLRT_GREATEST_D_SIZE), d_mul(d_size, denominator->size));
 }
 
+/* Ends that x / D lies between. */
+struct quotient_ends {
+    vd low;
+    vd high;
+};
+
+MLRT_INLINE struct quotient_ends enclose_quotients(vd x, vd width, const struct lane_denominator *denominator)
+{
+    const vd quotient = d_mul(x, denominator->inverse);
+    return (struct quotient_ends){d_mul_add(width, denominator->minus_size, quotient),
+                                  d_mul_add(width, denominator->size, quotient)};
+}
+
 /* Rounds x / D to floats. Returns the lanes where that is certain. */
 MLRT_INLINE uint32_t round_quotients(vd x, vd width, const struct lane_denominator *denominator, float *result)
 {
-    const vd quotient = d_mul(x, denominator->inverse);
-    const vd low = d_mul_add(width, denominator->minus_size, quotient);
-    const vd high = d_mul_add(width, denominator->size, quotient);
-    d_store(result, high);
-    return MLRT_GUESS ? ALL_LANES : d_same_float(low, high);
+    const struct quotient_ends ends = enclose_quotients(x, width, denominator);
+    d_store(result, ends.high);
+    return MLRT_GUESS ? ALL_LANES : d_same_float(ends.low, ends.high);
 }
 
 MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane, vd direction[3])
