@@ -775,11 +775,11 @@ MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
 }
 
 /*
- * t of a triangle that lies in a plane across an axis is (a - o) / d there. A camera that looks down an axis has d = 1 for
- * all its rays, and if a - o is midway between two floats, it is so for all that they hit of a wall. Let a - o be exact, and
- * q the quotient, rounded. What is midway between floats is a double, so q is on the same side of it as the true quotient,
- * unless q is midway itself. Then it has 25 bits, and q d is exact: if that is a - o, so is q. Returns 0 where this does not
- * say what t rounds to.
+ * t of a triangle that lies in a plane across an axis is (a - o) / d there. A camera that looks down an axis has d = 1
+ * for all its rays, and if a - o is midway between two floats, it is so for all that they hit of a wall. Let a - o be
+ * exact, and q the quotient, rounded. What is midway between floats is a double, so q is on the same side of it as the
+ * true quotient, unless q is midway itself. Then it has 25 bits, and q d is exact: if that is a - o, so is q. Returns 0
+ * where this does not say what t rounds to.
  */
 static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *t)
 {

@@ -506,7 +506,8 @@ static void trace_to_structs(const struct fixture *fixture, const struct ray_lis
         for (size_t l = 0; variant->probe && l < sizeof layouts / sizeof layouts[0]; l++) {
             struct structs structs = make_structs(&layouts[l], list->count, list->count, 0);
             const mlrt_hits hits = hits_of_structs(&structs);
-            assert_int_equal(mlrt_trace_packet(variant_tree(variant, fixture), &rays, &variant->options, &hits), MLRT_OK);
+            assert_int_equal(mlrt_trace_packet(variant_tree(variant, fixture), &rays, &variant->options, &hits),
+                             MLRT_OK);
             check_and_free_structs(&structs, expected, list->count);
         }
     }

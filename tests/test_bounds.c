@@ -1472,7 +1472,8 @@ static double attack_judge_quotient(const float *input)
     return fmax(ratio, place_in(truth, u.low, u.high));
 }
 
-static double place_in_quotient(double x, double width, const struct lane_denominator *denominator, const mpf_t quotient)
+static double place_in_quotient(double x, double width, const struct lane_denominator *denominator,
+                                const mpf_t quotient)
 {
     const struct quotient_ends ends = enclose_quotients(x, width, denominator);
     return place_in(quotient, ends.low, ends.high);

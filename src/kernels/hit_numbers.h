@@ -8,30 +8,32 @@
  *     normal = (c-a) x (a-b)     D = d . normal     e_ca = (c-a) . (p x d) = d . ((c-a) x p)
  *                                N = p . normal     e_ab = (a-b) . (p x d) = d . ((a-b) x p)
  *
- * A component of a cross product has a product, a difference and the factors of what is multiplied: 1 for a side or p, none
- * for d. The dot product adds those of its other vector, a product and at most two sums. So there are 7 factors, for N 8, as
- * there, and the errors are at most 8.001 u of the sizes. Where a processor multiplies and adds at once there are fewer.
+ * A component of a cross product has a product, a difference and the factors of what is multiplied: 1 for a side or p,
+ * none for d. The dot product adds those of its other vector, a product and at most two sums. So there are 7 factors,
+ * for N 8, as there, and the errors are at most 8.001 u of the sizes. Where a processor multiplies and adds at once
+ * there are fewer.
  *
- * WIDTHS. Let X and D be as computed, x and d the true ones, s(X) and s(D) their sizes, or more: all lanes of a packet share
- * a bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain, the judge reports (mlrt_report_lane). Elsewhere
- * |D - d| < 2^-37 |D|, so facing is the sign of D, and
+ * WIDTHS. Let X and D be as computed, x and d the true ones, s(X) and s(D) their sizes, or more: all lanes of a packet
+ * share a bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain, the judge reports (mlrt_report_lane).
+ * Elsewhere |D - d| < 2^-37 |D|, so facing is the sign of D, and
  *
  *     x / d - X / D = ((x - X) + (x / d) (D - d)) / D.
  *
  * u and v are at most 1 where a ray hits, so this is at most 8.001 u (s(X) + s(D)) / |D|. t is at most 1 + 2^-36 times
  * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D) is
- * rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. That is less than w / |D| with the width
+ * rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. That is less than w / |D| with the
+ * width
  *
  *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
  *
- * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as that. If
- * both ends round to one float, that is the answer; else the judge has it. For a direction of common length the widths are
- * 2^-38 of t, and 2^-48 of the ratios of the triangle's size and distance in u and v: one hit of thousands goes to the
- * judge.
+ * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as
+ * that. If both ends round to one float, that is the answer; else the judge has it. For a direction of common length
+ * the widths are 2^-38 of t, and 2^-48 of the ratios of the triangle's size and distance in u and v: one hit of
+ * thousands goes to the judge.
  *
- * What all rays that hit a triangle share, and those of one origin, hit_terms.h keeps: neighbours mostly hit the same. A
- * packet that hits more than FEW_TRIANGLES works that out for each lane; with 3 in place of 2 nothing is gained, as more of
- * them are new.
+ * What all rays that hit a triangle share, and those of one origin, hit_terms.h keeps: neighbours mostly hit the same.
+ * A packet that hits more than FEW_TRIANGLES works that out for each lane; with 3 in place of 2 nothing is gained, as
+ * more of them are new.
  */
 
 #define FEW_TRIANGLES 2
@@ -228,9 +230,9 @@ static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
 }
 
 /*
- * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are lanes
- * that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after storing
- * each, and wait.)
+ * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are
+ * lanes that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after
+ * storing each, and wait.)
  */
 static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *term, double direction_size,
                                  uint32_t outputs, struct mlrt_packet_values *values)
@@ -323,9 +325,9 @@ static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt
 }
 
 /* All lanes of a triangle, as its terms are kept. */
-static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
-                            double direction_size, uint32_t outputs, struct mlrt_hit_term_cache *cache,
-                            struct mlrt_packet_values *values)
+static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                          uint32_t number, double direction_size, uint32_t outputs,
+                                          struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {
     const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
     return packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
