@@ -11,8 +11,8 @@
 /* The judge has hits whose D is so many times smaller than its size, or more: this bounds the error of t. */
 #define MLRT_GREATEST_D_SIZE 0x1p12
 
-/* Which is which. A size is the sum of the magnitudes of a vector's components, or a product of such sums; a width is what
- * a quotient with D may be off by, times |D|. */
+/* Which is which. A size is the sum of the magnitudes of a vector's components, or a product of such sums; a width is
+ * what a quotient with D may be off by, times |D|. */
 enum mlrt_hit_term {
     /* Of all rays: the first corner, the sides c-a and a-b, and the normal. */
     MLRT_HIT_CORNER,

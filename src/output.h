@@ -20,8 +20,8 @@ enum mlrt_channel {
     MLRT_CHANNEL_COUNT
 };
 
-/* Channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses: they are written
- * together. */
+/* Channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses: they are
+ * written together. */
 struct mlrt_sink_group {
     unsigned char *data; /* of the first; the strides are those of all */
     size_t stride;
@@ -77,7 +77,7 @@ size_t mlrt_channel_size(enum mlrt_channel channel);
 void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
                       struct mlrt_packet_values *values);
 
-/* Writes the values of a packet's lanes `lanes`, whose block starts at (x, y) of the sink, to all channels of 4 bytes. */
+/* Writes values of the lanes `lanes` of a packet, whose block starts at (x, y) of the sink, to all channels of 4 bytes. */
 void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
                        const struct mlrt_sink *sink);
 

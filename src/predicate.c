@@ -799,6 +799,27 @@ MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
     return MLRT_GUESS || (float)enclosure.low == *result;
 }
 
+/*
+ * t of a triangle that lies in a plane across an axis is (a - o) / d there. A camera that looks down an axis has d = 1
+ * for all its rays, and if a - o is midway between two floats, it is so for all that they hit of a wall. Let a - o be
+ * exact, and q the quotient, rounded. What is midway between floats is a double, so q is on the same side of it as the
+ * true quotient, unless q is midway itself. Then it has 25 bits, and q d is exact: if that is a - o, so is q. Returns 0
+ * where this does not say what t rounds to.
+ */
+static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *t)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!is_across(triangle, axis)) continue;
+        const double to = triangle->v[0][axis], from = ray->origin[axis], d = ray->direction[axis];
+        const double difference = to - from, back = to - difference;
+        if (d == 0 || (to - (difference + back)) - (from - back) != 0) return 0;
+        const double quotient = difference / d;
+        *t = (float)quotient;
+        return quotient * d == difference || (float)(quotient * (1 - 0x1p-51)) == (float)(quotient * (1 + 0x1p-51));
+    }
+    return 0;
+}
+
 void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
                      struct mlrt_hit_report *report)
 {
@@ -812,7 +833,10 @@ void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_trian
     uint32_t undecided = 0;
     if (outputs & MLRT_OUTPUT_FACING) report->facing = crossing.d.value > 0 ? 1 : -1;
     if (outputs & MLRT_OUTPUT_T) {
-        if (!round_enclosure(enclose_quotient(crossing.n, d), &report->t)) undecided |= MLRT_OUTPUT_T;
+        if (!round_enclosure(enclose_quotient(crossing.n, d), &report->t) &&
+            !round_flat_quotient(ray, triangle, &report->t)) {
+            undecided |= MLRT_OUTPUT_T;
+        }
     }
     if (outputs & MLRT_OUTPUT_UV) {
         struct two_edges edges = measure_edges(&operands);

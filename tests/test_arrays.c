@@ -426,6 +426,139 @@ static void frames_of_a_box(void **state)
     free_fixture(&fixture);
 }
 
+/* ---- results in structs ------------------------------------------------------------------------------------------ */
+
+/* Where words are in a struct of so many; -1 = not asked for. */
+struct layout {
+    int words;
+    int place[WORDS];
+};
+
+static const struct layout layouts[] = {
+    {5, {0, 1, 2, 3, 4, -1}}, {6, {0, 1, 2, 3, 4, 5}},    {8, {0, 1, 2, 3, 4, -1}},    {6, {5, 4, 3, 2, 1, 0}},
+    {8, {2, 3, 7, 0, 1, -1}}, {7, {0, -1, -1, 2, 3, -1}}, {2, {0, -1, -1, -1, 1, -1}}, {3, {-1, 1, 2, -1, -1, 0}},
+    {7, {3, 4, 5, 0, 6, 2}},  {1, {-1, -1, -1, -1, 0, -1}}};
+
+/* Structs that lie in rows of so many, with a gap of words after each row. */
+struct structs {
+    const struct layout *layout;
+    size_t width;
+    size_t gap;
+    uint32_t *data;
+    size_t size;
+};
+
+static size_t place_of(const struct structs *structs, size_t i, int word)
+{
+    const size_t words = (size_t)structs->layout->words, row = structs->width * words + structs->gap;
+    return i / structs->width * row + i % structs->width * words + (size_t)structs->layout->place[word];
+}
+
+/* They end with their memory. */
+static struct structs make_structs(const struct layout *layout, size_t count, size_t width, size_t gap)
+{
+    struct structs structs = {layout, width, gap, NULL, 0};
+    for (int word = 0; word < WORDS; word++) {
+        const size_t end = layout->place[word] < 0 ? 0 : 4 * (place_of(&structs, count - 1, word) + 1);
+        if (end > structs.size) structs.size = end;
+    }
+    structs.data = allocate_guarded(structs.size);
+    memset(structs.data, GUARD, structs.size);
+    return structs;
+}
+
+static mlrt_hits hits_of_structs(const struct structs *structs)
+{
+    mlrt_hits hits = {.struct_size = sizeof hits};
+    mlrt_array *const arrays[WORDS] = {&hits.t, &hits.u, &hits.v, &hits.mesh, &hits.triangle, &hits.facing};
+    const size_t stride = 4 * (size_t)structs->layout->words;
+    for (int word = 0; word < WORDS; word++) {
+        if (structs->layout->place[word] < 0) continue;
+        *arrays[word] = (mlrt_array){structs->data + structs->layout->place[word], stride,
+                                     stride * structs->width + 4 * structs->gap};
+    }
+    return hits;
+}
+
+/* What was asked for is there, and nothing else was touched. */
+static void check_and_free_structs(struct structs *structs, const struct reference_hit *expected, size_t count)
+{
+    uint32_t *image = allocate_or_fail(structs->size, 1);
+    memset(image, GUARD, structs->size);
+    for (size_t i = 0; i < count; i++) {
+        for (int word = 0; word < WORDS; word++) {
+            if (structs->layout->place[word] >= 0) image[place_of(structs, i, word)] = word_of(&expected[i], word);
+        }
+    }
+    assert_memory_equal(structs->data, image, structs->size);
+    free(image);
+    free_guarded(structs->data, structs->size);
+}
+
+static void trace_to_structs(const struct fixture *fixture, const struct ray_list *list, uint32_t row_length)
+{
+    struct reference_hit expected[COUNT];
+    trace_reference(fixture, list, expected);
+    mlrt_rays rays = public_rays(list);
+    rays.row_length = row_length;
+    for (size_t v = 0; v < variant_count(); v++) {
+        const struct variant *variant = variant_at(v);
+        for (size_t l = 0; variant->probe && l < sizeof layouts / sizeof layouts[0]; l++) {
+            struct structs structs = make_structs(&layouts[l], list->count, list->count, 0);
+            const mlrt_hits hits = hits_of_structs(&structs);
+            assert_int_equal(mlrt_trace_packet(variant_tree(variant, fixture), &rays, &variant->options, &hits),
+                             MLRT_OK);
+            check_and_free_structs(&structs, expected, list->count);
+        }
+    }
+}
+
+static void rays_to_structs(void **state)
+{
+    (void)state;
+    struct random random = {1908};
+    struct fixture fixture = three_meshes();
+    struct ray_list picture = {0}, aimed = {0};
+    add_picture(&picture);
+    add_aimed_rays(&aimed, &random, &fixture, COUNT, -3, 3);
+    for (uint32_t row_length = 0; row_length <= 20; row_length += 5) {
+        trace_to_structs(&fixture, &picture, row_length);
+        trace_to_structs(&fixture, &aimed, row_length);
+    }
+    free_rays(&picture);
+    free_rays(&aimed);
+    free_fixture(&fixture);
+}
+
+/* Of a picture whole tiles are missed, and whole tiles hit one triangle. */
+static void frames_in_structs(void **state)
+{
+    (void)state;
+    const float eye[3] = {0.3f, -3, 0.7f}, target[3] = {0, 0, 0}, lo[3] = {-1, -1, -1}, hi[3] = {1, 1, 1};
+    struct soup soup = {0};
+    soup_add_box(&soup, lo, hi);
+    struct fixture fixture = fixture_of_soup("box", 1909, &soup);
+    const mlrt_camera camera = look_at(eye, target, 1.2f, 83, 79);
+    struct ray_list list = {0};
+    add_camera_rays(&list, &camera);
+    struct reference_hit *expected = allocate_or_fail(list.count, sizeof *expected);
+    trace_reference(&fixture, &list, expected);
+    for (size_t v = 0; v < variant_count(); v++) {
+        const struct variant *variant = variant_at(v);
+        for (size_t l = 0; variant->probe && l < sizeof layouts / sizeof layouts[0]; l++) {
+            struct structs structs = make_structs(&layouts[l], list.count, camera.width, l % 3);
+            const mlrt_hits frame = hits_of_structs(&structs);
+            assert_int_equal(
+                mlrt_render_tiles(variant_tree(variant, &fixture), &camera, &variant->options, &frame, NULL, NULL),
+                MLRT_OK);
+            check_and_free_structs(&structs, expected, list.count);
+        }
+    }
+    free(expected);
+    free_rays(&list);
+    free_fixture(&fixture);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -436,6 +569,8 @@ int main(void)
         cmocka_unit_test(points_of_a_directional_light),
         cmocka_unit_test(frames_of_a_torus),
         cmocka_unit_test(frames_of_a_box),
+        cmocka_unit_test(rays_to_structs),
+        cmocka_unit_test(frames_in_structs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

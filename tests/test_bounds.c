@@ -1472,6 +1472,51 @@ static double attack_judge_quotient(const float *input)
     return fmax(ratio, place_in(truth, u.low, u.high));
 }
 
+static double place_in_quotient(double x, double width, const struct lane_denominator *denominator,
+                                const mpf_t quotient)
+{
+    const struct quotient_ends ends = enclose_quotients(x, width, denominator);
+    return place_in(quotient, ends.low, ends.high);
+}
+
+/* Of packets: lane by lane, and by terms that are kept. u is that of a hit, so at most 1. */
+static double attack_packet_quotient(const float *input)
+{
+    static struct mlrt_packet packet;
+    struct mlrt_triangle triangle;
+    struct mlrt_hit_terms kept;
+    struct plane_terms plane;
+    struct start_terms start;
+    struct lane_denominator denominator;
+    double corner[9], origin[3], direction[3], moment[3];
+    load_judge(input);
+    load_triangle(input, &triangle);
+    for (int k = 0; k < 9; ++k) corner[k] = triangle.v[k / 3][k % 3];
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = input[9 + k];
+        direction[k] = packet.direction[k][0] = input[12 + k];
+    }
+    set_plane_terms(corner, &plane);
+    set_start_terms(&plane, origin, MLRT_OUTPUT_UV, &start);
+    mlrt_set_plane_terms(&triangle, &kept);
+    mlrt_set_origin_terms(input + 9, &kept);
+    const double size = greatest_direction_size(&packet, 1);
+    const double d = fused_dot_product(direction, plane.normal);
+    if (!invert_denominator(d, plane.normal_size * size, &denominator)) return -1;
+    find_d_and_n(other_truth, truth);
+    mpf_div(truth, truth, other_truth);
+    double ratio = place_in_quotient(start.n, start.n_width, &denominator, truth);
+    ratio = fmax(ratio, place_in_quotient(kept.term[MLRT_HIT_N], kept.term[MLRT_HIT_N_WIDTH], &denominator, truth));
+    find_edge(2, truth);
+    mpf_div(truth, truth, other_truth);
+    if (mpf_sgn(truth) < 0 || mpf_cmp_ui(truth, 1) > 0) return ratio;
+    fused_cross_product(start.p, direction, moment);
+    ratio = fmax(ratio, place_in_quotient(fused_dot_product(plane.side[0], moment), start.edge_width[0] * size,
+                                          &denominator, truth));
+    return fmax(ratio, place_in_quotient(fused_dot_product(direction, kept.term + MLRT_HIT_EDGE),
+                                         kept.term[MLRT_HIT_EDGE_WIDTH] * size, &denominator, truth));
+}
+
 /* ---- clipping ---------------------------------------------------------------------------------------------------- */
 
 /* Inputs: a triangle, a box, a plane. */
@@ -1750,6 +1795,7 @@ static void double_bounds_hold(void **state)
         {"double: N - t D", TRIANGLE_AND_RAY + 1, 0, attack_judge_beyond, 0.4, NULL},
         {"double: order", TRIANGLE_AND_RAY + 9, 0, attack_judge_order, 0.4, NULL},
         {"double: quotients", TRIANGLE_AND_RAY, 0, attack_judge_quotient, 0.15, NULL},
+        {"double: quotients of packets", TRIANGLE_AND_RAY, 0, attack_packet_quotient, 0.15, NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);

@@ -949,6 +949,20 @@ static void quotients_beside_a_middle(void **state)
     assert_true(count > CASES_PER_KIND / 4);
 }
 
+/* Across an axis, t = M, odd and of 25 bits, or 1 / d more or less. */
+static void walls_at_a_middle_and_beside_it(void **state)
+{
+    (void)state;
+    random_state = 31;
+    for (int i = 0; i < CASES_PER_KIND; ++i) {
+        const int64_t unit = 1 << 20, middle = 0x1000001 + 2 * (int64_t)(next_random() % 0x800000);
+        const int64_t speed = 1 + (int64_t)(next_random() % 0x10000);
+        const int64_t to_wall = middle * speed + i % 3 - 1, depth = (to_wall + unit / 2) / unit * unit;
+        struct test_case test = make_facing_case(-1, 2, 0, 0, (float)(depth - to_wall), (float)depth, (float)speed);
+        assert_true(check_case(&test));
+    }
+}
+
 static void ties_of_u_and_v_go_to_even(void **state)
 {
     (void)state;
@@ -1175,6 +1189,7 @@ int main(void)
         cmocka_unit_test(triangles_that_meet_where_the_ray_hits),
         cmocka_unit_test(ties_of_t_go_to_even),
         cmocka_unit_test(quotients_beside_a_middle),
+        cmocka_unit_test(walls_at_a_middle_and_beside_it),
         cmocka_unit_test(ties_of_u_and_v_go_to_even),
         cmocka_unit_test(t_can_be_denormal_or_vanish),
         cmocka_unit_test(t_can_overflow),

@@ -3,19 +3,37 @@
  * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time: what mlrt_report_hit says of one
  * ray, to the same bits, since each is the float nearest to one and the same quotient.
  *
- * The determinants are those at the head of predicate.c, all as a cross product of two vectors of triangle and origin
- * and its dot product with a third:
+ * With p = a - o, the determinants are those at the head of predicate.c:
  *
- *     D = d . (b-a cross c-a)     N = p . (b-a cross c-a)     e_ca = d . (c-a cross p)     e_ab = d . (p cross b-a)
+ *     normal = (c-a) x (a-b)     D = d . normal     e_ca = (c-a) . (p x d) = d . ((c-a) x p)
+ *                                N = p . normal     e_ab = (a-b) . (p x d) = d . ((a-b) x p)
  *
- * A component of a cross product has 4 factors, one of each difference, a product and a difference, and the dot product
- * adds a product and at most two sums, for N the factor of p as well. So there are 7 factors, for N 8, as there; its
- * bounds hold, and so do those of the quotients, which are formed in the same way. A quotient whose enclosure has ends
- * that round to different floats, or whose denominator is uncertain, is left to mlrt_report_hit. Where a processor
- * multiplies and adds at once there are fewer factors.
+ * A component of a cross product has a product, a difference and the factors of what is multiplied: 1 for a side or p,
+ * none for d. The dot product adds those of its other vector, a product and at most two sums. So there are 7 factors,
+ * for N 8, as there, and the errors are at most 8.001 u of the sizes. Where a processor multiplies and adds at once
+ * there are fewer.
  *
- * The cross products are the same for all rays from one origin that hit one triangle: hit_terms.h keeps them. Packets
- * that hit few triangles take them from there, and others work them out for each lane.
+ * WIDTHS. Let X and D be as computed, x and d the true ones, s(X) and s(D) their sizes, or more: all lanes of a packet
+ * share a bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain, the judge reports (mlrt_report_lane).
+ * Elsewhere |D - d| < 2^-37 |D|, so facing is the sign of D, and
+ *
+ *     x / d - X / D = ((x - X) + (x / d) (D - d)) / D.
+ *
+ * u and v are at most 1 where a ray hits, so this is at most 8.001 u (s(X) + s(D)) / |D|. t is at most 1 + 2^-36 times
+ * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D) is
+ * rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. That is less than w / |D| with the
+ * width
+ *
+ *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
+ *
+ * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as
+ * that. If both ends round to one float, that is the answer; else the judge has it. For a direction of common length
+ * the widths are 2^-38 of t, and 2^-48 of the ratios of the triangle's size and distance in u and v: one hit of
+ * thousands goes to the judge.
+ *
+ * What all rays that hit a triangle share, and those of one origin, hit_terms.h keeps: neighbours mostly hit the same.
+ * A packet that hits more than FEW_TRIANGLES works that out for each lane; with 3 in place of 2 nothing is gained, as
+ * more of them are new.
  */
 
 #define FEW_TRIANGLES 2
@@ -165,14 +183,25 @@ MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator
     return d_gt(d_set1(MLRT_GREATEST_D_SIZE), d_mul(d_size, denominator->size));
 }
 
+/* Ends that x / D lies between. */
+struct quotient_ends {
+    vd low;
+    vd high;
+};
+
+MLRT_INLINE struct quotient_ends enclose_quotients(vd x, vd width, const struct lane_denominator *denominator)
+{
+    const vd quotient = d_mul(x, denominator->inverse);
+    return (struct quotient_ends){d_mul_add(width, denominator->minus_size, quotient),
+                                  d_mul_add(width, denominator->size, quotient)};
+}
+
 /* Rounds x / D to floats. Returns the lanes where that is certain. */
 MLRT_INLINE uint32_t round_quotients(vd x, vd width, const struct lane_denominator *denominator, float *result)
 {
-    const vd quotient = d_mul(x, denominator->inverse);
-    const vd low = d_mul_add(width, denominator->minus_size, quotient);
-    const vd high = d_mul_add(width, denominator->size, quotient);
-    d_store(result, high);
-    return MLRT_GUESS ? ALL_LANES : d_same_float(low, high);
+    const struct quotient_ends ends = enclose_quotients(x, width, denominator);
+    d_store(result, ends.high);
+    return MLRT_GUESS ? ALL_LANES : d_same_float(ends.low, ends.high);
 }
 
 MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane, vd direction[3])
@@ -201,9 +230,9 @@ static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
 }
 
 /*
- * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are lanes
- * that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after storing
- * each, and wait.)
+ * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are
+ * lanes that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after
+ * storing each, and wait.)
  */
 static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *term, double direction_size,
                                  uint32_t outputs, struct mlrt_packet_values *values)
@@ -296,9 +325,9 @@ static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt
 }
 
 /* All lanes of a triangle, as its terms are kept. */
-static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t number,
-                            double direction_size, uint32_t outputs, struct mlrt_hit_term_cache *cache,
-                            struct mlrt_packet_values *values)
+static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                          uint32_t number, double direction_size, uint32_t outputs,
+                                          struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {
     const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
     return packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)

@@ -6,8 +6,8 @@
 
 #include "hit_numbers.h"
 
-/* The ids of the lanes whose triangles are of a mesh. `is_first`: other lanes get those of misses; else they stay. Returns
- * the lanes. */
+/* The ids of the lanes whose triangles are of a mesh. `is_first`: other lanes get those of misses; else they stay.
+ * Returns the lanes. */
 MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
                                       int is_first, struct mlrt_packet_values *values)
 {
@@ -24,7 +24,7 @@ MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mes
     return found;
 }
 
-/* The ids of what the lanes `hit` hit, of one mesh after the other. Neighbours mostly hit the mesh that was hit last. */
+/* The ids of what the lanes `hit` hit, mesh by mesh. Neighbours mostly hit the mesh that was hit last. */
 MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                  uint32_t *last_mesh, struct mlrt_packet_values *values)
 {
