@@ -186,6 +186,7 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
     const vf close = v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE)));
     uint32_t settled = 0;
     doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
+    if (doubtful && mlrt_is_stopped_in_step(worker)) return doubtful;
     while (doubtful) {
         const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
         const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->cover + v), i_set1(cover)));

@@ -517,6 +517,7 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     uint32_t left = lanes;
+    if (mlrt_is_stopped_in_step(worker)) return 0;
     while (lanes) {
         const uint32_t nearest = packet->triangle[(uint32_t)v + mlrt_lowest_bit(lanes)];
         const vi triangle = i_load(packet->triangle + v);
