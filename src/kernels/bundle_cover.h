@@ -213,6 +213,32 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
 }
 
 /*
+ * Packets all of whose rays begin behind a triangle, lane by lane: most that meet it near where they begin leave the
+ * surface that it is part of, and that is slanted, so depths do not tell. D has one sign for all rays of `places`.
+ */
+static MLRT_NOINLINE uint32_t find_leaving(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                                           uint32_t places, uint32_t backward)
+{
+    uint32_t leaving = 0;
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places), active = bundle->tile->packets[place].active;
+        const struct mlrt_bundle_rays *rays = &bundle->rays[place];
+        const float away = leaf->away[triangle] + bundle->hulls.away[place];
+        const vf error = v_set1(DISTANCE_ERROR * away + DISTANCE_FLOOR), zero = v_set1(0);
+        const vf sign = v_set1(backward >> place & 1 ? -1.0f : 1.0f);
+        uint32_t outside = 0;
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            vf n = v_set1(leaf->distance[triangle]);
+            MLRT_UNROLL
+            for (int i = 0; i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), v_load(rays->to_waist[i] + v), n);
+            outside |= m_bits(v_lt(v_add(v_flip(n, sign), error), zero)) << v;
+        }
+        if (!(active & ~outside)) leaving |= 1u << place;
+    }
+    return leaving;
+}
+
+/*
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
  */
@@ -228,11 +254,18 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
-        const vm behind = m_and(of.sure, v_gt(of.near, last));
+        const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))), passed = m_and(of.sure, beside);
         const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
-        uint32_t met = among >> v & ~m_bits(m_or(of.out, behind)) & ALL_LANES, passing = 0;
+        uint32_t met = among >> v & ~m_bits(m_or(of.out, passed)) & ALL_LANES, passing = 0;
+        if (has_places && met & bundle->closed >> v) {
+            const vm near_begin = m_and(of.sure, v_lt(of.near, v_load(hulls->core_first + v)));
+            const uint32_t beginning = m_bits(near_begin) & met & bundle->closed >> v;
+            if (beginning) {
+                met &= ~(find_leaving(bundle, leaf, triangle, beginning << v, m_bits(of.backward) << v) >> v);
+            }
+        }
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
             const struct mlrt_packet *packet = &bundle->tile->packets[(uint32_t)v + mlrt_lowest_bit(left)];
             const uint32_t lanes = passing_lanes(packet, number), bit = left & (0u - left);
