@@ -213,27 +213,27 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
 }
 
 /*
- * Packets all of whose rays begin behind a triangle, lane by lane: most that meet it near where they begin leave the
- * surface that it is part of, and that is slanted, so depths do not tell. D has one sign for all rays of `places`.
+ * Packets all of whose rays begin behind a triangle, in double, by N (close_calls.h): most that meet it near where they
+ * begin leave the surface that it is part of. D has one sign for all rays of `places`, that of the waist being turned
+ * with its axis.
  */
-static MLRT_NOINLINE uint32_t find_leaving(const struct bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+static MLRT_NOINLINE uint32_t find_leaving(const struct mlrt_tree *tree, const struct bundle *bundle, uint32_t number,
                                            uint32_t places, uint32_t backward)
 {
+    struct close_triangle triangle;
     uint32_t leaving = 0;
+    if (bundle->waist.sign < 0) backward = ~backward;
+    set_close_triangle(&tree->triangles[number], &bundle->tile->packets[mlrt_lowest_bit(places)], &triangle);
     for (; places; places &= places - 1) {
-        const uint32_t place = mlrt_lowest_bit(places), active = bundle->tile->packets[place].active;
-        const struct mlrt_bundle_rays *rays = &bundle->rays[place];
-        const float away = leaf->away[triangle] + bundle->hulls.away[place];
-        const vf error = v_set1(DISTANCE_ERROR * away + DISTANCE_FLOOR), zero = v_set1(0);
-        const vf sign = v_set1(backward >> place & 1 ? -1.0f : 1.0f);
+        const uint32_t place = mlrt_lowest_bit(places);
+        const struct mlrt_packet *packet = &bundle->tile->packets[place];
+        const vd sign = d_set1(backward >> place & 1 ? -1 : 1), error = d_set1(CLOSE_ERROR);
         uint32_t outside = 0;
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            vf n = v_set1(leaf->distance[triangle]);
-            MLRT_UNROLL
-            for (int i = 0; i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), v_load(rays->to_waist[i] + v), n);
-            outside |= m_bits(v_lt(v_add(v_flip(n, sign), error), zero)) << v;
+        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+            place_origin(packet, lane, &triangle);
+            outside |= (d_gt(d_mul(triangle.n_size, d_sub(d_set1(0), error)), d_flip(triangle.n, sign))) << lane;
         }
-        if (!(active & ~outside)) leaving |= 1u << place;
+        if (!(packet->active & ~outside)) leaving |= 1u << place;
     }
     return leaving;
 }
@@ -263,7 +263,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
             const vm near_begin = m_and(of.sure, v_lt(of.near, v_load(hulls->core_first + v)));
             const uint32_t beginning = m_bits(near_begin) & met & bundle->closed >> v;
             if (beginning) {
-                met &= ~(find_leaving(bundle, leaf, triangle, beginning << v, m_bits(of.backward) << v) >> v);
+                met &= ~(find_leaving(job->tree, bundle, number, beginning << v, m_bits(of.backward) << v) >> v);
             }
         }
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
