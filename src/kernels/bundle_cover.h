@@ -25,13 +25,14 @@ struct triangle_of_packets {
 };
 
 /* An edge function, or D, over the hulls of a vector of packets. */
-MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant, const float *coefficient,
-                                    int stride, int term_count, vf *least, vf *greatest)
+MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant,
+                                    const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], uint32_t triangle, int term_count,
+                                    vf *least, vf *greatest)
 {
     vf middle = v_set1(constant), radius = v_set1(0);
     MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) {
-        const vf c = v_set1(coefficient[i * stride]);
+        const vf c = v_set1(coefficient[i][triangle]);
         middle = v_mul_add(c, v_load(hulls->middle[i] + v), middle);
         radius = v_mul_add(v_abs(c), v_load(hulls->radius[i] + v), radius);
     }
@@ -74,8 +75,8 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
     vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least, greatest;
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
-        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], &leaf->edge[i][0][triangle],
-                           MLRT_BVH_LEAF_LIMIT, term_count, &least, &greatest);
+        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], leaf->edge[i], triangle, term_count, &least,
+                           &greatest);
         lowest = v_min(greatest, lowest);
         highest = v_max(least, highest);
         inner_low = v_min(least, inner_low);
@@ -86,8 +87,7 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
         bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * leaf->steepness[triangle]), bound);
     }
     const vf width = v_mul(reach, v_set1(2 * PLANE_BOUND));
-    bound_over_packets(hulls, v, leaf->normal[0][triangle], &leaf->normal[1][triangle], MLRT_BVH_LEAF_LIMIT, 2, &least,
-                       &greatest);
+    bound_over_packets(hulls, v, leaf->normal[0][triangle], leaf->normal + 1, triangle, 2, &least, &greatest);
     const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
     const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
     of->out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
@@ -118,14 +118,20 @@ MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pa
     const vf reach = v_load(hulls->reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
     const vf error = v_mul(reach, v_set1(2 * line->error));
     const vf bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * line->steepness), error);
-    vf least, greatest, least_d, greatest_d;
-    bound_over_packets(hulls, v, line->constant, line->coefficient, 1, MLRT_RAY_TERMS, &least, &greatest);
-    bound_over_packets(hulls, v, line->normal[0], line->normal + 1, 1, 2, &least_d, &greatest_d);
-    const vm above = v_gt(least, bound), below = v_lt(greatest, v_sub(zero, bound));
-    const vm backward = v_lt(greatest_d, v_sub(zero, width));
-    const vm sure = m_and(of->sure, m_or(v_gt(least_d, width), backward));
-    const vm same = m_or(m_and(backward, of->backward), m_andnot(m_andnot(sure, backward), of->backward));
-    const vm other = m_andnot(sure, same);
+    vf f = v_set1(line->constant), d = v_set1(line->normal[0]), f_radius = zero, d_radius = zero;
+    for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
+        const vf middle = v_load(hulls->middle[i] + v), radius = v_load(hulls->radius[i] + v);
+        f = v_mul_add(v_set1(line->coefficient[i]), middle, f);
+        f_radius = v_mul_add(v_abs(v_set1(line->coefficient[i])), radius, f_radius);
+        if (i >= 2) continue;
+        d = v_mul_add(v_set1(line->normal[1 + i]), middle, d);
+        d_radius = v_mul_add(v_abs(v_set1(line->normal[1 + i])), radius, d_radius);
+    }
+    const vm above = v_gt(v_sub(f, f_radius), bound), below = v_lt(v_add(f, f_radius), v_sub(zero, bound));
+    const vm forward_2 = v_gt(v_sub(d, d_radius), width), backward_2 = v_lt(v_add(d, d_radius), v_sub(zero, width));
+    const vm forward = m_andnot(of->sure, of->backward);
+    const vm same = m_or(m_and(forward_2, forward), m_and(backward_2, of->backward));
+    const vm other = m_or(m_and(forward_2, of->backward), m_and(backward_2, forward));
     order->farther = m_or(m_and(above, same), m_and(below, other));
     order->nearer = m_or(m_and(below, same), m_and(above, other));
 }
