@@ -11,6 +11,11 @@
  * there. z lies between the least and the greatest of the quotients of these ends, whatever their signs; each quotient has
  * one rounding, and is moved by SLOPE_SLACK of itself.
  *
+ * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
+ * first, the line of their planes does (../pair_line.c): an edge function, which is bounded over the hull as those of
+ * bundle_leaf.h are, with its own error in place of EDGE_ERROR. So walls that are there twice leave packets closed. A
+ * triangle that rays leave, as they begin on or near it, is told by N in double, lane by lane.
+ *
  * Based on: Reshetov et al. 2005, section 4.1 (an object that every possible ray hits ends the search).
  */
 
