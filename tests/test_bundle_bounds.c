@@ -440,10 +440,11 @@ static double attack_ends(const float *input, int is_distance)
     const uint32_t number = 7;
     struct bundle_vector of = {.least_n = INFINITY, .greatest_n = INFINITY, .least_d = 1, .greatest_d = 1};
     leaf.numbers = &number;
+    struct plane_of_rays plane;
     of.triangle = MLRT_NONE;
     for (int i = 0; i < 2; i++) of.slope[i] = bundle.rays[0].term[i][0];
     for (int i = 0; i < 3; i++) of.to_waist[i] = bundle.rays[0].to_waist[i][0];
-    test_distances(&leaf, 0, &bounds, bundle.rays[0].begin, 1, 0xFFFFFFFFu, 0xFFFFFFFFu, &of);
+    test_distances(&leaf, 0, &bounds, bundle.rays[0].begin, 1, 0xFFFFFFFFu, 0xFFFFFFFFu, &of, &plane);
     if (of.triangle != number) return -1;
     find_cross(&edge[2], &edge[0]); /* (a - c) x (b - a) */
     if (is_distance) subtract_vectors(&corner[0], &origin, &corner[0]);

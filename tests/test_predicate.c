@@ -468,12 +468,19 @@ static void check_hit(const struct test_case *test)
     check(mlrt_hits_triangle(&test->ray, &test->triangle, NULL) == hit, "hits_triangle", test);
 }
 
-/* Returns whether the ray is said to leave the plane; only those that do may be. */
-static int check_leaving(const struct test_case *test)
+/* What double says of the triangle, if it says something: 1 hit, 0 not, else -1. */
+static int check_offer(const struct test_case *test)
 {
-    const int leaves = mlrt_leaves_plane(test->ray.origin, test->ray.direction, &test->triangle);
-    check(!leaves || mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0, "leaves_plane", test);
-    return leaves;
+    const int hit = expected_hit(&first_integers, &test->ray);
+    float lo = test->ray.t_max, hi = lo;
+    const int said = mlrt_offer_in_double(&test->ray, &test->triangle, 0, NULL, &lo, &hi);
+    check(said < 0 || said == hit, "offer_in_double", test);
+    if (hit) {
+        lo = hi = test->ray.t_max;
+        check(mlrt_offer_in_double(&test->ray, &test->triangle, 1, NULL, &lo, &hi) != 0, "offer_in_double, inside", test);
+        check(lo <= hi && hi <= test->ray.t_max, "offer_in_double, bounds", test);
+    }
+    return said;
 }
 
 /* The interval's ends at, just below and just above t. */
@@ -522,7 +529,7 @@ static int check_case(struct test_case *test)
     struct integers *z = &first_integers;
     set_integers(z, test);
     check_triangle(test);
-    check_leaving(test);
+    check_offer(test);
     int facing = expected_facing(z);
     check(facing_exactly(&test->ray, &test->triangle, (const int[3]){0, 0, 0}, NULL) == facing, "facing_exactly", test);
     if (!expected_hit(z, &test->ray)) {
@@ -575,7 +582,7 @@ static void rays_from_the_plane(void **state)
         set_integers(&first_integers, &test);
         check_hit(&test);
         leaving += mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
-        sure += check_leaving(&test);
+        sure += check_offer(&test) == 0 && mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
     }
     assert_true(leaving > CASES_PER_KIND / 3 && sure > leaving - leaving / 100);
 }
@@ -698,6 +705,22 @@ static int expected_share(struct integers *first, const struct integers *second)
     return 1;
 }
 
+/* Offers the first triangle in double where the second is hit, with bounds of its t. `order` is that of the triangles. */
+static void check_offer_before(const struct test_case *test, const struct mlrt_triangle *second, int order)
+{
+    const struct mlrt_ray_segment *ray = &test->ray;
+    float lo, hi, first_lo, first_hi;
+    const int hit = mlrt_hits_triangle(ray, &test->triangle, NULL);
+    if (!mlrt_hits_triangle(ray, second, NULL)) return;
+    mlrt_bound_distance(ray, second, &lo, &hi);
+    const int said = mlrt_offer_in_double(ray, &test->triangle, hit, second, &lo, &hi);
+    check(said < 0 || said == (hit && order < 0), "offer_in_double, of two", test);
+    check(said < 0 || !hit || order != 0, "offer_in_double, tie", test);
+    if (said != 1) return;
+    mlrt_bound_distance(ray, &test->triangle, &first_lo, &first_hi);
+    check(lo == first_lo && hi == first_hi, "offer_in_double, bounds", test);
+}
+
 /* Compares in both directions, fast and exactly. 1 if the distances are equal. */
 static int check_pair(const struct test_case *test, const struct mlrt_triangle *second)
 {
@@ -718,6 +741,7 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
     check(mlrt_compare_distance(ray, second, first, NULL) == -order, "compare_distance, swapped", test);
     check(compare_close_distance(ray, first, second, NULL) == order, "compare_close_distance", test);
     check(compare_distance_exactly(ray, first, second) == order, "compare_distance_exactly", test);
+    check_offer_before(test, second, order);
     return order == 0;
 }
 
