@@ -50,10 +50,10 @@
 
 /* and so many of their rays: through a node, and through a leaf that is not set up. */
 #ifndef MLRT_FEW_RAYS
-#define MLRT_FEW_RAYS 12
+#define MLRT_FEW_RAYS 32
 #endif
 #ifndef MLRT_FEW_LEAF_RAYS
-#define MLRT_FEW_LEAF_RAYS 0
+#define MLRT_FEW_LEAF_RAYS 3
 #endif
 
 /*
