@@ -671,7 +671,7 @@ static double attack_single_t(const float *input)
     if (!load_single(input, &test)) return -1;
     test.least = test.greatest = FLT_MAX;
     test.above = test.below = 0;
-    const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY);
+    const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY, 0);
     if (!verdict.nearer || isinf(verdict.hi)) return -1;
     find_d_and_n(other_truth, truth);
     mpf_div(truth, truth, other_truth);
