@@ -430,31 +430,67 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
 
 /* ---- tests ---- */
 
-/* Edge functions of a vector of rays: the least and the greatest of a triangle's three. */
+#define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
+
+/* Edge functions of a packet's rays: the least and the greatest of a triangle's three. */
 struct edge_values {
-    vf least;
-    vf greatest;
+    MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT];
+    uint32_t of_vector[PACKET_VECTORS]; /* triangles that some ray of each is not surely outside of */
 };
 
-/* Finds them. Returns whether some ray is not surely outside. */
-MLRT_INLINE int find_edge_values(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const vf *term, int has_places,
-                                 vf bound, struct edge_values *of)
+/*
+ * Finds them for a number of vectors, from one on: with nothing else in registers, and no branch on what each triangle says.
+ * Most of many have no ray inside, and are done with so.
+ */
+MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays, uint32_t active,
+                                  uint32_t triangles, int has_places, int first, int count, struct edge_values *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    vf least = v_set1(0), greatest = least;
+    vf term[PACKET_VECTORS][MLRT_RAY_TERMS];
+    uint32_t met[PACKET_VECTORS] = {0};
     MLRT_UNROLL
-    for (int edge = 0; edge < 3; ++edge) {
-        vf e = v_set1(leaf->edge_constant[edge][triangle]);
+    for (int n = 0; n < count; ++n) {
+        const int v = VW * (first + n);
+        const vm lanes = m_from_bits(active >> v);
         MLRT_UNROLL
-        for (int i = 0; i < term_count; ++i) e = v_mul_add(v_set1(leaf->edge[edge][i][triangle]), term[i], e);
-        least = edge ? v_min(e, least) : e;
-        if (has_places) greatest = edge ? v_max(e, greatest) : e;
+        for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
     }
-    of->least = least;
-    of->greatest = greatest;
-    /* Lanes that are not active have NaN, of which no comparison is true. */
-    const vm positive = v_ge(least, v_sub(v_set1(0), bound));
-    return m_bits(has_places ? m_or(positive, v_le(greatest, bound)) : positive) != 0;
+    for (; triangles; triangles &= triangles - 1) {
+        const uint32_t triangle = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
+        vf least[PACKET_VECTORS], greatest[PACKET_VECTORS];
+        MLRT_UNROLL
+        for (int edge = 0; edge < 3; ++edge) {
+            vf e[PACKET_VECTORS];
+            MLRT_UNROLL
+            for (int n = 0; n < count; ++n) e[n] = v_set1(leaf->edge_constant[edge][triangle]);
+            MLRT_UNROLL
+            for (int i = 0; i < term_count; ++i) {
+                const vf c = v_set1(leaf->edge[edge][i][triangle]);
+                MLRT_UNROLL
+                for (int n = 0; n < count; ++n) e[n] = v_mul_add(c, term[n][i], e[n]);
+            }
+            MLRT_UNROLL
+            for (int n = 0; n < count; ++n) {
+                least[n] = edge ? v_min(e[n], least[n]) : e[n];
+                if (has_places) greatest[n] = edge ? v_max(e[n], greatest[n]) : e[n];
+            }
+        }
+        const vf bound = v_set1(of->bound[triangle]);
+        MLRT_UNROLL
+        for (int n = 0; n < count; ++n) {
+            const int v = VW * (first + n);
+            v_store(of->least[triangle] + v, least[n]);
+            if (has_places) v_store(of->greatest[triangle] + v, greatest[n]);
+            /* Lanes that are not active have NaN, of which no comparison is true. */
+            vm may = v_ge(least[n], v_sub(v_set1(0), bound));
+            if (has_places) may = m_or(may, v_le(greatest[n], bound));
+            met[n] |= m_bits(may) ? bit : 0;
+        }
+    }
+    MLRT_UNROLL
+    for (int n = 0; n < count; ++n) of->of_vector[first + n] = met[n];
 }
 
 /* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients (bvh_tile.h). */
@@ -688,40 +724,32 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     return changed | nearer;
 }
 
-/* Tests a vector of a packet's rays against triangles of a leaf; those that no ray may hit stay in *passed. Returns the
- * lanes whose nearest hit changed. */
+/* Tests a vector of a packet's rays against triangles of a leaf, by their edge functions. Returns the lanes whose nearest
+ * hit changed. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                        uint32_t triangles, const float *edge_bound, uint32_t place, int has_places, int v,
-                                        struct mlrt_bundle_rays *rays, struct mlrt_packet *packet, uint32_t *passed)
+                                        const struct edge_values *edges, uint32_t place, int has_places, int v)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
-    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    struct edge_values edges[MLRT_BVH_LEAF_LIMIT];
-    vf term[MLRT_RAY_TERMS];
-    uint32_t met = 0, decided = 0;
-    const vm active = m_from_bits(packet->active >> v);
-    MLRT_UNROLL
-    for (int i = 0; i < term_count; ++i) term[i] = v_select(active, v_load(rays->term[i] + v), v_set1(NAN));
-    for (uint32_t left = triangles; left; left &= left - 1) {
-        const uint32_t triangle = mlrt_lowest_bit(left);
-        const vf bound = v_set1(edge_bound[triangle]);
-        met |= find_edge_values(leaf, triangle, term, has_places, bound, &edges[triangle]) ? left & (0u - left) : 0;
-    }
-    if (!met) return 0;
-    *passed &= ~met;
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
                                         bundle->has_begins};
     const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
+    uint32_t decided = 0;
     struct bundle_vector of;
     load_bundle_vector(rays, packet, has_places, v, &of);
-    for (; met; met &= met - 1) {
+    for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
-        const vf bound = v_set1(edge_bound[triangle]), below = v_sub(v_set1(0), bound);
-        const vf least = edges[triangle].least, greatest = edges[triangle].greatest;
+        const vf bound = v_set1(edges->bound[triangle]), below = v_sub(v_set1(0), bound);
+        const vf least = v_load(edges->least[triangle] + v);
         const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
         vm inside = v_gt(least, bound), may = v_ge(least, below);
-        if (has_places) inside = m_or(inside, v_lt(greatest, below)), may = m_or(may, v_le(greatest, bound));
+        if (has_places) {
+            const vf greatest = v_load(edges->greatest[triangle] + v);
+            inside = m_or(inside, v_lt(greatest, below));
+            may = m_or(may, v_le(greatest, bound));
+        }
         may = m_andnot(may, known);
         if (job->any) may = m_and(may, i_eq(of.triangle, i_set1(MLRT_NONE)));
         if (MLRT_UNLIKELY(packet->has_masks)) {
@@ -740,23 +768,34 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     return decided | store_bundle_vector(&of, v, rays, packet);
 }
 
+/* Vectors whose edge functions are found at once: of rays from anywhere, more have no room in registers. */
+#define VECTORS_FROM_ANYWHERE (PACKET_VECTORS < 2 ? PACKET_VECTORS : 2)
+
 /* Tests a packet against triangles of a leaf, and counts those in vain. Returns the lanes whose nearest hit changed. */
 MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                         const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
                                         int has_places)
 {
-    struct mlrt_packet *packet = &bundle->tile->packets[place];
-    MLRT_ALIGNED(64) float edge_bound[MLRT_BVH_LEAF_LIMIT];
-    uint32_t changed = 0, passed = triangles;
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const uint32_t active = bundle->tile->packets[place].active;
+    struct edge_values edges;
+    uint32_t changed = 0, met = 0;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
-    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(active));
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
-        v_store(edge_bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
+        v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
     }
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        changed |= test_bundle_vector(job, worker, bundle, leaf, triangles, edge_bound, place, has_places, v,
-                                      &bundle->tile->rays[place], packet, &passed);
+    if (has_places) {
+        for (int first = 0; first < PACKET_VECTORS; first += VECTORS_FROM_ANYWHERE) {
+            find_edge_values(leaf, rays, active, triangles, 1, first, VECTORS_FROM_ANYWHERE, &edges);
+        }
+    } else {
+        find_edge_values(leaf, rays, active, triangles, 0, 0, PACKET_VECTORS, &edges);
     }
-    bundle->tests[place] += mlrt_count_bits(passed);
+    for (int n = 0; n < PACKET_VECTORS; ++n) {
+        met |= edges.of_vector[n];
+        if (edges.of_vector[n]) changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_places, VW * n);
+    }
+    bundle->tests[place] += mlrt_count_bits(triangles & ~met);
     return changed;
 }

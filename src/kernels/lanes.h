@@ -64,7 +64,7 @@ struct lanes_search {
 };
 
 /* Between which coordinates rays lie along an axis: see the head of this file, "HULLS". */
-MLRT_INLINE void bound_rays(const struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search)
+MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search)
 {
     vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -126,7 +126,7 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
         search->negative[k] = negative;
         search->agree[k] = !(zero & lanes) && (!negative || negative == lanes);
         if (!search->agree[k]) {
-            bound_rays(packet, lanes, k, search);
+            bound_along(packet, lanes, k, search);
             continue;
         }
         search->lo[k] = lowest_of(packet->origin[k], lanes);
