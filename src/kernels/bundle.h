@@ -760,15 +760,20 @@ MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlr
     }
 }
 
-/* The packets that may meet a box. */
+/* The packets that may meet a box. Without places all look from the waist on. */
 MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
+    const float begin = larger_of(box->from, bundle->whole.first);
     uint32_t met = 0;
+    if (!(box->to >= begin)) return 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        const vf from = v_max(v_set1(box->from), v_load(hulls->first + v));
-        const vf to = v_min(v_set1(box->to), v_load(hulls->last + v));
-        vm may = v_le(from, to);
+        vf from = v_set1(begin), to = v_set1(box->to), last = v_load(hulls->last + v);
+        if (has_places) {
+            from = v_max(from, v_load(hulls->first + v));
+            to = last = v_min(to, last);
+        }
+        vm may = v_le(from, last);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_load(hulls->slope[i].lo + v), hi = v_load(hulls->slope[i].hi + v);
