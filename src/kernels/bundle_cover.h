@@ -111,6 +111,13 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
 #define MOST_APART   0.25f
 #define ALWAYS_CLOSE 1e-4f
 
+MLRT_INLINE vm are_close(vf near, vf far, const struct triangle_of_packets *of)
+{
+    const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
+    const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
+    return v_le(apart, v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE))));
+}
+
 /* Of packets, those in which all rays that hit a triangle do so behind what covers them, and before it. */
 struct order_of_packets {
     vm farther;
@@ -248,11 +255,9 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vf far = v_load(hulls->last + v), near = v_load(hulls->cover_near + v);
-    const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
-    const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
-    const vf close = v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE)));
+    const vm close = are_close(near, far, of);
     uint32_t settled = 0;
-    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
+    doubtful &= m_bits(m_andnot(close, i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
     if (doubtful && mlrt_is_stopped_in_step(worker)) return doubtful;
     while (doubtful) {
         const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
@@ -280,29 +285,74 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
 }
 
 /*
- * Packets all of whose rays begin behind a triangle, in double, by N (close_calls.h): most that meet it near where they
- * begin leave the surface that it is part of. D has one sign for all rays of `places`, that of the waist being turned
- * with its axis.
+ * Rays of a packet that surely do not come to a plane, by the sign of N - t D where they begin, at t = 0, or end, in
+ * double: those that leave it, or end before it. `sign` is that of D.
  */
-static MLRT_NOINLINE uint32_t find_leaving(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle, uint32_t number,
-                                           uint32_t places, uint32_t backward)
+MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end, double sign)
 {
-    struct close_triangle triangle;
-    uint32_t leaving = 0;
+    const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
+    vd n = d_set1(0), n_size = n;
+    uint32_t apart = 0;
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        if (lane == 0 || !packet->has_apex) {
+            n = n_size = d_set1(0);
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+                const vd to = d_sub(d_set1(plane->point[k]), origin);
+                n = d_add(n, d_mul(to, d_set1(plane->normal[k])));
+                n_size = d_add(n_size, d_mul(d_abs(to), d_set1(plane->size[k])));
+            }
+        }
+        vd height = n, size = n_size;
+        if (at_end) {
+            const vd t_max = d_load(packet->t_max + lane);
+            vd d = d_set1(0), d_size = d;
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                const vd direction = d_load(packet->direction[k] + lane);
+                d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
+                d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
+            }
+            height = d_sub(n, d_mul(t_max, d));
+            size = d_add(n_size, d_mul(t_max, d_size));
+        }
+        apart |= d_gt(d_flip(height, signs), d_mul(size, error)) << lane;
+    }
+    return apart;
+}
+
+/*
+ * Closed packets that meet a triangle where they begin or end, and none of whose rays comes to it: most of them leave the
+ * surface that it is part of, or do not reach it. D has one sign for all rays of each, that of the waist being turned with
+ * its axis.
+ */
+static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
+                                                 uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
+{
+    struct mlrt_plane plane;
+    uint32_t apart = 0, has_plane = 0;
     if (bundle->waist.sign < 0) backward = ~backward;
-    set_close_triangle(&tree->triangles[number], &bundle->tile->packets[mlrt_lowest_bit(places)], &triangle);
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places);
         const struct mlrt_packet *packet = &bundle->tile->packets[place];
-        const vd sign = d_set1(backward >> place & 1 ? -1 : 1), error = d_set1(CLOSE_ERROR);
-        uint32_t outside = 0;
-        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-            place_origin(packet, lane, &triangle);
-            outside |= (d_gt(d_mul(triangle.n_size, d_sub(d_set1(0), error)), d_flip(triangle.n, sign))) << lane;
+        const uint32_t lanes = packet->active & ~passing_lanes(bundle, place, number);
+        if (lanes && !has_plane) {
+            mlrt_set_plane(&tree->triangles[number], &plane);
+            has_plane = 1;
         }
-        if (!(packet->active & ~outside)) leaving |= 1u << place;
+        if (!lanes || !(lanes & ~find_apart(&plane, packet, at_end >> place & 1, backward >> place & 1 ? -1 : 1))) {
+            apart |= places & (0u - places);
+        }
     }
-    return leaving;
+    return apart;
+}
+
+/* Packets that end where they meet a triangle, or nearly so: as find_order asks of covers. */
+MLRT_INLINE vm find_near_end(const struct mlrt_hulls *hulls, int v, const struct triangle_of_packets *of)
+{
+    const vf last = v_load(hulls->last + v), core_last = v_load(hulls->core_last + v);
+    return are_close(core_last, last, of);
 }
 
 /*
@@ -328,11 +378,13 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
         if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
         uint32_t met = among >> v & ~m_bits(m_or(of.out, passed)) & ALL_LANES, passing = 0;
-        if (has_places && met & bundle->closed >> v) {
-            const vm near_begin = m_and(of.sure, v_lt(of.near, v_load(hulls->core_first + v)));
-            const uint32_t beginning = m_bits(near_begin) & met & bundle->closed >> v;
-            if (beginning) {
-                met &= ~(find_leaving(job->tree, bundle, number, beginning << v, m_bits(of.backward) << v) >> v);
+        if (met & bundle->closed >> v && bundle->tile) {
+            const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
+            const uint32_t ending = job->any ? m_bits(find_near_end(hulls, v, &of)) << v : 0;
+            const uint32_t looked_at = ((m_bits(near_begin) << v) | ending) & (met & m_bits(of.sure)) << v &
+                                       bundle->closed & bundle->tile->made;
+            if (looked_at) {
+                met &= ~(find_packets_apart(job->tree, bundle, number, looked_at, ending, m_bits(of.backward) << v) >> v);
             }
         }
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
