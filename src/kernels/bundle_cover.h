@@ -111,13 +111,6 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
 #define MOST_APART   0.25f
 #define ALWAYS_CLOSE 1e-4f
 
-MLRT_INLINE vm are_close(vf near, vf far, const struct triangle_of_packets *of)
-{
-    const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
-    const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
-    return v_le(apart, v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE))));
-}
-
 /* Of packets, those in which all rays that hit a triangle do so behind what covers them, and before it. */
 struct order_of_packets {
     vm farther;
@@ -255,9 +248,11 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vf far = v_load(hulls->last + v), near = v_load(hulls->cover_near + v);
-    const vm close = are_close(near, far, of);
+    const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
+    const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
+    const vf close = v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE)));
     uint32_t settled = 0;
-    doubtful &= m_bits(m_andnot(close, i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
+    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
     if (doubtful && mlrt_is_stopped_in_step(worker)) return doubtful;
     while (doubtful) {
         const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
@@ -348,13 +343,6 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
     return apart;
 }
 
-/* Packets that end where they meet a triangle, or nearly so: as find_order asks of covers. */
-MLRT_INLINE vm find_near_end(const struct mlrt_hulls *hulls, int v, const struct triangle_of_packets *of)
-{
-    const vf last = v_load(hulls->last + v), core_last = v_load(hulls->core_last + v);
-    return are_close(core_last, last, of);
-}
-
 /*
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
@@ -380,11 +368,12 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         uint32_t met = among >> v & ~m_bits(m_or(of.out, passed)) & ALL_LANES, passing = 0;
         if (met & bundle->closed >> v && bundle->tile) {
             const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
-            const uint32_t ending = job->any ? m_bits(find_near_end(hulls, v, &of)) << v : 0;
-            const uint32_t looked_at = ((m_bits(near_begin) << v) | ending) & (met & m_bits(of.sure)) << v &
-                                       bundle->closed & bundle->tile->made;
-            if (looked_at) {
-                met &= ~(find_packets_apart(job->tree, bundle, number, looked_at, ending, m_bits(of.backward) << v) >> v);
+            const vm near_end = v_gt(of.far, v_load(hulls->core_last + v));
+            const uint32_t may_be = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
+            const uint32_t those = may_be << v & bundle->closed & bundle->tile->made;
+            if (those) {
+                met &= ~(find_packets_apart(job->tree, bundle, number, those, ~m_bits(near_begin) << v,
+                                            m_bits(of.backward) << v) >> v);
             }
         }
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
