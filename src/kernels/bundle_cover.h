@@ -344,6 +344,34 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 }
 
 /*
+ * Packets without rays that end before the triangle that they pass (../shadow_cells.c), and so before another one that they
+ * come to later, or that lies in its plane.
+ */
+static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                  struct mlrt_bundle *bundle, uint32_t number, uint32_t places, int v,
+                                                  const struct triangle_of_packets *of)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    uint32_t behind = 0;
+    if (mlrt_is_stopped_in_step(worker)) return places;
+    while (places) {
+        const uint32_t skip = hulls->skip[(uint32_t)v + mlrt_lowest_bit(places)];
+        const uint32_t same = places & m_bits(i_eq(i_load(hulls->skip + v), i_set1(skip)));
+        places &= ~same;
+        if (skip == MLRT_NONE || skip == number) continue;
+        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, skip, worker, bundle->cache);
+        if (line->kind == MLRT_ONE_PLANE) {
+            behind |= same;
+        } else if (line->kind == MLRT_LINE) {
+            struct order_of_packets order;
+            find_order(hulls, line, v, of, &order);
+            behind |= same & m_bits(order.farther);
+        }
+    }
+    return behind;
+}
+
+/*
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
  */
@@ -366,11 +394,13 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
         if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
         uint32_t met = among >> v & ~m_bits(m_or(of.out, passed)) & ALL_LANES, passing = 0;
-        if (met & bundle->closed >> v && bundle->tile) {
+        if (met & bundle->closed >> v) {
             const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
             const vm near_end = v_gt(of.far, v_load(hulls->core_last + v));
             const uint32_t may_be = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
-            const uint32_t those = may_be << v & bundle->closed & bundle->tile->made;
+            const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v, those = (may_be & made) << v & bundle->closed;
+            const uint32_t others = may_be & bundle->closed >> v & ~made;
+            if (others && job->any) met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
             if (those) {
                 met &= ~(find_packets_apart(job->tree, bundle, number, those, ~m_bits(near_begin) << v,
                                             m_bits(of.backward) << v) >> v);
