@@ -13,8 +13,16 @@
  *
  * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
  * first, the line of their planes does (../pair_line.c): an edge function, which is bounded over the hull as those of
- * bundle_leaf.h are, with its own error in place of EDGE_ERROR. So walls that are there twice leave packets closed. A
- * triangle that rays leave, as they begin on or near it, is told by N in double, lane by lane.
+ * bundle_leaf.h are, with its own error in place of EDGE_ERROR. So walls that are there twice leave packets closed.
+ *
+ * BEGINS AND ENDS. Rays begin on surfaces, and end on them. Where D has one certain sign over the hull, say 1, a ray does not
+ * hit the triangle if N < 0, as t < 0, or if N > t_max D. Both are told in double, lane by lane, with the determinants and
+ * sizes of close_calls.h. N - t_max D has one rounding more for the product and one for the difference: with those of N and
+ * D no more than 10.01 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is told.
+ *
+ * Rays that a light's cell stands for end before the plane of the triangle that they pass, S, on the light's side (../shadow.h).
+ * The hull has the direction to a point of S, and D of S one sign over it (find_order), so all rays go towards S, and end at a
+ * t below that of S. A triangle that the line says is met later, or that lies in the plane of S, is not hit.
  *
  * Based on: Reshetov et al. 2005, section 4.1 (an object that every possible ray hits ends the search).
  */
