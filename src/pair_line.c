@@ -77,6 +77,17 @@ static void subtract(const double p[3], const double q[3], double difference[3])
     for (int k = 0; k < 3; ++k) difference[k] = p[k] - q[k];
 }
 
+void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane)
+{
+    double ab[3], ac[3];
+    for (int k = 0; k < 3; ++k) {
+        plane->point[k] = triangle->v[0][k];
+        ab[k] = triangle->v[1][k] - plane->point[k];
+        ac[k] = triangle->v[2][k] - plane->point[k];
+    }
+    cross_with_sizes(ab, ac, plane->normal, plane->size);
+}
+
 static int is_corner(double (*corner)[3], const double point[3])
 {
     for (int i = 0; i < 3; ++i) {

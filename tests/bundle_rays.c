@@ -266,11 +266,31 @@ static void add_from_light(struct ray_list *list, struct random *random, const s
     float light[3], end = draw_end(random);
     draw_place(random, fixture, light);
     const struct shared_targets targets = draw_shared_targets(random);
+    const int skips = draw_below(random, 2) != 0;
     for (size_t i = 0; i < shape.count; i++) {
-        draw_shared_target(random, fixture, &targets, shape, i, sight.points[i]);
-        add_ray_towards(list, light, sight.points[i])->t_max = end;
+        const int is_shared = draw_shared_target(random, fixture, &targets, shape, i, sight.points[i]);
+        struct reference_ray *ray = add_ray_towards(list, light, sight.points[i]);
+        ray->t_max = end;
+        if (skips && !is_shared) skip_hit(ray, &sight.hits[i]);
     }
     free_sight(&sight);
+}
+
+/* From what is seen to what is seen elsewhere: rays begin and end on surfaces, and may skip one of both. */
+static void add_between_surfaces(struct ray_list *list, struct random *random, const struct fixture *fixture,
+                                 struct bundle_shape shape)
+{
+    const struct frame near_frame = draw_frame(random, fixture), far_frame = draw_frame(random, fixture);
+    struct sight near = look(fixture, &near_frame, shape), far = look(fixture, &far_frame, shape);
+    const float end = draw_end(random);
+    const uint32_t skips = draw_below(random, 3);
+    for (size_t i = 0; i < shape.count; i++) {
+        struct reference_ray *ray = add_ray_towards(list, near.points[i], far.points[i]);
+        ray->t_max = end;
+        if (skips) skip_hit(ray, skips == 1 ? &near.hits[i] : &far.hits[i]);
+    }
+    free_sight(&near);
+    free_sight(&far);
 }
 
 /* From vertices, edges and planes of the scene to one point. */
@@ -706,6 +726,7 @@ static const struct {
     {"meet_at_their_ends", add_to_light},
     {"meet_at_their_ends_from_anywhere", add_scattered_to_light},
     {"end_at_what_they_may_touch", add_from_light},
+    {"go_between_surfaces", add_between_surfaces},
     {"meet_far_away", add_far_apex},
     {"meet_behind_their_origins", add_apex_behind},
     {"cross_at_a_waist", add_waist},

@@ -886,6 +886,44 @@ static void walls_of_coplanar_triangles(void **state)
     }
 }
 
+/*
+ * A wall in squares, a copy that is cut along the other diagonal, and another one: their corners lie up to three floats
+ * aside. And a fin that nearly touches it. From lights on its side it is lit but where the fin is before it.
+ */
+static void walls_that_are_there_again_floats_aside(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 370; seed < 370 + scaled(10); seed++) {
+        struct random random = {seed};
+        struct soup soup = {0};
+        const double turn = draw_range(&random, 0, 2);
+        const uint32_t copies = 2 + draw_below(&random, 2), most = draw_below(&random, 4);
+        for (uint32_t n = 0; n < copies * 16; n++) {
+            const int turned = n / 16 == 1;
+            const float corner[3] = {2 * (float)(n % 4) - 4 + (turned ? 2 : 0), 2 * (float)(n / 4 % 4) - 4, 1};
+            const float side[3] = {turned ? -2 : 2, 0, 0}, other[3] = {0, 2, 0};
+            soup_add_quad(&soup, corner, side, other);
+        }
+        if (seed % 3) tilt_soup(&soup, turn);
+        for (size_t i = 9 * 32; i < 9 * soup.count; i++) {
+            soup.corners[i] = next_float(soup.corners[i], (int)draw_below(&random, 2 * most + 1) - (int)most);
+        }
+        float eye[3] = {0.3f, -1.2f, 3}, target[3] = {0, 0.2f, 1}, fin[3][3] = {{-1, 0, 1}, {1, 0.5f, 1}, {0, 1, 2}};
+        for (int i = 0; i < 2; i++) fin[i][2] += draw_below(&random, 2) ? 0 : draw_range(&random, -1e-3f, 1e-3f);
+        for (int i = 0; i < 3 && seed % 3; i++) tilt_point(turn, fin[i]);
+        if (seed % 3) tilt_point(turn, eye), tilt_point(turn, target);
+        if (seed % 2) soup_add_triangle(&soup, fin[0], fin[1], fin[2]);
+        struct fixture fixture = fixture_of_soup("walls there again", seed, &soup);
+        const mlrt_camera camera = look_at(eye, target, draw_range(&random, 0.4f, 1.2f), 90, 70);
+        struct picture picture = make_picture(&fixture, &camera);
+        draw_lights(&random, &picture, 4);
+        picture.lights[0] = light_at(draw_range(&random, -3, 3), draw_range(&random, -3, 3), draw_range(&random, 2, 6));
+        if (seed % 3) tilt_point(turn, picture.lights[0].position);
+        check_picture(&picture, &random);
+        free_fixture(&fixture);
+    }
+}
+
 /* Nothing but one plane: who is on the side of the light is lit, whatever lies in the plane or behind it. */
 static void a_plane_does_not_shade_itself(void **state)
 {
@@ -1629,6 +1667,7 @@ int main(void)
         cmocka_unit_test(walls_seen_at_grazing_angles),
         cmocka_unit_test(walls_that_meet_in_edges),
         cmocka_unit_test(walls_of_coplanar_triangles),
+        cmocka_unit_test(walls_that_are_there_again_floats_aside),
         cmocka_unit_test(a_plane_does_not_shade_itself),
         cmocka_unit_test(shadows_that_reach_into_tiles_by_a_hair),
         cmocka_unit_test(occluders_that_meet_over_a_tile),
