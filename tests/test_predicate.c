@@ -468,12 +468,18 @@ static void check_hit(const struct test_case *test)
     check(mlrt_hits_triangle(&test->ray, &test->triangle, NULL) == hit, "hits_triangle", test);
 }
 
-/* Returns whether the ray is said to leave the plane; only those that do may be. */
-static int check_leaving(const struct test_case *test)
+/* What double says of the triangle where nothing was hit so far: if it says something, that is so. Returns it. */
+static int check_offer(const struct test_case *test)
 {
-    const int leaves = mlrt_leaves_plane(test->ray.origin, test->ray.direction, &test->triangle);
-    check(!leaves || mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0, "leaves_plane", test);
-    return leaves;
+    struct integers *z = &first_integers;
+    float lo = INFINITY, hi = INFINITY;
+    const int offer = mlrt_offer_in_double(&test->ray, &test->triangle, 0, NULL, &lo, &hi);
+    const int is_hit = expected_facing(z) * expected_beyond(z, test->ray.t_min) > 0;
+    check(offer < 0 || offer == is_hit, "offer_in_double", test);
+    if (offer != 1) return offer;
+    check(compare_quotient(z, z->n, lo) >= 0, "offered lo", test);
+    check(isinf(hi) || compare_quotient(z, z->n, hi) <= 0, "offered hi", test);
+    return offer;
 }
 
 /* The interval's ends at, just below and just above t. */
@@ -522,7 +528,7 @@ static int check_case(struct test_case *test)
     struct integers *z = &first_integers;
     set_integers(z, test);
     check_triangle(test);
-    check_leaving(test);
+    check_offer(test);
     int facing = expected_facing(z);
     check(facing_exactly(&test->ray, &test->triangle, (const int[3]){0, 0, 0}, NULL) == facing, "facing_exactly", test);
     if (!expected_hit(z, &test->ray)) {
@@ -574,8 +580,9 @@ static void rays_from_the_plane(void **state)
         }
         set_integers(&first_integers, &test);
         check_hit(&test);
-        leaving += mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
-        sure += check_leaving(&test);
+        const int leaves = mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
+        leaving += leaves;
+        sure += check_offer(&test) == 0 && leaves;
     }
     assert_true(leaving > CASES_PER_KIND / 3 && sure > leaving - leaving / 100);
 }
@@ -698,6 +705,16 @@ static int expected_share(struct integers *first, const struct integers *second)
     return 1;
 }
 
+/* What double says of a triangle where the nearest hit so far is another: in that order, or nothing. */
+static void check_offer_of_two(const struct test_case *test, const struct mlrt_triangle *nearest, int order)
+{
+    float lo, hi;
+    if (!expected_hit(&second_integers, &test->ray)) return;
+    mlrt_bound_distance(&test->ray, nearest, &lo, &hi);
+    const int offer = mlrt_offer_in_double(&test->ray, &test->triangle, 0, nearest, &lo, &hi);
+    check(offer < 0 || offer == (expected_hit(&first_integers, &test->ray) && order < 0), "offer of two", test);
+}
+
 /* Compares in both directions, fast and exactly. 1 if the distances are equal. */
 static int check_pair(const struct test_case *test, const struct mlrt_triangle *second)
 {
@@ -718,6 +735,7 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
     check(mlrt_compare_distance(ray, second, first, NULL) == -order, "compare_distance, swapped", test);
     check(compare_close_distance(ray, first, second, NULL) == order, "compare_close_distance", test);
     check(compare_distance_exactly(ray, first, second) == order, "compare_distance_exactly", test);
+    check_offer_of_two(test, second, order);
     return order == 0;
 }
 
