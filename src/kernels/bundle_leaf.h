@@ -362,9 +362,9 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
 /* Has set-ups for another waist forgotten; those for other axes may stay, if the point and what is seen along are the same. */
 static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle_cache *cache)
 {
-    const size_t place = offsetof(struct mlrt_waist, point);
+    const size_t first = offsetof(struct mlrt_waist, point), size = sizeof *waist - first;
     if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
-    if (memcmp(waist->point, cache->waist.point, sizeof *waist - place) != 0 || cache->waist.main_axis < 0) {
+    if (memcmp((const char *)waist + first, (const char *)&cache->waist + first, size) != 0 || cache->waist.main_axis < 0) {
         memset(cache->children, 0, sizeof cache->children);
     }
     cache->waist = *waist;
