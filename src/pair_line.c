@@ -160,16 +160,21 @@ MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct
     const double from[3] = {(double)waist->sign * waist->point[waist->main_axis], waist->point[(waist->main_axis + 1) % 3],
                             waist->point[(waist->main_axis + 2) % 3]};
     int certain;
-    memset(line, 0, sizeof *line);
     line->waist_count = cache->waist_count;
     line->first = first;
     line->second = second;
+    line->kind = MLRT_ONE_PLANE;
+    if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
+    line->kind = MLRT_NO_LINE;
     if (!load_corners(tree, waist, first, corner_1) || !load_corners(tree, waist, second, corner_2)) return;
     const int balance = find_heights(corner_1, corner_2, height, error, &certain);
     if (certain == 0) {
         line->kind = mlrt_have_one_plane(tree, first, second, worker) ? MLRT_ONE_PLANE : MLRT_NO_LINE;
     } else if (balance == 3 || balance == -3) {
         line->kind = MLRT_LINE;
+        memset(line->coefficient, 0, sizeof line->coefficient);
+        memset(line->normal, 0, sizeof line->normal);
+        line->error = line->steepness = 0;
         line->constant = balance > 0 ? 1 : -1; /* as if D_2 were positive: F / D_2 has the sign of the heights */
         line->normal[0] = 1;
     } else {

@@ -600,17 +600,30 @@ static double attack_filter_t_floor(const float *input)
 
 /* ---- the filter of single rays ----------------------------------------------------------------------------------- */
 
-/* What it works out of the inputs; 0 if that is beyond what float carries, which it must notice. */
-static int load_single(const float *input, struct float_test *test)
+/* What it works out of the inputs: for one ray, or for any from its origin (lanes.h). 0 if that is beyond what float
+ * carries, which it must notice. */
+static int load_single(const float *input, int is_any, struct float_test *test)
 {
+    static struct lanes_search search;
     struct single_ray ray = {.reach = 0};
     double direction[3];
     for (int k = 0; k < 3; ++k) {
-        ray.origin[k] = input[9 + k];
+        ray.origin[k] = search.origin[k] = input[9 + k];
         ray.direction[k] = input[12 + k];
         ray.reach = fmaxf(4 * fabsf(input[12 + k]), ray.reach);
     }
     set_single_test(&ray, input, 1, test);
+    if (is_any) {
+        struct triangles_from_origin of;
+        search.reach = ray.reach;
+        set_up_from_origin(&search, input, 1, &of);
+        const vf ca[3] = {of.ca[0][0], of.ca[1][0], of.ca[2][0]}, ab[3] = {of.ab[0][0], of.ab[1][0], of.ab[2][0]};
+        const vf normal[3] = {of.normal[0][0], of.normal[1][0], of.normal[2][0]};
+        set_test_from_origin(ca, ab, normal, ray.direction, of.edge_bound[0], test);
+        test->plane_bound = of.plane_bound[0];
+        test->distance = of.distance[0];
+        test->distance_bound = of.distance_bound[0];
+    }
     load_direction(input, direction);
     load_exactly(input, direction);
     assert_true(test->above > 0 && test->plane_bound > 0 && test->distance_bound > 0);
@@ -622,48 +635,65 @@ static int load_single(const float *input, struct float_test *test)
 
 static double attack_single_edges(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test) || isinf(test.above)) return -1;
-    find_edge(0, truth);
-    mpf_set(other_truth, truth);
-    for (int i = 1; i < 3; ++i) {
-        static mpf_t edge;
-        if (!edge->_mp_d) mpf_init(edge);
-        find_edge(i, edge);
-        if (mpf_cmp(edge, truth) < 0) mpf_set(truth, edge);
-        if (mpf_cmp(edge, other_truth) > 0) mpf_set(other_truth, edge);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test) || isinf(test.above)) continue;
+        find_edge(0, truth);
+        mpf_set(other_truth, truth);
+        for (int i = 1; i < 3; ++i) {
+            static mpf_t edge;
+            if (!edge->_mp_d) mpf_init(edge);
+            find_edge(i, edge);
+            if (mpf_cmp(edge, truth) < 0) mpf_set(truth, edge);
+            if (mpf_cmp(edge, other_truth) > 0) mpf_set(other_truth, edge);
+        }
+        worst = fmax(worst, error_over(truth, test.least, test.above));
+        worst = fmax(worst, error_over(other_truth, test.greatest, test.above));
     }
-    return fmax(error_over(truth, test.least, test.above), error_over(other_truth, test.greatest, test.above));
+    return worst;
 }
 
 static double attack_single_d(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test) || isinf(test.plane_bound)) return -1;
-    find_d_and_n(other_truth, truth);
-    return error_over(other_truth, test.determinant, test.plane_bound);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test) || isinf(test.plane_bound)) continue;
+        find_d_and_n(other_truth, truth);
+        worst = fmax(worst, error_over(other_truth, test.determinant, test.plane_bound));
+    }
+    return worst;
 }
 
 static double attack_single_n(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test) || isinf(test.distance_bound)) return -1;
-    find_d_and_n(other_truth, truth);
-    return error_over(truth, test.distance, test.distance_bound);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test) || isinf(test.distance_bound)) continue;
+        find_d_and_n(other_truth, truth);
+        worst = fmax(worst, error_over(truth, test.distance, test.distance_bound));
+    }
+    return worst;
 }
 
 /* Where t of a hit is between the ends that are kept. */
 static double attack_single_t(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test)) return -1;
-    test.least = test.greatest = FLT_MAX;
-    test.above = test.below = 0;
-    const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY);
-    if (!verdict.nearer || isinf(verdict.hi)) return -1;
-    find_d_and_n(other_truth, truth);
-    mpf_div(truth, truth, other_truth);
-    return place_in(truth, verdict.lo, verdict.hi);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test)) continue;
+        test.least = test.greatest = FLT_MAX;
+        test.above = test.below = 0;
+        const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY, 0);
+        if (!verdict.nearer || isinf(verdict.hi)) continue;
+        find_d_and_n(other_truth, truth);
+        mpf_div(truth, truth, other_truth);
+        worst = fmax(worst, place_in(truth, verdict.lo, verdict.hi));
+    }
+    return worst;
 }
 
 /* ---- two tempting bounds ----------------------------------------------------------------------------------------- */

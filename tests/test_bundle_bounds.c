@@ -599,27 +599,35 @@ static void draw_depths(struct random *random, const struct bound *bound, float 
     input[4] = clamp_input(input[4], 0);
 }
 
+/* Those of the first ray and a triangle. */
+static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct edge_values *found)
+{
+    found->bound[0] = edge_bounds(&bundle.hulls, 0, of->steepness[0], has_places);
+    if (has_places) {
+        find_edge_values(of, &tile.rays[0], 1, 1, 1, 0, 1, found);
+    } else {
+        find_edge_values(of, &tile.rays[0], 1, 1, 0, 0, 1, found);
+    }
+}
+
 /* In units of size / |d_main|. An edge is put in the place of the others, since only the least of all three is kept. */
 static double edges_over(const float *input, int has_places)
 {
+    static struct edge_values found;
     double worst = 0;
-    float term[MLRT_RAY_TERMS];
     if (!bundle_of(input, 1, has_places)) return -1;
     set_up_triangle(input);
-    const float bound = edge_bounds(&bundle.hulls, 0, leaf.steepness[0], has_places);
-    for (int i = 0; i < MLRT_RAY_TERMS; i++) term[i] = tile.rays[0].term[i][0];
     for (int i = 0; i < 3; i++) {
-        struct edge_values found;
         struct mlrt_bundle_leaf one = leaf;
         for (int j = 0; j < 3; j++) {
             one.edge_constant[j][0] = leaf.edge_constant[i][0];
             memcpy(one.edge[j], leaf.edge[i], sizeof one.edge[j]);
         }
-        find_edge_values(&one, 0, term, has_places, bound, &found);
+        find_edges(&one, has_places, &found);
         find_edge(i, 0);
         turn_as_leaf();
         set_scale(divisors[EDGE_DIVISOR(i)], tile.rays[0].pace[0]);
-        worst = fmax(worst, fabs(error_over(found.least, bound)));
+        worst = fmax(worst, fabs(error_over(found.least[0][0], found.bound[0])));
     }
     return worst;
 }
@@ -778,19 +786,18 @@ static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_ra
 {
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const struct plane_bounds bounds = {PLANE_BOUND * hulls->reach[0], has_places ? hulls->away[0] : 0, 0};
-    const float bound = edge_bounds(hulls, 0, leaf.steepness[0], has_places);
-    float term[MLRT_RAY_TERMS];
-    struct edge_values edges;
+    static struct edge_values edges;
     static const uint32_t number = 7;
     leaf.numbers = &number;
     *of = (struct bundle_vector){.least_n = INFINITY, .greatest_n = INFINITY, .least_d = 1, .greatest_d = 1};
     of->triangle = MLRT_NONE;
-    for (int i = 0; i < MLRT_RAY_TERMS; i++) term[i] = tile.rays[0].term[i][0];
-    for (int i = 0; i < 2; i++) of->slope[i] = term[i];
+    for (int i = 0; i < 2; i++) of->slope[i] = tile.rays[0].term[i][0];
     for (int i = 0; i < 3; i++) of->to_waist[i] = has_places ? tile.rays[0].to_waist[i][0] : 0;
-    if (!find_edge_values(&leaf, 0, term, has_places, bound, &edges)) return -1;
-    vm inside = v_gt(edges.least, bound), may = v_ge(edges.least, -bound);
-    if (has_places) inside = m_or(inside, v_lt(edges.greatest, -bound)), may = m_or(may, v_le(edges.greatest, bound));
+    find_edges(&leaf, has_places, &edges);
+    if (!edges.of_vector[0]) return -1;
+    const float least = edges.least[0][0], greatest = edges.greatest[0][0], bound = edges.bound[0];
+    vm inside = v_gt(least, bound), may = v_ge(least, -bound);
+    if (has_places) inside = m_or(inside, v_lt(greatest, -bound)), may = m_or(may, v_le(greatest, bound));
     const uint32_t undecided =
         test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, may, inside, of, plane);
     return of->triangle == number ? 1 : undecided ? 0 : -1;

@@ -468,18 +468,19 @@ static void check_hit(const struct test_case *test)
     check(mlrt_hits_triangle(&test->ray, &test->triangle, NULL) == hit, "hits_triangle", test);
 }
 
-/* What double says of the triangle where nothing was hit so far: if it says something, that is so. Returns it. */
+/* What double says of the triangle, if it says something: 1 hit, 0 not, else -1. */
 static int check_offer(const struct test_case *test)
 {
-    struct integers *z = &first_integers;
-    float lo = INFINITY, hi = INFINITY;
-    const int offer = mlrt_offer_in_double(&test->ray, &test->triangle, 0, NULL, &lo, &hi);
-    const int is_hit = expected_facing(z) * expected_beyond(z, test->ray.t_min) > 0;
-    check(offer < 0 || offer == is_hit, "offer_in_double", test);
-    if (offer != 1) return offer;
-    check(compare_quotient(z, z->n, lo) >= 0, "offered lo", test);
-    check(isinf(hi) || compare_quotient(z, z->n, hi) <= 0, "offered hi", test);
-    return offer;
+    const int hit = expected_hit(&first_integers, &test->ray);
+    float lo = test->ray.t_max, hi = lo;
+    const int said = mlrt_offer_in_double(&test->ray, &test->triangle, 0, NULL, &lo, &hi);
+    check(said < 0 || said == hit, "offer_in_double", test);
+    if (hit) {
+        lo = hi = test->ray.t_max;
+        check(mlrt_offer_in_double(&test->ray, &test->triangle, 1, NULL, &lo, &hi) != 0, "offer_in_double, inside", test);
+        check(lo <= hi && hi <= test->ray.t_max, "offer_in_double, bounds", test);
+    }
+    return said;
 }
 
 /* The interval's ends at, just below and just above t. */
@@ -580,9 +581,8 @@ static void rays_from_the_plane(void **state)
         }
         set_integers(&first_integers, &test);
         check_hit(&test);
-        const int leaves = mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
-        leaving += leaves;
-        sure += check_offer(&test) == 0 && leaves;
+        leaving += mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
+        sure += check_offer(&test) == 0 && mpz_sgn(first_integers.n) * mpz_sgn(first_integers.d) < 0;
     }
     assert_true(leaving > CASES_PER_KIND / 3 && sure > leaving - leaving / 100);
 }
@@ -705,14 +705,20 @@ static int expected_share(struct integers *first, const struct integers *second)
     return 1;
 }
 
-/* What double says of a triangle where the nearest hit so far is another: in that order, or nothing. */
-static void check_offer_of_two(const struct test_case *test, const struct mlrt_triangle *nearest, int order)
+/* Offers the first triangle in double where the second is hit, with bounds of its t. `order` is that of the triangles. */
+static void check_offer_before(const struct test_case *test, const struct mlrt_triangle *second, int order)
 {
-    float lo, hi;
-    if (!expected_hit(&second_integers, &test->ray)) return;
-    mlrt_bound_distance(&test->ray, nearest, &lo, &hi);
-    const int offer = mlrt_offer_in_double(&test->ray, &test->triangle, 0, nearest, &lo, &hi);
-    check(offer < 0 || offer == (expected_hit(&first_integers, &test->ray) && order < 0), "offer of two", test);
+    const struct mlrt_ray_segment *ray = &test->ray;
+    float lo, hi, first_lo, first_hi;
+    const int hit = mlrt_hits_triangle(ray, &test->triangle, NULL);
+    if (!mlrt_hits_triangle(ray, second, NULL)) return;
+    mlrt_bound_distance(ray, second, &lo, &hi);
+    const int said = mlrt_offer_in_double(ray, &test->triangle, hit, second, &lo, &hi);
+    check(said < 0 || said == (hit && order < 0), "offer_in_double, of two", test);
+    check(said < 0 || !hit || order != 0, "offer_in_double, tie", test);
+    if (said != 1) return;
+    mlrt_bound_distance(ray, &test->triangle, &first_lo, &first_hi);
+    check(lo == first_lo && hi == first_hi, "offer_in_double, bounds", test);
 }
 
 /* Compares in both directions, fast and exactly. 1 if the distances are equal. */
@@ -735,7 +741,7 @@ static int check_pair(const struct test_case *test, const struct mlrt_triangle *
     check(mlrt_compare_distance(ray, second, first, NULL) == -order, "compare_distance, swapped", test);
     check(compare_close_distance(ray, first, second, NULL) == order, "compare_close_distance", test);
     check(compare_distance_exactly(ray, first, second) == order, "compare_distance_exactly", test);
-    check_offer_of_two(test, second, order);
+    check_offer_before(test, second, order);
     return order == 0;
 }
 

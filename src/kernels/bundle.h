@@ -706,6 +706,22 @@ MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo
                                  v_min(v_mul(slope_lo, to), v_mul(slope_lo, from))));
 }
 
+/*
+ * The greatest of s z over slopes of one interval and depths `from` to `to`, and so the negative of the least over the
+ * interval turned round. Of slopes with one sign it is at one end of the depths. These may be infinite, and a product with a
+ * slope 0 no number: as the first operand of v_max it is dropped, and hulls have no interval that is only 0.
+ */
+MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_places)
+{
+    if (!has_places) return v_mul(v_set1(hi), hi > 0 ? to : from);
+    const int is_up = hi + lo > 0;
+    const vf less = v_set1(is_up ? lo : hi), more = v_set1(is_up ? hi : lo), end = is_up ? to : from;
+    const vf there = v_max(v_mul(less, end), v_mul(more, end));
+    if (lo > 0 || hi < 0) return there;
+    const vf other = is_up ? from : to;
+    return v_max(v_max(v_mul(less, other), v_mul(more, other)), there);
+}
+
 /* The children of a node whose boxes the bundle may meet; the least depths go to `near`. */
 MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node, int has_places,
                                          float near[MLRT_BVH_WIDTH])
@@ -723,11 +739,16 @@ MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const int j = mlrt_slope_axis(a, i);
-            const vf lo = v_set1(whole->slope_lo[i]), hi = v_set1(whole->slope_hi[i]);
+            const float lo = whole->slope_lo[i], hi = whole->slope_hi[i];
+            vf upper = greatest_product(from, to, lo, hi, has_places);
+            vf lower = greatest_product(from, to, -hi, -lo, has_places); /* negated */
             const vf least = v_sub(v_load(node->lo[j] + v), v_set1(waist->point[j]));
-            const vf greatest = v_sub(v_load(node->hi[j] + v), v_set1(waist->point[j]));
-            may = m_and(may, v_le(least, upper_place(from, to, lo, hi, v_set1(whole->place_hi[i]), has_places)));
-            may = m_and(may, v_ge(greatest, lower_place(from, to, lo, hi, v_set1(whole->place_lo[i]), has_places)));
+            const vf greatest = v_sub(v_set1(waist->point[j]), v_load(node->hi[j] + v));
+            if (has_places) {
+                upper = v_add(upper, v_set1(whole->place_hi[i]));
+                lower = v_sub(lower, v_set1(whole->place_lo[i]));
+            }
+            may = m_and(may, m_and(v_le(least, upper), v_le(greatest, lower)));
         }
         v_store(near + v, from);
         met |= m_bits(may) << v;

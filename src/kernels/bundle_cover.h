@@ -11,6 +11,11 @@
  * there. z lies between the least and the greatest of the quotients of these ends, whatever their signs; each quotient has
  * one rounding, and is moved by SLOPE_SLACK of itself.
  *
+ * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
+ * first, the line of their planes does (../pair_line.c): an edge function, which is bounded over the hull as those of
+ * bundle_leaf.h are, with its own error in place of EDGE_ERROR. So walls that are there twice leave packets closed. A
+ * triangle that rays leave, as they begin on or near it, is told by N in double, lane by lane.
+ *
  * Based on: Reshetov et al. 2005, section 4.1 (an object that every possible ray hits ends the search).
  */
 
@@ -25,13 +30,14 @@ struct triangle_of_packets {
 };
 
 /* An edge function, or D, over the hulls of a vector of packets. */
-MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant, const float *coefficient,
-                                    int stride, int term_count, vf *least, vf *greatest)
+MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant,
+                                    const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], uint32_t triangle, int term_count,
+                                    vf *least, vf *greatest)
 {
     vf middle = v_set1(constant), radius = v_set1(0);
     MLRT_UNROLL
     for (int i = 0; i < term_count; ++i) {
-        const vf c = v_set1(coefficient[i * stride]);
+        const vf c = v_set1(coefficient[i][triangle]);
         middle = v_mul_add(c, v_load(hulls->middle[i] + v), middle);
         radius = v_mul_add(v_abs(c), v_load(hulls->radius[i] + v), radius);
     }
@@ -74,8 +80,8 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
     vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least, greatest;
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
-        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], &leaf->edge[i][0][triangle],
-                           MLRT_BVH_LEAF_LIMIT, term_count, &least, &greatest);
+        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], leaf->edge[i], triangle, term_count, &least,
+                           &greatest);
         lowest = v_min(greatest, lowest);
         highest = v_max(least, highest);
         inner_low = v_min(least, inner_low);
@@ -86,8 +92,7 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
         bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * leaf->steepness[triangle]), bound);
     }
     const vf width = v_mul(reach, v_set1(2 * PLANE_BOUND));
-    bound_over_packets(hulls, v, leaf->normal[0][triangle], &leaf->normal[1][triangle], MLRT_BVH_LEAF_LIMIT, 2, &least,
-                       &greatest);
+    bound_over_packets(hulls, v, leaf->normal[0][triangle], leaf->normal + 1, triangle, 2, &least, &greatest);
     const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
     const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
     of->out = has_places ? m_or(m_and(below, m_or(above, forward)), m_and(above, backward)) : m_or(below, backward);
@@ -98,6 +103,14 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
     bound_depths(hulls, leaf, triangle, v, has_places, backward, least, greatest, of);
 }
 
+/*
+ * A triangle and a cover are only put in order by their line where the depths of both begin and end near each other: no
+ * farther apart than so much of their widths, or of the depth itself. What is not close, but meets the cover, as walls
+ * meet, would be opened all the same (erw6, arrays: 2 % of the time).
+ */
+#define MOST_APART   0.25f
+#define ALWAYS_CLOSE 1e-4f
+
 /* Of packets, those in which all rays that hit a triangle do so behind what covers them, and before it. */
 struct order_of_packets {
     vm farther;
@@ -105,19 +118,26 @@ struct order_of_packets {
 };
 
 /* Finds them for packets that have one cover, by the line of both (pair_line.c). */
-MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, int v, int has_places,
+MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, int v,
                             const struct triangle_of_packets *of, struct order_of_packets *order)
 {
     const vf reach = v_load(hulls->reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
-    vf least, greatest, least_d, greatest_d, bound = v_mul(reach, v_set1(2 * line->error));
-    if (has_places) bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * line->steepness), bound);
-    bound_over_packets(hulls, v, line->constant, line->coefficient, 1, has_places ? MLRT_RAY_TERMS : 2, &least, &greatest);
-    bound_over_packets(hulls, v, line->normal[0], line->normal + 1, 1, 2, &least_d, &greatest_d);
-    const vm above = v_gt(least, bound), below = v_lt(greatest, v_sub(zero, bound));
-    const vm backward = v_lt(greatest_d, v_sub(zero, width));
-    const vm sure = m_and(of->sure, m_or(v_gt(least_d, width), backward));
-    const vm same = m_or(m_and(backward, of->backward), m_andnot(m_andnot(sure, backward), of->backward));
-    const vm other = m_andnot(sure, same);
+    const vf error = v_mul(reach, v_set1(2 * line->error));
+    const vf bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * line->steepness), error);
+    vf f = v_set1(line->constant), d = v_set1(line->normal[0]), f_radius = zero, d_radius = zero;
+    for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
+        const vf middle = v_load(hulls->middle[i] + v), radius = v_load(hulls->radius[i] + v);
+        f = v_mul_add(v_set1(line->coefficient[i]), middle, f);
+        f_radius = v_mul_add(v_abs(v_set1(line->coefficient[i])), radius, f_radius);
+        if (i >= 2) continue;
+        d = v_mul_add(v_set1(line->normal[1 + i]), middle, d);
+        d_radius = v_mul_add(v_abs(v_set1(line->normal[1 + i])), radius, d_radius);
+    }
+    const vm above = v_gt(v_sub(f, f_radius), bound), below = v_lt(v_add(f, f_radius), v_sub(zero, bound));
+    const vm forward_2 = v_gt(v_sub(d, d_radius), width), backward_2 = v_lt(v_add(d, d_radius), v_sub(zero, width));
+    const vm forward = m_andnot(of->sure, of->backward);
+    const vm same = m_or(m_and(forward_2, forward), m_and(backward_2, of->backward));
+    const vm other = m_or(m_and(forward_2, of->backward), m_and(backward_2, forward));
     order->farther = m_or(m_and(above, same), m_and(below, other));
     order->nearer = m_or(m_and(below, same), m_and(above, other));
 }
@@ -229,7 +249,13 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
                                             const struct triangle_of_packets *of)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
+    const vf far = v_load(hulls->last + v), near = v_load(hulls->cover_near + v);
+    const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
+    const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
+    const vf close = v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE)));
     uint32_t settled = 0;
+    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
+    if (doubtful && mlrt_is_stopped_in_step(worker)) return doubtful;
     while (doubtful) {
         const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
         const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->cover + v), i_set1(cover)));
@@ -242,11 +268,7 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
             settled |= number < cover ? replaced : same;
         } else if (line->kind == MLRT_LINE) {
             struct order_of_packets order;
-            if (bundle->has_places) {
-                find_order(hulls, line, v, 1, of, &order);
-            } else {
-                find_order(hulls, line, v, 0, of, &order);
-            }
+            find_order(hulls, line, v, of, &order);
             replaced = same & m_bits(order.nearer) & may_cover;
             settled |= replaced | (same & m_bits(order.farther));
             const vm kept = m_from_bits(replaced);
@@ -257,6 +279,32 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
         i_store(hulls->cover + v, i_select(m_from_bits(replaced), i_set1(number), i_load(hulls->cover + v)));
     }
     return settled;
+}
+
+/*
+ * Packets all of whose rays begin behind a triangle, in double, by N (close_calls.h): most that meet it near where they
+ * begin leave the surface that it is part of. D has one sign for all rays of `places`, that of the waist being turned
+ * with its axis.
+ */
+static MLRT_NOINLINE uint32_t find_leaving(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle, uint32_t number,
+                                           uint32_t places, uint32_t backward)
+{
+    struct close_triangle triangle;
+    uint32_t leaving = 0;
+    if (bundle->waist.sign < 0) backward = ~backward;
+    set_close_triangle(&tree->triangles[number], &bundle->tile->packets[mlrt_lowest_bit(places)], &triangle);
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places);
+        const struct mlrt_packet *packet = &bundle->tile->packets[place];
+        const vd sign = d_set1(backward >> place & 1 ? -1 : 1), error = d_set1(CLOSE_ERROR);
+        uint32_t outside = 0;
+        for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+            place_origin(packet, lane, &triangle);
+            outside |= (d_gt(d_mul(triangle.n_size, d_sub(d_set1(0), error)), d_flip(triangle.n, sign))) << lane;
+        }
+        if (!(packet->active & ~outside)) leaving |= 1u << place;
+    }
+    return leaving;
 }
 
 /*
@@ -274,13 +322,21 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         if (!((among | bundle->riding) >> v & ALL_LANES)) continue;
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
+        if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D as it is */
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
-        const vm behind = m_and(of.sure, v_gt(of.near, last));
+        const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))), passed = m_and(of.sure, beside);
         const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
         if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
-        uint32_t met = among >> v & ~m_bits(m_or(of.out, behind)) & ALL_LANES, passing = 0;
+        uint32_t met = among >> v & ~m_bits(m_or(of.out, passed)) & ALL_LANES, passing = 0;
+        if (has_places && met & bundle->closed >> v) {
+            const vm near_begin = m_and(of.sure, v_lt(of.near, v_load(hulls->core_first + v)));
+            const uint32_t beginning = m_bits(near_begin) & met & bundle->closed >> v;
+            if (beginning) {
+                met &= ~(find_leaving(job->tree, bundle, number, beginning << v, m_bits(of.backward) << v) >> v);
+            }
+        }
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
             const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
             if (!has_rays(bundle, place)) {
@@ -302,18 +358,9 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
             v_store(hulls->cover_near + v, v_select(kept, of.near, cover_near));
             i_store(hulls->cover + v, i_select(kept, i_set1(number), i_load(hulls->cover + v)));
         }
-        uint32_t doubtful = job->any ? 0 : closed & ~these;
-        if (doubtful) doubtful &= ~m_bits(i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE)));
-        if (doubtful) { /* are they close to each other at both ends? */
-            const vf from = v_abs(v_sub(of.near, v_load(hulls->cover_near + v)));
-            const vf to = v_abs(v_sub(of.far, v_load(hulls->last + v))), apart = v_add(from, to);
-            const vf width = v_sub(v_add(of.far, v_load(hulls->last + v)), v_add(of.near, v_load(hulls->cover_near + v)));
-            doubtful &= m_bits(v_le(apart, v_mul_add(width, v_set1(0.25f), v_mul(v_abs(of.far), v_set1(1e-4f)))));
-        }
+        const uint32_t doubtful = job->any ? 0 : closed & ~these;
         if (!doubtful) continue;
-        const uint32_t may_cover = m_bits(m_and(of.inside, core));
-        if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D as it is */
-        may &= ~(settle_covers(job, worker, bundle, number, doubtful, may_cover, v, &of) << v);
+        may &= ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, core)), v, &of) << v);
     }
     may &= among & ~covered & ~(left_alone & bundle->closed);
     for (uint32_t left = may & bundle->closed; left; left &= left - 1) open_bundle_packet(job, bundle, mlrt_lowest_bit(left));

@@ -431,31 +431,67 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
 
 /* ---- tests ---- */
 
-/* Edge functions of a vector of rays: the least and the greatest of a triangle's three. */
+#define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
+
+/* Edge functions of a packet's rays: the least and the greatest of a triangle's three. */
 struct edge_values {
-    vf least;
-    vf greatest;
+    MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT];
+    uint32_t of_vector[PACKET_VECTORS]; /* triangles that some ray of each is not surely outside of */
 };
 
-/* Finds them. Returns whether some ray is not surely outside. */
-MLRT_INLINE int find_edge_values(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const vf *term, int has_places,
-                                 vf bound, struct edge_values *of)
+/*
+ * Finds them for a number of vectors, from one on: with nothing else in registers, and no branch on what each triangle says.
+ * Most of many have no ray inside, and are done with so.
+ */
+MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays, uint32_t active,
+                                  uint32_t triangles, int has_places, int first, int count, struct edge_values *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    vf least = v_set1(0), greatest = least;
+    vf term[PACKET_VECTORS][MLRT_RAY_TERMS];
+    uint32_t met[PACKET_VECTORS] = {0};
     MLRT_UNROLL
-    for (int edge = 0; edge < 3; ++edge) {
-        vf e = v_set1(leaf->edge_constant[edge][triangle]);
+    for (int n = 0; n < count; ++n) {
+        const int v = VW * (first + n);
+        const vm lanes = m_from_bits(active >> v);
         MLRT_UNROLL
-        for (int i = 0; i < term_count; ++i) e = v_mul_add(v_set1(leaf->edge[edge][i][triangle]), term[i], e);
-        least = edge ? v_min(e, least) : e;
-        if (has_places) greatest = edge ? v_max(e, greatest) : e;
+        for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
     }
-    of->least = least;
-    of->greatest = greatest;
-    /* Lanes that are not active have NaN, of which no comparison is true. */
-    const vm positive = v_ge(least, v_sub(v_set1(0), bound));
-    return m_bits(has_places ? m_or(positive, v_le(greatest, bound)) : positive) != 0;
+    for (; triangles; triangles &= triangles - 1) {
+        const uint32_t triangle = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
+        vf least[PACKET_VECTORS], greatest[PACKET_VECTORS];
+        MLRT_UNROLL
+        for (int edge = 0; edge < 3; ++edge) {
+            vf e[PACKET_VECTORS];
+            MLRT_UNROLL
+            for (int n = 0; n < count; ++n) e[n] = v_set1(leaf->edge_constant[edge][triangle]);
+            MLRT_UNROLL
+            for (int i = 0; i < term_count; ++i) {
+                const vf c = v_set1(leaf->edge[edge][i][triangle]);
+                MLRT_UNROLL
+                for (int n = 0; n < count; ++n) e[n] = v_mul_add(c, term[n][i], e[n]);
+            }
+            MLRT_UNROLL
+            for (int n = 0; n < count; ++n) {
+                least[n] = edge ? v_min(e[n], least[n]) : e[n];
+                if (has_places) greatest[n] = edge ? v_max(e[n], greatest[n]) : e[n];
+            }
+        }
+        const vf bound = v_set1(of->bound[triangle]);
+        MLRT_UNROLL
+        for (int n = 0; n < count; ++n) {
+            const int v = VW * (first + n);
+            v_store(of->least[triangle] + v, least[n]);
+            if (has_places) v_store(of->greatest[triangle] + v, greatest[n]);
+            /* Lanes that are not active have NaN, of which no comparison is true. */
+            vm may = v_ge(least[n], v_sub(v_set1(0), bound));
+            if (has_places) may = m_or(may, v_le(greatest[n], bound));
+            met[n] |= m_bits(may) ? bit : 0;
+        }
+    }
+    MLRT_UNROLL
+    for (int n = 0; n < count; ++n) of->of_vector[first + n] = met[n];
 }
 
 /* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients (bvh_tile.h). */
@@ -482,6 +518,14 @@ MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const s
     of->triangle = i_load(packet->triangle + v);
 }
 
+/* Bounds of tau from those of N and D. */
+MLRT_INLINE void find_quotients(vf least_n, vf greatest_n, vf least_d, vf greatest_d, vf *lo, vf *hi)
+{
+    const vf quotient = v_mul(v_div(least_n, greatest_d), v_set1(1 - RECIPROCAL_SLACK));
+    *lo = v_min(quotient, v_set1(GREATEST_DISTANCE));
+    *hi = v_mul(v_div(greatest_n, least_d), v_set1(1 + RECIPROCAL_SLACK));
+}
+
 /* Stores the nearest hits of the lanes where they changed, and returns these. */
 MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, struct mlrt_bundle_rays *rays,
                                          struct mlrt_packet *packet)
@@ -489,9 +533,8 @@ MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, 
     const vm same = i_eq(of->triangle, i_load(packet->triangle + v));
     const uint32_t changed = ~m_bits(same) & ALL_LANES;
     if (!changed) return 0;
-    const vf quotient = v_mul(v_div(of->least_n, of->greatest_d), v_set1(1 - RECIPROCAL_SLACK));
-    const vf lo = v_min(quotient, v_set1(GREATEST_DISTANCE));
-    const vf hi = v_mul(v_div(of->greatest_n, of->least_d), v_set1(1 + RECIPROCAL_SLACK));
+    vf lo, hi;
+    find_quotients(of->least_n, of->greatest_n, of->least_d, of->greatest_d, &lo, &hi);
     v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), lo));
     v_store(rays->hi + v, v_select(same, v_load(rays->hi + v), hi));
     i_store(packet->triangle + v, of->triangle);
@@ -532,62 +575,6 @@ MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane
     rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
 }
 
-/*
- * As decide_lanes (close_calls.h), of rays that have no hit and for which any will do: bounds of its t are not kept.
- */
-static MLRT_NOINLINE uint32_t decide_any_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
-                                               uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
-                                               mlrt_counters *counters)
-{
-    struct close_triangle triangle;
-    uint32_t passed = 0, hit = 0, reached = 0;
-    if (mlrt_is_stopped_in_step(worker)) return 0;
-    set_close_triangle(&tree->triangles[number], packet, &triangle);
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        const uint32_t among = lanes >> lane & DOUBLE_LANES;
-        struct close_bounds bounds;
-        if (!among) continue;
-        bound_quotient(&triangle, packet, lane, &bounds);
-        const vd end = d_load(packet->t_max + lane);
-        const struct close_verdict verdict =
-            look_at_lanes(&triangle, packet, lane, among, inside >> lane, end, end, &bounds);
-        passed |= verdict.passed << lane;
-        hit |= verdict.hit << lane;
-        reached |= verdict.nearer << lane;
-    }
-    uint32_t left = lanes & ~(passed | reached);
-    if (left & hit) {
-        uint32_t beyond;
-        reached |= find_lanes_at_end(&tree->triangles[number], packet, left & hit, &beyond);
-        left &= ~(reached | beyond);
-    }
-    if (counters) {
-        counters->judged_lane_count += mlrt_count_bits(lanes & ~left);
-        counters->undecided_test_count += left != lanes;
-    }
-    for (uint32_t those = reached; those; those &= those - 1) packet->triangle[mlrt_lowest_bit(those)] = number;
-    if (MLRT_LIKELY(!left)) return reached;
-    for (uint32_t those = left; those; those &= those - 1) {
-        const uint32_t lane = mlrt_lowest_bit(those);
-        packet->lo[lane] = packet->hi[lane] = packet->t_max[lane];
-    }
-    return reached | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
-}
-
-/* Hands lanes to who knows (undecided.h). Returns those that are hit nearer than before. */
-static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                                                  uint32_t lanes, uint32_t inside, struct mlrt_bundle_rays *rays,
-                                                  struct mlrt_packet *packet)
-{
-    if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
-    if (job->any) return decide_any_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
-    set_packet_distances(rays, packet);
-    const uint32_t nearer =
-        decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
-    for (uint32_t left = nearer; left; left &= left - 1) set_lane_depths(packet, mlrt_lowest_bit(left), rays);
-    return nearer;
-}
-
 /* How far off the plane's terms may be, over all rays of a packet. */
 struct plane_bounds {
     vf width;    /* of D */
@@ -605,16 +592,6 @@ struct plane_of_rays {
     vm certain;  /* of rays that may be inside its edges: D has a certain sign */
     vm begun;    /* after the ray begins */
 };
-
-/* Makes a triangle the nearest hit of lanes. */
-MLRT_INLINE void keep_bundle_hits(const struct plane_of_rays *plane, uint32_t number, vm hit, struct bundle_vector *of)
-{
-    of->least_n = v_select(hit, plane->least_n, of->least_n);
-    of->greatest_n = v_select(hit, plane->greatest_n, of->greatest_n);
-    of->least_d = v_select(hit, plane->least_d, of->least_d);
-    of->greatest_d = v_select(hit, plane->greatest_d, of->greatest_d);
-    of->triangle = i_select(hit, i_set1(number), of->triangle);
-}
 
 /*
  * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
@@ -652,148 +629,174 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     if (!has_places) open = m_andnot(open, v_lt(plane->greatest_d, v_set1(0)));
     uint32_t undecided = m_bits(open);
     if (MLRT_GUESS) hit = m_and(m_and(candidates, m_and(nearer, plane->begun)), v_gt(size, v_set1(0))), undecided = 0;
-    keep_bundle_hits(plane, leaf->numbers[triangle], hit, of);
+    of->least_n = v_select(hit, plane->least_n, of->least_n);
+    of->greatest_n = v_select(hit, plane->greatest_n, of->greatest_n);
+    of->least_d = v_select(hit, plane->least_d, of->least_d);
+    of->greatest_d = v_select(hit, plane->greatest_d, of->greatest_d);
+    of->triangle = i_select(hit, i_set1(leaf->numbers[triangle]), of->triangle);
     return undecided;
 }
 
 /* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle (pair_line.c). */
-MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle_rays *rays, int v,
-                                 int term_count, vf bound, vf width, vm *farther, vm *nearer)
+MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place, int v,
+                                 vm *above, vm *below)
 {
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
+    const vf bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
     vf f = v_set1(line->constant), d = v_set1(line->normal[0]);
-    MLRT_UNROLL
-    for (int i = 0; i < term_count; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), v_load(rays->term[i] + v), d);
+    for (int i = 0; i < (bundle->has_places ? MLRT_RAY_TERMS : 2); ++i) {
+        const vf term = v_load(rays->term[i] + v);
+        f = v_mul_add(v_set1(line->coefficient[i]), term, f);
+        if (i < 2) d = v_mul_add(v_set1(line->normal[1 + i]), term, d);
+    }
     const vf signed_f = v_flip(f, d);
-    const vm sure = v_gt(v_abs(d), width);
-    *farther = m_and(sure, v_gt(signed_f, bound));
-    *nearer = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
+    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * reach));
+    *above = m_and(sure, v_gt(signed_f, bound));
+    *below = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
 }
 
 /*
- * Lanes whose distances do not tell whether a triangle or the nearest hit so far comes first: the line of their planes
- * does, as in settle_covers (bundle_cover.h). Returns the lanes that are left.
+ * Lanes of a vector whose distances do not tell whether a triangle or the nearest hit so far comes first: the line of
+ * their planes does, as in settle_covers (bundle_cover.h). Returns the lanes that are left.
  */
-static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                           const struct mlrt_bundle *bundle, uint32_t place, uint32_t number, int v,
-                                           uint32_t lanes, vm inside, const struct plane_of_rays *plane,
-                                           struct bundle_vector *of)
+static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
+                                           uint32_t place, uint32_t number, uint32_t lanes, vm inside,
+                                           const struct plane_of_rays *plane, int v)
 {
-    const struct mlrt_hulls *hulls = &bundle->hulls;
-    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const float reach = hulls->reach[place];
-    MLRT_ALIGNED(64) uint32_t nearest[VW];
-    uint32_t unsettled = lanes;
-    i_store(nearest, of->triangle);
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    uint32_t left = lanes;
+    if (mlrt_is_stopped_in_step(worker)) return 0;
     while (lanes) {
-        const uint32_t other = nearest[mlrt_lowest_bit(lanes)];
-        const uint32_t same = lanes & m_bits(i_eq(i_load(nearest), i_set1(other)));
+        const uint32_t nearest = packet->triangle[(uint32_t)v + mlrt_lowest_bit(lanes)];
+        const vi triangle = i_load(packet->triangle + v);
+        const uint32_t same = lanes & m_bits(i_eq(triangle, i_set1(nearest)));
         lanes &= ~same;
-        if (other == MLRT_NONE) continue;
+        if (nearest == MLRT_NONE) continue;
         const struct mlrt_pair_line *line =
-            mlrt_find_pair_line(job->tree, number, other, worker, bundle->cache);
+            mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
         if (line->kind == MLRT_ONE_PLANE) {
-            const uint32_t earlier = number < other ? same & m_bits(inside) : 0;
-            of->triangle = i_select(m_from_bits(earlier), i_set1(number), of->triangle);
-            unsettled &= ~(number < other ? earlier : same);
+            left &= ~(mlrt_settle_tie(number, nearest, same << v, m_bits(inside) << v, packet) >> v);
         } else if (line->kind == MLRT_LINE) {
-            const vf width = v_set1(PLANE_BOUND * reach);
+            struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
             vm above, below;
-            if (bundle->has_places) {
-                const vf bound = v_set1((line->error + line->steepness * hulls->blur[place]) * reach * (1 + 0x1p-20f));
-                find_line_sides(line, rays, v, MLRT_RAY_TERMS, bound, width, &above, &below);
-            } else {
-                find_line_sides(line, rays, v, 2, v_set1(line->error * reach * (1 + 0x1p-20f)), width, &above, &below);
-            }
-            const vm these = m_and(m_from_bits(same), plane->certain), forward = m_andnot(these, plane->backward);
-            const vm backward = m_and(these, plane->backward);
+            find_line_sides(line, bundle, place, v, &above, &below);
+            const vm these = m_and(m_from_bits(same), plane->certain), backward = m_and(these, plane->backward);
+            const vm forward = m_andnot(these, backward);
             const vm farther = m_or(m_and(above, forward), m_and(below, backward));
-            vm nearer = m_or(m_and(below, forward), m_and(above, backward));
-            nearer = m_and(nearer, m_and(inside, plane->begun));
-            keep_bundle_hits(plane, number, nearer, of);
-            unsettled &= ~m_bits(m_or(farther, nearer));
+            const vm before = m_or(m_and(below, forward), m_and(above, backward));
+            const vm nearer = m_and(before, m_and(inside, plane->begun));
+            vf lo, hi;
+            find_quotients(plane->least_n, plane->greatest_n, plane->least_d, plane->greatest_d, &lo, &hi);
+            v_store(rays->lo + v, v_select(nearer, lo, v_load(rays->lo + v)));
+            v_store(rays->hi + v, v_select(nearer, hi, v_load(rays->hi + v)));
+            i_store(packet->triangle + v, i_select(nearer, i_set1(number), triangle));
+            left &= ~m_bits(m_or(farther, nearer));
         }
     }
-    return unsettled;
+    return left;
 }
 
-/* Tests a vector of a packet's rays against triangles of a leaf; those that no ray may hit stay in *passed. Returns the
- * lanes whose nearest hit changed. */
+/* Hands lanes of a vector to who knows: the line of two planes, then undecided.h. Returns those that are hit nearer than
+ * before. */
+static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                  struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
+                                                  vm inside, const struct plane_of_rays *plane, int v)
+{
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    uint32_t left = lanes, changed = 0;
+    if (job->any) { /* of lanes without a hit */
+        for (int i = 0; i < MLRT_PACKET_RAYS; i += VW) {
+            v_store(packet->lo + i, v_load(packet->t_max + i));
+            v_store(packet->hi + i, v_load(packet->t_max + i));
+        }
+    } else {
+        const vi before = i_load(packet->triangle + v);
+        left = settle_lanes(job, worker, bundle, place, number, lanes, inside, plane, v);
+        changed = (~m_bits(i_eq(before, i_load(packet->triangle + v))) & ALL_LANES) << v;
+        if (!left) return changed;
+        set_packet_distances(rays, packet);
+    }
+    const uint32_t nearer = decide_lanes(job->tree, number, left << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
+    for (uint32_t those = job->any ? 0 : nearer; those; those &= those - 1) {
+        set_lane_depths(packet, mlrt_lowest_bit(those), rays);
+    }
+    return changed | nearer;
+}
+
+/* Tests a vector of a packet's rays against triangles of a leaf, by their edge functions. Returns the lanes whose nearest
+ * hit changed. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                        const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                        uint32_t triangles, const float *edge_bound, uint32_t place, int has_places, int v,
-                                        struct mlrt_bundle_rays *rays, struct mlrt_packet *packet, uint32_t *passed)
+                                        struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                        const struct edge_values *edges, uint32_t place, int has_places, int v)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
-    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    struct edge_values edges[MLRT_BVH_LEAF_LIMIT];
-    vf term[MLRT_RAY_TERMS];
-    uint32_t met = 0, decided = 0;
-    const vm active = m_from_bits(packet->active >> v);
-    MLRT_UNROLL
-    for (int i = 0; i < term_count; ++i) term[i] = v_select(active, v_load(rays->term[i] + v), v_set1(NAN));
-    for (uint32_t left = triangles; left; left &= left - 1) {
-        const uint32_t triangle = mlrt_lowest_bit(left);
-        const vf bound = v_set1(edge_bound[triangle]);
-        met |= find_edge_values(leaf, triangle, term, has_places, bound, &edges[triangle]) ? left & (0u - left) : 0;
-    }
-    if (!met) return 0;
-    *passed &= ~met;
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
                                         bundle->has_begins};
     const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
+    uint32_t decided = 0;
     struct bundle_vector of;
     load_bundle_vector(rays, packet, has_places, v, &of);
-    for (; met; met &= met - 1) {
+    for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
-        const vf bound = v_set1(edge_bound[triangle]), below = v_sub(v_set1(0), bound);
-        const vf least = edges[triangle].least, greatest = edges[triangle].greatest;
+        const vf bound = v_set1(edges->bound[triangle]), below = v_sub(v_set1(0), bound);
+        const vf least = v_load(edges->least[triangle] + v);
         const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
         vm inside = v_gt(least, bound), may = v_ge(least, below);
-        if (has_places) inside = m_or(inside, v_lt(greatest, below)), may = m_or(may, v_le(greatest, bound));
+        if (has_places) {
+            const vf greatest = v_load(edges->greatest[triangle] + v);
+            inside = m_or(inside, v_lt(greatest, below));
+            may = m_or(may, v_le(greatest, bound));
+        }
         may = m_andnot(may, known);
         if (job->any) may = m_and(may, i_eq(of.triangle, i_set1(MLRT_NONE)));
         if (MLRT_UNLIKELY(packet->has_masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
         }
         struct plane_of_rays plane;
-        uint32_t undecided =
+        const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
-        if (!job->any) {
-            /* Copies, so that these may stay in registers. */
-            struct plane_of_rays where = plane;
-            struct bundle_vector settled = of;
-            if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
-            undecided = settle_lanes(job, worker, bundle, place, number, v, undecided, inside, &where, &settled);
-            of = settled;
-            if (!undecided) continue;
-        }
+        struct plane_of_rays where = plane; /* a copy, so that it may stay in registers */
+        if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
         decided |= store_bundle_vector(&of, v, rays, packet);
-        decided |= decide_bundle_lanes(job, worker, number, undecided << v, m_bits(inside) << v, rays, packet);
+        decided |= decide_bundle_lanes(job, worker, bundle, place, number, undecided, inside, &where, v);
         load_bundle_vector(rays, packet, has_places, v, &of);
     }
     return decided | store_bundle_vector(&of, v, rays, packet);
 }
+
+/* Vectors whose edge functions are found at once: of rays from anywhere, more have no room in registers. */
+#define VECTORS_FROM_ANYWHERE (PACKET_VECTORS < 2 ? PACKET_VECTORS : 2)
 
 /* Tests a packet against triangles of a leaf, and counts those in vain. Returns the lanes whose nearest hit changed. */
 MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                         const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
                                         int has_places)
 {
-    struct mlrt_packet *packet = &bundle->tile->packets[place];
-    MLRT_ALIGNED(64) float edge_bound[MLRT_BVH_LEAF_LIMIT];
-    uint32_t changed = 0, passed = triangles;
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const uint32_t active = bundle->tile->packets[place].active;
+    struct edge_values edges;
+    uint32_t changed = 0, met = 0;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
-    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(active));
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
-        v_store(edge_bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
+        v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
     }
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        changed |= test_bundle_vector(job, worker, bundle, leaf, triangles, edge_bound, place, has_places, v,
-                                      &bundle->tile->rays[place], packet, &passed);
+    if (has_places) {
+        for (int first = 0; first < PACKET_VECTORS; first += VECTORS_FROM_ANYWHERE) {
+            find_edge_values(leaf, rays, active, triangles, 1, first, VECTORS_FROM_ANYWHERE, &edges);
+        }
+    } else {
+        find_edge_values(leaf, rays, active, triangles, 0, 0, PACKET_VECTORS, &edges);
     }
-    bundle->tests[place] += mlrt_count_bits(passed);
+    for (int n = 0; n < PACKET_VECTORS; ++n) {
+        met |= edges.of_vector[n];
+        if (edges.of_vector[n]) changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_places, VW * n);
+    }
+    bundle->tests[place] += mlrt_count_bits(triangles & ~met);
     return changed;
 }

@@ -110,6 +110,24 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
 }
 
 /*
+ * Is a box too large for few rays of a packet to meet it, unless at its rim? Guessed by its size and that of the packet; four
+ * times as many may be found after all. What is large is worth going there together: neighbours do.
+ */
+MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, const struct box_of_bundle *box,
+                             uint32_t most)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const float depth = fabsf(box->from);
+    float rays = MLRT_PACKET_RAYS, limit = 4 * (float)most;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        rays *= box->hi[i] - box->lo[i];
+        limit *= 2 * (hulls->radius[i][place] * depth + hulls->radius[MLRT_PLACE_J + i][place]);
+    }
+    return rays > limit;
+}
+
+/*
  * Traces the rays of packets `met` that meet a box one by one, if they are few: what few rays see is not worth going there
  * together, nor a set-up for all of them. Else returns 0.
  */
@@ -120,6 +138,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
     const uint32_t most = mlrt_bvh_quad_count(child) ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
     uint32_t lanes[MLRT_BUNDLE_PACKETS], count = 0;
     if (!(fabsf(box->from) <= MLRT_SAFE_MAX && fabsf(box->to) <= MLRT_SAFE_MAX)) return 0; /* 0 * inf is no number */
+    if (is_large_box(bundle, mlrt_lowest_bit(met), box, most)) return 0;
     for (uint32_t left = met; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         struct checked_lanes directions;

@@ -259,12 +259,45 @@ MLRT_INLINE vm no_news(const struct mlrt_packet *packet, uint32_t lane, vi numbe
     return packet->has_skip ? m_or(known, i_eq(number, i_set1(packet->skip[lane]))) : known;
 }
 
+/* Decides about triangles of a leaf, at places that a ray is not surely outside of. Returns 1 if the nearest hit changed. */
+MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
+                              const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
+{
+    const vm old = no_news(packet, lane, i_load_any(numbers));
+    uint32_t candidates = m_bits(inside) & places;
+    uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(old);
+    const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
+    int changed = 0;
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) offered = mlrt_visible_places(job->tree, numbers, offered, mask);
+    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(offered));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
+    candidates &= offered;
+    if (!candidates) return 0;
+    const struct verdict verdict = compare_distances(test, m_andnot(inside, old), t_min, v_set1(packet->lo[lane]),
+                                                     v_set1(packet->hi[lane]), job->any);
+    uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
+    const uint32_t nearer = m_bits(verdict.nearer) & candidates;
+    if (nearer && job->any) {
+        packet->triangle[lane] = numbers[mlrt_lowest_bit(nearer)];
+        return 1;
+    }
+    if (nearer) {
+        undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet);
+        changed = 1;
+    }
+    if (MLRT_UNLIKELY(undecided)) {
+        changed |= decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
+    }
+    return changed;
+}
+
 /* Tests the triangles of a leaf. Returns 1 if the nearest hit changed. */
 MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
                           struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
-    const uint32_t lane = ray->lane, place_count = 4 * mlrt_bvh_quad_count(leaf);
+    const uint32_t place_count = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
     int changed = 0;
@@ -273,31 +306,9 @@ MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *r
         struct float_test test;
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
-        uint32_t candidates = m_bits(inside) & places;
-        if (!candidates && !MLRT_COUNTING) continue;
-        const vm old = no_news(packet, lane, i_load_any(numbers + v));
-        uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(old);
-        const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
-        if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) {
-            offered = mlrt_visible_places(job->tree, numbers + v, offered, mask);
-        }
-        COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(offered));
-        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
-        candidates &= offered;
-        if (!candidates) continue;
-        const struct verdict verdict = compare_distances(&test, m_andnot(inside, old), ray->t_min,
-                                                         v_set1(packet->lo[lane]), v_set1(packet->hi[lane]));
-        uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
-        const uint32_t nearer = m_bits(verdict.nearer) & candidates;
-        if (nearer) {
-            undecided |= keep_nearest(&verdict, nearer, numbers + v, lane, packet);
-            changed = 1;
-            if (job->any) return 1;
-        }
-        if (MLRT_UNLIKELY(undecided)) {
-            changed |= decide_scaled_triangles(job, numbers + v, undecided, m_bits(verdict.inside), lane, packet, worker);
-            if (changed && job->any) return 1;
-        }
+        if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
+        changed |= settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
+        if (changed && job->any) return 1;
     }
     return changed;
 }

@@ -78,7 +78,7 @@ MLRT_INLINE void place_origin(const struct mlrt_packet *packet, uint32_t lane, s
     triangle->n_size = dot_product_of_sizes(triangle->to_a, triangle->normal_size);
 }
 
-MLRT_INLINE void set_close_triangle(const struct mlrt_triangle *corners, const struct mlrt_packet *packet,
+static MLRT_NOINLINE void set_close_triangle(const struct mlrt_triangle *corners, const struct mlrt_packet *packet,
                                     struct close_triangle *triangle)
 {
     for (int k = 0; k < 3; ++k) {
@@ -91,7 +91,7 @@ MLRT_INLINE void set_close_triangle(const struct mlrt_triangle *corners, const s
     if (packet->has_apex) place_origin(packet, 0, triangle);
 }
 
-MLRT_INLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet, uint32_t lane,
+static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet, uint32_t lane,
                                 struct close_bounds *bounds)
 {
     if (!packet->has_apex) place_origin(packet, lane, triangle);

@@ -88,7 +88,7 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
     test.distance = terms->distance;
     test.distance_bound = terms->distance_bound;
     return compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->lo + v),
-                             v_load(packet->hi + v));
+                             v_load(packet->hi + v), 0);
 }
 
 /* The float part of test_triangle. `apex_terms` is NULL, or not, at compile time. */

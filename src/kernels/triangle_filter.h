@@ -130,8 +130,10 @@ MLRT_INLINE void bound_distance(vf least_n, vf greatest_n, vf size, vf width, st
     verdict->hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
 }
 
-/* The verdict on lanes that are not surely outside; lo and hi are of the nearest hits so far. */
-MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi)
+/* The verdict on lanes that are not surely outside; lo and hi are of the nearest hits so far. Those of the verdict are
+ * found unless any hit will do. */
+MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi,
+                                             int any)
 {
     struct verdict verdict;
     const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
@@ -144,7 +146,7 @@ MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm c
     verdict.nearer = m_and(verdict.inside, nearer);
     verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
     verdict.lo = verdict.hi = v_set1(0);
-    if (!m_bits(verdict.nearer)) return verdict;
+    if (any || !m_bits(verdict.nearer)) return verdict;
     bound_distance(least_n, greatest_n, size, test->plane_bound, &verdict);
     return verdict;
 }
