@@ -685,6 +685,54 @@ static void find_exact_place(int side, mpf_t depth)
 }
 
 /*
+ * A box that the first ray meets at the depth of a point, as small as floats allow there, deeper than that or less deep if
+ * other numbers say so: nobody may leave it out. Returns 0 if nobody does.
+ */
+static double boxes_over(const float *input, int count, int has_places)
+{
+    static struct mlrt_bvh_node node;
+    struct box_of_bundle box;
+    float near[MLRT_BVH_WIDTH];
+    if (!bundle_of(input, count, has_places)) return -1;
+    sum_up_hulls(&bundle);
+    load_exactly(input, &corner[0]);
+    mpf_sub(other, corner[0].x[0], origin[0].x[0]);
+    if (mpf_sgn(other) < 0) return -1;
+    for (int i = 0; i < MLRT_BVH_WIDTH; i++) {
+        for (int k = 0; k < 3; k++) {
+            node.lo[k][i] = INFINITY;
+            node.hi[k][i] = -INFINITY;
+        }
+    }
+    node.lo[0][0] = fminf(input[0], input[3]);
+    node.hi[0][0] = fmaxf(input[0], input[3]);
+    for (int side = 0; side < 2; side++) {
+        find_exact_place(side, corner[0].x[0]);
+        mpf_set_d(product, bundle.waist.point[1 + side]);
+        mpf_add(truth, truth, product);
+        float at = (float)mpf_get_d(truth);
+        if (!(fabsf(at) <= MLRT_SAFE_MAX)) return -1;
+        if (mpf_cmp_d(truth, at) < 0) at = next_float(at, -1);
+        node.lo[1 + side][0] = at;
+        node.hi[1 + side][0] = mpf_cmp_d(truth, at) == 0 ? at : next_float(at, 1);
+    }
+    if (!(bundle_children_met(&bundle, &node, has_places, near) & 1)) return INFINITY;
+    see_bundle_box(&bundle.waist, &node, 0, &box);
+    if (!packets_met(&bundle, &box, has_places)) return INFINITY;
+    return lanes_of_packet_met(&bundle, 0, &box) & 1 ? 0.001 : INFINITY;
+}
+
+static double attack_box_met(const float *input)
+{
+    return boxes_over(input, 2, 1);
+}
+
+static double attack_apex_box_met(const float *input)
+{
+    return boxes_over(input, 2, 0);
+}
+
+/*
  * Outlines of a point in the triangle's place: as fans, or as beams along any slope. How much is used of 2^-20 of all that
  * is added up, what places may be off by, and the floor: where the ray passes the point by d, the comparison must be
  * closer to what is met than d.
@@ -992,6 +1040,7 @@ static void bounds_of_bundles_hold(void **state)
         {"bundles: place", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_place, 0.35, NULL},
         {"bundles: hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_hull, 0.2, NULL},
         {"bundles: box", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_box, 0.2, NULL},
+        {"bundles: boxes that are met", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_box_met, 0, NULL},
         {"bundles: outline", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_outline, 0.2, NULL},
         {"bundles: edge function", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_edge, 0.4, NULL},
         {"bundles: e, D over a hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_cut, 0.1, NULL},
@@ -1008,6 +1057,7 @@ static void bounds_of_bundles_hold(void **state)
 static void bounds_from_the_waist_hold(void **state)
 {
     static const struct bound bounds[] = {
+        {"from the waist: boxes that are met", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_apex_box_met, 0, NULL},
         {"from the waist: outline", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apex_outline, 0.2, NULL},
         {"from the waist: edge function", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apex_edge, 0.4, NULL},
         {"from the waist: e, D over a hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_apex_cut, 0.1, NULL},
