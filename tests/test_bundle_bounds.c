@@ -694,6 +694,7 @@ static double boxes_over(const float *input, int count, int has_places)
     struct box_of_bundle box;
     float near[MLRT_BVH_WIDTH];
     if (!bundle_of(input, count, has_places)) return -1;
+    for (uint32_t i = 1; i < MLRT_BUNDLE_PACKETS; i++) leave_bundle(&bundle, i);
     sum_up_hulls(&bundle);
     load_exactly(input, &corner[0]);
     mpf_sub(other, corner[0].x[0], origin[0].x[0]);
