@@ -975,6 +975,17 @@ static double covers_over(const float *input, int has_places)
         if (isinf(of.near) || isinf(of.far)) continue;
         worst = fmax(worst, fabs(place_between(of.near, of.far)));
         if (is_covered && (bundle.hulls.cover_near[0] != of.near || bundle.hulls.last[0] > of.far)) return INFINITY;
+        if (count > 1 || hit < 0) continue;
+        /* Where the packet looks no farther, or no nearer, than that the ray still hits it. */
+        const float depth = (float)mpf_get_d(truth), last = mpf_cmp_d(truth, depth) > 0 ? next_float(depth, 1) : depth;
+        const float first = mpf_cmp_d(truth, depth) < 0 ? next_float(depth, -1) : depth;
+        for (int end = 0; end < 2 && fabsf(depth) < FLT_MAX; end++) {
+            (void)finish_bundle(has_places);
+            bundle.going = bundle.closed = 1;
+            if (end) bundle.hulls.last[0] = last;
+            if (!end) bundle.hulls.first[0] = first;
+            if (!offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1) && bundle.hulls.cover[0] != 0) return INFINITY;
+        }
     }
     return count == 1 ? worst : worst > 1 ? worst : 0.01;
 }
