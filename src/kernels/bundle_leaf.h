@@ -494,7 +494,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
     for (int n = 0; n < count; ++n) of->of_vector[first + n] = met[n];
 }
 
-/* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients (bvh_tile.h). */
+/* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients. */
 struct bundle_vector {
     vf slope[2];
     vf to_waist[3];
@@ -595,7 +595,8 @@ struct plane_of_rays {
 
 /*
  * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
- * returns the lanes that are left undecided. A quotient of bounds is compared as products (bvh_tile.h).
+ * returns the lanes that are left undecided. Quotients of bounds are compared as products: rounding is monotone, so that if one
+ * product is less than the other, so is what it stands for.
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const struct plane_bounds *bounds,
                                     const float *begin, int has_places, vm candidates, vm inside,
