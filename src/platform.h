@@ -76,9 +76,13 @@ MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
 /* Bits set. */
 MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
 {
-    uint32_t count = 0;
-    for (; bits; bits &= bits - 1) ++count;
-    return count;
+#if defined(__POPCNT__)
+    return (uint32_t)__builtin_popcount(bits);
+#else
+    bits -= bits >> 1 & 0x55555555u;
+    bits = (bits & 0x33333333u) + (bits >> 2 & 0x33333333u);
+    return ((bits + (bits >> 4)) & 0x0F0F0F0Fu) * 0x01010101u >> 24;
+#endif
 }
 
 /* The place of the lowest of the bits set; there must be one. */

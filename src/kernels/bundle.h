@@ -190,40 +190,21 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 
 /* ---- rays and hulls ---- */
 
-/* Of a packet: the greatest depth at which each lane, or one of those it stands for, still looks; negated. */
-MLRT_INLINE vf negated_last_depths(const struct mlrt_bundle *bundle, uint32_t place)
-{
-    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const uint32_t active = bundle->tile->packets[place].active;
-    vf least = v_set1(INFINITY);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vf depth = v_sub(v_load(rays->to_waist[0] + v), v_load(rays->hi + v));
-        least = v_min(v_select(m_from_bits(active >> v), depth, v_set1(INFINITY)), least);
-    }
-    return least;
-}
-
-/* After hits: the greatest depths at which packets still look. Four at a time, since a step needs the one before. */
+/* After hits: the greatest depths at which packets still look. */
 static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_t places)
 {
-    while (places) {
-        uint32_t place[4];
-        vf depths[4];
-        MLRT_UNROLL
-        for (int i = 0; i < 4; ++i) {
-            place[i] = mlrt_lowest_bit(places);
-            if (places & (places - 1)) places &= places - 1;
-            depths[i] = i && place[i] == place[i - 1] ? depths[i - 1] : negated_last_depths(bundle, place[i]);
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places), active = bundle->tile->packets[place].active;
+        const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+        vf greatest = v_set1(-INFINITY);
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            vf depth = v_load(rays->hi + v);
+            if (bundle->has_places) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
+            greatest = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), greatest);
         }
-        if (place[3] == mlrt_lowest_bit(places)) places = 0;
-        MLRT_ALIGNED(16) float least[4];
-        f4_store(least, v_hmin4(depths[0], depths[1], depths[2], depths[3]));
-        MLRT_UNROLL
-        for (int i = 0; i < 4; ++i) {
-            const float depth = -least[i];
-            const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place[i]]) + HULL_FLOOR);
-            if (to < bundle->hulls.last[place[i]]) bundle->hulls.last[place[i]] = to;
-        }
+        const float depth = v_hmax(greatest);
+        const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place]) + HULL_FLOOR);
+        if (to < bundle->hulls.last[place]) bundle->hulls.last[place] = to;
     }
 }
 
@@ -779,15 +760,20 @@ MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlr
     }
 }
 
-/* The packets that may meet a box. */
+/* The packets that may meet a box. Without places all look from the waist on. */
 MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
+    const float begin = larger_of(box->from, bundle->whole.first);
     uint32_t met = 0;
+    if (!(box->to >= begin)) return 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
-        const vf from = v_max(v_set1(box->from), v_load(hulls->first + v));
-        const vf to = v_min(v_set1(box->to), v_load(hulls->last + v));
-        vm may = v_le(from, to);
+        vf from = v_set1(begin), to = v_set1(box->to), last = v_load(hulls->last + v);
+        if (has_places) {
+            from = v_max(from, v_load(hulls->first + v));
+            to = last = v_min(to, last);
+        }
+        vm may = v_le(from, last);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_load(hulls->slope[i].lo + v), hi = v_load(hulls->slope[i].hi + v);

@@ -83,24 +83,29 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
     vm is_fan = v_gt(least, small);
     if (waist->is_beam) is_fan = m_from_bits(0);
     const vf scale[3] = {v_div(v_set1(1), a), v_div(v_set1(1), b), v_div(v_set1(1), c)};
+    const int are_fans = m_bits(is_fan) == ALL_LANES;
     v_store(leaf->near + v, near);
     v_store(leaf->far + v, far);
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
-        const vf slope = v_set1(waist->slope[i]);
-        vf lo, hi, low, high, size = v_set1(0);
+        vf ends[3], lo, hi;
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) {
-            const vf p = corner[k][1 + i], by_slope = v_mul(p, scale[k]), at = v_sub(p, v_mul(slope, corner[k][0]));
-            lo = k ? v_min(by_slope, lo) : by_slope;
-            hi = k ? v_max(by_slope, hi) : by_slope;
-            low = k ? v_min(at, low) : at;
-            high = k ? v_max(at, high) : at;
-            size = v_max(v_abs(p), size);
+        for (int k = 0; k < 3; ++k) ends[k] = v_mul(corner[k][1 + i], scale[k]);
+        lo = v_min(v_min(ends[0], ends[1]), ends[2]);
+        hi = v_max(v_max(ends[0], ends[1]), ends[2]);
+        vf from = v_sub(lo, v_mul(v_abs(lo), slack)), to = v_add(hi, v_mul(v_abs(hi), slack));
+        if (!are_fans) {
+            const vf slope = v_set1(waist->slope[i]);
+            vf size = v_set1(0);
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                ends[k] = v_sub(corner[k][1 + i], v_mul(slope, corner[k][0]));
+                size = v_max(v_abs(corner[k][1 + i]), size);
+            }
+            const vf room = v_mul(v_mul_add(v_abs(slope), greatest, size), slack);
+            from = v_select(is_fan, from, v_sub(v_min(v_min(ends[0], ends[1]), ends[2]), room));
+            to = v_select(is_fan, to, v_add(v_max(v_max(ends[0], ends[1]), ends[2]), room));
         }
-        const vf room = v_mul(v_mul_add(v_abs(slope), greatest, size), slack);
-        const vf from = v_select(is_fan, v_sub(lo, v_mul(v_abs(lo), slack)), v_sub(low, room));
-        const vf to = v_select(is_fan, v_add(hi, v_mul(v_abs(hi), slack)), v_add(high, room));
         v_store(leaf->outline_lo[i] + v, from);
         v_store(leaf->outline_hi[i] + v, to);
     }
