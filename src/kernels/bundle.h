@@ -2,27 +2,28 @@
 /*
  * The rays of a tile as a bundle (../bundle.h): its waist, the terms of its rays, and the hulls of its packets.
  *
- * WHAT IS COMPUTED, u = 2^-24. With the main axis' sign o' = o - w, 1 rounding per component; a slope s_j = d_j / |d_main|
- * has 1 as lanes have it, and 2 in hulls, which make it with a reciprocal. Let A be at least |o'_main|, 2 |o'_j|, 2 |o'_l| of
- * all rays of a packet and R at least 1 and 2 |s_j|. A place x_j = o'_j - s_j o'_main is off by u |o'_j| and, for what is
- * relative to |s_j o'_main|, 3.01 u, in hulls 4.01 u; and its own rounding of at most u (|o'_j| + |s_j o'_main|): together by
- * less than 2 u |o'_j| + 5.1 u |s_j o'_main| <= (1 + 2.55) u R A. PLACE_ERROR makes 4 u of it. A ray from the waist has o' = 0,
- * and place 0 exactly.
+ * WHAT IS COMPUTED, u = 2^-24. With the main axis' sign o' = o - w, 1 rounding per component; a slope s_j = d_j /
+ * |d_main| has 1 as lanes have it, and 2 in hulls, which make it with a reciprocal. Let A be at least |o'_main|, 2
+ * |o'_j|, 2 |o'_l| of all rays of a packet and R at least 1 and 2 |s_j|. A place x_j = o'_j - s_j o'_main is off by u
+ * |o'_j| and, for what is relative to |s_j o'_main|, 3.01 u, in hulls 4.01 u; and its own rounding of at most u
+ * (|o'_j| + |s_j o'_main|): together by less than 2 u |o'_j| + 5.1 u |s_j o'_main| <= (1 + 2.55) u R A. PLACE_ERROR
+ * makes 4 u of it. A ray from the waist has o' = 0, and place 0 exactly.
  *
- * HULLS are made from rays as they were read, and hold their slopes and places as they are, but for PLACE_ERROR R A: to
- * the middle of terms 2^-21 of itself is added, and 2^-20 to their radius, for 2.001 u of a slope and the roundings of both.
- * The moment's interval is made of those of its factors (product_over_hull), and A of depths, slopes and places (hulls_fit).
+ * HULLS are made from rays as they were read, and hold their slopes and places as they are, but for PLACE_ERROR R A:
+ * to the middle of terms 2^-21 of itself is added, and 2^-20 to their radius, for 2.001 u of a slope and the
+ * roundings of both. The moment's interval is made of those of its factors (product_over_hull), and A of depths,
+ * slopes and places (hulls_fit).
  *
- * UNDERFLOW. A slope is 0 or at least LEAST_SLOPE, or all slopes of a packet lose 2^-150 at most and are 0. The product s_j
- * o'_main may lose 2^-150, and so may one of a slope and a depth; where R A is less than 2^-128, PLACE_ERROR R A is less than
- * that. PLACE_FLOOR pays for both.
+ * UNDERFLOW. A slope is 0 or at least LEAST_SLOPE, or all slopes of a packet lose 2^-150 at most and are 0. The
+ * product s_j o'_main may lose 2^-150, and so may one of a slope and a depth; where R A is less than 2^-128,
+ * PLACE_ERROR R A is less than that. PLACE_FLOOR pays for both.
  *
- * BOXES. At depth z a ray is at x_j + s_j z. For a box, as computed, c = fl(c_j - w_j) and z = fl(c_main - w_main) are off
- * by u of themselves, the product with a slope and the sum with a place by u each. Slopes and places of hulls are moved
- * apart by SLOPE_SLACK, 2^-20 of themselves (and places by PLACE_ERROR R A): 16 u |s| |z| and 16 u |x|. That pays for all:
- * a box is compared as c <= fl(x) + fl(s z) where both sides differ by at most 3 u |s z| + 3 u (|x| + |s z|) from what
- * they stand for, and u |c| matters only where c is as large as that. Depths where rays begin and end, o'_main + tau,
- * are moved by SLOPE_SLACK (|z| + A). docs/accuracy.md, "Bundles", has all of this as lemmas.
+ * BOXES. At depth z a ray is at x_j + s_j z. For a box, as computed, c = fl(c_j - w_j) and z = fl(c_main - w_main)
+ * are off by u of themselves, the product with a slope and the sum with a place by u each. Slopes and places of hulls
+ * are moved apart by SLOPE_SLACK, 2^-20 of themselves (and places by PLACE_ERROR R A): 16 u |s| |z| and 16 u |x|.
+ * That pays for all: a box is compared as c <= fl(x) + fl(s z) where both sides differ by at most 3 u |s z| + 3 u
+ * (|x| + |s z|) from what they stand for, and u |c| matters only where c is as large as that. Depths where rays begin
+ * and end, o'_main + tau, are moved by SLOPE_SLACK (|z| + A). docs/accuracy.md, "Bundles", has all of this as lemmas.
  *
  * Based on, for frusta against boxes: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
  */
