@@ -404,7 +404,7 @@ MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf st
 /*
  * Of triangles whose boxes a packet may meet, those that its rays may hit by their edges: left out is what all rays pass
  * outside of one edge, where D has one sign, or of two edges on different sides. For rays from the waist N is not negative,
- * so neither are D and the edge functions of those that hit.
+ * so neither are the edge functions of those that hit.
  */
 MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, int has_places, uint32_t among)
@@ -423,12 +423,16 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
             highest = v_max(least, highest);
         }
         const vf bound = v_mul(edge_bounds(hulls, place, v_load(leaf->steepness + v), has_places), v_set1(2));
+        if (!has_places) {
+            met |= (~m_bits(v_lt(lowest, v_sub(v_set1(0), bound))) & ALL_LANES) << v;
+            continue;
+        }
         bound_over_hull(hulls, place, leaf->normal[0] + v, (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->normal[1] + v), 2,
                         &least, &greatest);
         const vf width = v_set1(2 * PLANE_BOUND * hulls->reach[place]);
         const vm below = v_lt(lowest, v_sub(v_set1(0), bound)), above = v_gt(highest, bound);
         const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(v_set1(0), width));
-        const vm out = has_places ? m_or(m_and(below, m_or(above, forward)), m_and(above, backward)) : m_or(below, backward);
+        const vm out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
         met |= (~m_bits(out) & ALL_LANES) << v;
     }
     return met & among;

@@ -113,24 +113,34 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
     leaf->fans |= m_bits(is_fan) << v;
 }
 
-/* Triangles of a leaf that rays of a hull may hit, by where they are seen. */
+/*
+ * Triangles of a leaf that rays of a hull may hit, by where they are seen. Fans from the waist have nothing to be added;
+ * mostly there are only fans.
+ */
 MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, const struct hull_outline *hull, int has_places,
                                    uint32_t among)
 {
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(among >> v & ALL_LANES)) continue;
-        const vm is_fan = m_from_bits(leaf->fans >> v);
-        const vf weight = v_load(leaf->weight + v), zero = v_set1(0);
+        const int are_fans = !(among & ~leaf->fans);
         vm may = m_and(v_le(v_load(leaf->near + v), v_set1(hull->last)), v_ge(v_load(leaf->far + v), v_set1(hull->first)));
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            const vf aside = has_places ? v_set1(hull->aside[i]) : zero;
-            const vf place_lo = has_places ? v_set1(hull->place_lo[i]) : zero;
-            const vf place_hi = has_places ? v_set1(hull->place_hi[i]) : zero;
-            const vf room = v_mul(v_select(is_fan, aside, v_set1(hull->turn[i])), weight);
-            const vf upper = v_add(v_select(is_fan, v_set1(hull->slope_hi[i]), place_hi), room);
-            const vf lower = v_sub(v_select(is_fan, v_set1(hull->slope_lo[i]), place_lo), room);
+            vf upper = v_set1(hull->slope_hi[i]), lower = v_set1(hull->slope_lo[i]), reach = v_set1(0);
+            if (has_places) reach = v_set1(hull->aside[i]);
+            if (MLRT_UNLIKELY(!are_fans)) {
+                const vm is_fan = m_from_bits(leaf->fans >> v);
+                const float place_lo = has_places ? hull->place_lo[i] : 0, place_hi = has_places ? hull->place_hi[i] : 0;
+                upper = v_select(is_fan, upper, v_set1(place_hi));
+                lower = v_select(is_fan, lower, v_set1(place_lo));
+                reach = v_select(is_fan, reach, v_set1(hull->turn[i]));
+            }
+            if (has_places || !are_fans) {
+                const vf room = v_mul(reach, v_load(leaf->weight + v));
+                upper = v_add(upper, room);
+                lower = v_sub(lower, room);
+            }
             may = m_and(may, m_and(v_le(v_load(leaf->outline_lo[i] + v), upper), v_ge(v_load(leaf->outline_hi[i] + v), lower)));
         }
         met |= m_bits(may) << v;
