@@ -37,8 +37,8 @@
 #define MLRT_LEAST_LIT_CELLS 9
 #endif
 
-/* A tile of at least this many packets hands what few of them meet to their rays, one by one (hybrid.h). 17: none does.
- */
+/* A tile of at least this many packets has the rays of few of them go on one by one from what these meet
+ * (kernels/bundle_tile.h). 17: none does. */
 #ifndef MLRT_MANY_PACKETS
 #define MLRT_MANY_PACKETS 8
 #endif
@@ -54,20 +54,6 @@
 #endif
 #ifndef MLRT_FEW_LEAF_RAYS
 #define MLRT_FEW_LEAF_RAYS 3
-#endif
-
-/*
- * How many rays meet a leaf is found out while that pays: each leaf that few met is worth so much credit, up to a
- * limit, and each other costs 1. Without credit one leaf in so many is asked.
- */
-#ifndef MLRT_LEAF_GAIN
-#define MLRT_LEAF_GAIN 2
-#endif
-#ifndef MLRT_MOST_LEAF_CREDIT
-#define MLRT_MOST_LEAF_CREDIT 16
-#endif
-#ifndef MLRT_LEAVES_NOT_ASKED
-#define MLRT_LEAVES_NOT_ASKED 16
 #endif
 
 /*

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-#define INPUT_LIMIT 24
+#define INPUT_LIMIT 32
 #define CLIMB_COUNT 8
 #define STEP_COUNT  12000
 

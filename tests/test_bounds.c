@@ -49,7 +49,9 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #include "kernels/kdtree_body.h"
 #undef KERNELS
 #define KERNELS       bounds_kernels
+#define axis_code bundle_axis_code /* ray_group.h has one too */
 #include "kernels/bvh_body.h"
+#undef axis_code
 #undef v_div
 #undef f4_div
 
@@ -278,7 +280,6 @@ struct filtered {
     float size[4];
     float reach; /* R */
     float direction[3];
-    const struct mlrt_leaf_setup *leaf; /* the terms of bvh_leaf.h in place of these, if not NULL */
 };
 
 static void choose_axis(const float *input, struct ray_group *group)
@@ -301,7 +302,6 @@ static void find_terms(const float *input, int shared, struct filtered *filtered
     load_triangle(input, &triangle);
     choose_axis(input, &group);
     filtered->reach = group.reach;
-    filtered->leaf = NULL;
     memcpy(filtered->direction, input + 12, sizeof filtered->direction);
     if (shared) {
         struct mlrt_triangle_setup setup = {.main_axis = group.axis_code};
@@ -390,18 +390,6 @@ static struct verdict decide(const struct filtered *filtered, float t_min, float
     packet.lo[0] = lo;
     packet.hi[0] = hi;
     packet.triangle[0] = MLRT_NONE;
-    if (filtered->leaf) {
-        struct ray_vector rays;
-        load_ray_vector(&packet, 0, &rays);
-        const struct filter_bounds bounds = {EDGE_BOUND * filtered->reach, PLANE_BOUND * filtered->reach};
-        vf least;
-        find_least_edges(filtered->leaf, 0, &rays.direction, 1, &least);
-        const struct leaf_verdict of_leaf =
-            filter_leaf_vector(filtered->leaf, 0, &bounds, packet.t_min, &rays, least, v_ge(least, -bounds.edge));
-        keep_leaf_verdict(&of_leaf, filtered->leaf, 0, &rays);
-        store_ray_vector(&rays, 0, &packet);
-        return (struct verdict){of_leaf.nearer, of_leaf.undecided, of_leaf.inside, packet.lo[0], packet.hi[0]};
-    }
     return filter_vector(&filtered->terms, filtered->reach, &packet, 0, m_from_bits(1));
 }
 
@@ -612,17 +600,30 @@ static double attack_filter_t_floor(const float *input)
 
 /* ---- the filter of single rays ----------------------------------------------------------------------------------- */
 
-/* What it works out of the inputs; 0 if that is beyond what float carries, which it must notice. */
-static int load_single(const float *input, struct float_test *test)
+/* What it works out of the inputs: for one ray, or for any from its origin (lanes.h). 0 if that is beyond what float
+ * carries, which it must notice. */
+static int load_single(const float *input, int is_any, struct float_test *test)
 {
+    static struct lanes_search search;
     struct single_ray ray = {.reach = 0};
     double direction[3];
     for (int k = 0; k < 3; ++k) {
-        ray.origin[k] = input[9 + k];
+        ray.origin[k] = search.origin[k] = input[9 + k];
         ray.direction[k] = input[12 + k];
         ray.reach = fmaxf(4 * fabsf(input[12 + k]), ray.reach);
     }
     set_single_test(&ray, input, 1, test);
+    if (is_any) {
+        struct triangles_from_origin of;
+        search.reach = ray.reach;
+        set_up_from_origin(&search, input, 1, &of);
+        const vf ca[3] = {of.ca[0][0], of.ca[1][0], of.ca[2][0]}, ab[3] = {of.ab[0][0], of.ab[1][0], of.ab[2][0]};
+        const vf normal[3] = {of.normal[0][0], of.normal[1][0], of.normal[2][0]};
+        set_test_from_origin(ca, ab, normal, ray.direction, of.edge_bound[0], test);
+        test->plane_bound = of.plane_bound[0];
+        test->distance = of.distance[0];
+        test->distance_bound = of.distance_bound[0];
+    }
     load_direction(input, direction);
     load_exactly(input, direction);
     assert_true(test->above > 0 && test->plane_bound > 0 && test->distance_bound > 0);
@@ -634,48 +635,65 @@ static int load_single(const float *input, struct float_test *test)
 
 static double attack_single_edges(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test) || isinf(test.above)) return -1;
-    find_edge(0, truth);
-    mpf_set(other_truth, truth);
-    for (int i = 1; i < 3; ++i) {
-        static mpf_t edge;
-        if (!edge->_mp_d) mpf_init(edge);
-        find_edge(i, edge);
-        if (mpf_cmp(edge, truth) < 0) mpf_set(truth, edge);
-        if (mpf_cmp(edge, other_truth) > 0) mpf_set(other_truth, edge);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test) || isinf(test.above)) continue;
+        find_edge(0, truth);
+        mpf_set(other_truth, truth);
+        for (int i = 1; i < 3; ++i) {
+            static mpf_t edge;
+            if (!edge->_mp_d) mpf_init(edge);
+            find_edge(i, edge);
+            if (mpf_cmp(edge, truth) < 0) mpf_set(truth, edge);
+            if (mpf_cmp(edge, other_truth) > 0) mpf_set(other_truth, edge);
+        }
+        worst = fmax(worst, error_over(truth, test.least, test.above));
+        worst = fmax(worst, error_over(other_truth, test.greatest, test.above));
     }
-    return fmax(error_over(truth, test.least, test.above), error_over(other_truth, test.greatest, test.above));
+    return worst;
 }
 
 static double attack_single_d(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test) || isinf(test.plane_bound)) return -1;
-    find_d_and_n(other_truth, truth);
-    return error_over(other_truth, test.determinant, test.plane_bound);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test) || isinf(test.plane_bound)) continue;
+        find_d_and_n(other_truth, truth);
+        worst = fmax(worst, error_over(other_truth, test.determinant, test.plane_bound));
+    }
+    return worst;
 }
 
 static double attack_single_n(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test) || isinf(test.distance_bound)) return -1;
-    find_d_and_n(other_truth, truth);
-    return error_over(truth, test.distance, test.distance_bound);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test) || isinf(test.distance_bound)) continue;
+        find_d_and_n(other_truth, truth);
+        worst = fmax(worst, error_over(truth, test.distance, test.distance_bound));
+    }
+    return worst;
 }
 
 /* Where t of a hit is between the ends that are kept. */
 static double attack_single_t(const float *input)
 {
-    struct float_test test;
-    if (!load_single(input, &test)) return -1;
-    test.least = test.greatest = FLT_MAX;
-    test.above = test.below = 0;
-    const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY, 0);
-    if (!verdict.nearer || isinf(verdict.hi)) return -1;
-    find_d_and_n(other_truth, truth);
-    mpf_div(truth, truth, other_truth);
-    return place_in(truth, verdict.lo, verdict.hi);
+    double worst = -1;
+    for (int is_any = 0; is_any < 2; ++is_any) {
+        struct float_test test;
+        if (!load_single(input, is_any, &test)) continue;
+        test.least = test.greatest = FLT_MAX;
+        test.above = test.below = 0;
+        const struct verdict verdict = compare_distances(&test, ALL_LANES, 0, INFINITY, INFINITY, 0);
+        if (!verdict.nearer || isinf(verdict.hi)) continue;
+        find_d_and_n(other_truth, truth);
+        mpf_div(truth, truth, other_truth);
+        worst = fmax(worst, place_in(truth, verdict.lo, verdict.hi));
+    }
+    return worst;
 }
 
 /* ---- two tempting bounds ----------------------------------------------------------------------------------------- */
@@ -925,372 +943,7 @@ static double attack_camera_slope(const float *input)
                     hi / (1 - (hi < 0 ? MLRT_SLOPE_SLACK : -MLRT_SLOPE_SLACK)));
 }
 
-/* ---- cells and leaves -------------------------------------------------------------------------------------------- */
-
-/* A triangle of a leaf, as a cell of one ray sees it. */
-struct seen_triangle {
-    struct mlrt_cells cells;
-    struct lone_triangle lone;
-    float size[4];
-    float direction[3];
-    int n_sign; /* 0: its plane holds the apex */
-};
-
-/* Inputs as of the filter. With `slopes` the ray is (+-1, s_j, s_l) by its main axis, and s what the cell has of it. */
-static int see_triangle(const float *input, int slopes, struct seen_triangle *seen)
-{
-    static struct mlrt_triangle triangle;
-    struct mlrt_tree tree = {.triangles = &triangle, .bvh.unit = 1};
-    struct ray_group group;
-    double direction[3];
-    if (!has_direction(input)) return 0;
-    choose_axis(input, &group);
-    const int a = (int)(group.axis_code & 3);
-    if (input[12 + a] == 0) return 0;
-    struct mlrt_cells *cells = &seen->cells;
-    memset(cells, 0, sizeof *cells);
-    cells->main_axis = a;
-    cells->sign = input[12 + a] < 0 ? -1.0f : 1.0f;
-    memcpy(cells->apex, input + 9, sizeof cells->apex);
-    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) mlrt_leave_out_cell(cells, i);
-    cells->farthest[0] = cells->cover_near[0] = cells->shortest[0] = INFINITY;
-    cells->cover[0] = cells->skip[0] = MLRT_NONE;
-    cells->closed = 1;
-    memcpy(seen->direction, input + 12, sizeof seen->direction);
-    for (int side = 0; side < 2; ++side) {
-        const int j = (a + 1 + side) % 3;
-        const float slope = input[12 + j] / fabsf(input[12 + a]);
-        if (!(fabsf(slope) <= STEEPEST_SLOPE)) return 0;
-        mlrt_set_cell_slopes(cells, 0, side, slope, slope);
-        if (slopes) seen->direction[j] = slope;
-    }
-    if (slopes) seen->direction[a] = cells->sign;
-    sum_up_cells(cells);
-
-    load_triangle(input, &triangle);
-    for (int k = 0; k < 3; ++k) direction[k] = seen->direction[k];
-    load_exactly(input, direction);
-    find_d_and_n(other_truth, truth);
-    seen->n_sign = mpf_sgn(truth);
-    divisor_count = 0;
-    set_up_lone_triangle(&tree, cells, 0, &seen->lone);
-    for (int i = 0; i < 4; ++i) seen->size[i] = divisors[i * divisor_count / 4];
-    return 1;
-}
-
-/* 2 e_ij or D as the leaf has scaled them, with the sign of N. */
-static void find_seen_term(const struct seen_triangle *seen, int i, mpf_t result)
-{
-    if (i < 3) {
-        find_edge(i, result);
-        mpf_mul_ui(result, result, 2);
-    } else {
-        find_d_and_n(result, scratch[3]);
-    }
-    divide_by(seen->size[i], result);
-    if (seen->n_sign < 0) mpf_neg(result, result);
-}
-
-static double attack_slope_terms(const float *input, int first, int end, float bound)
-{
-    struct seen_triangle seen;
-    double worst = -1;
-    if (!see_triangle(input, 1, &seen) || seen.n_sign == 0) return -1;
-    for (int i = first; i < end; ++i) {
-        vf least, greatest;
-        range_over_cells(&seen.cells, &seen.lone.leaf, i, 0, 0, &least, &greatest);
-        find_seen_term(&seen, i, truth);
-        worst = fmax(worst, error_over(truth, least, bound * seen.cells.slope_bound));
-        worst = fmax(worst, error_over(truth, greatest, bound * seen.cells.slope_bound));
-    }
-    return worst;
-}
-
-static double attack_slope_edge(const float *input)
-{
-    return attack_slope_terms(input, 0, 3, SLOPE_EDGE_BOUND);
-}
-
-static double attack_slope_plane(const float *input)
-{
-    return attack_slope_terms(input, 3, 4, SLOPE_PLANE_BOUND);
-}
-
-/* Exactly, of load_exactly's ray: 1 = all edges are surely inside, -1 = it misses from here, 0 = on an edge. */
-static int find_side(void)
-{
-    int sign[3];
-    for (int i = 0; i < 3; ++i) {
-        find_edge(i, truth);
-        sign[i] = mpf_sgn(truth);
-    }
-    find_d_and_n(other_truth, truth);
-    const int d = mpf_sgn(other_truth);
-    if (d == 0 || d * mpf_sgn(truth) <= 0) return -1;
-    for (int i = 0; i < 3; ++i) {
-        if (sign[i] * d < 0) return -1;
-    }
-    return sign[0] && sign[1] && sign[2];
-}
-
-/* What becomes of a closed cell of one ray: it must be right, and the depth between the ends that are kept. */
-static double attack_closed_cell(const float *input)
-{
-    struct seen_triangle seen;
-    uint32_t inside;
-    MLRT_ALIGNED(64) float depth[MLRT_CELL_COUNT]; /* of cells that are opened */
-    if (!see_triangle(input, 1, &seen) || seen.n_sign == 0) return -1;
-    seen.lone.leaf.least_depth[0] = -INFINITY;
-    for (int side = 0; side < 2; ++side) {
-        seen.lone.leaf.slope_lo[side][0] = -INFINITY;
-        seen.lone.leaf.slope_hi[side][0] = INFINITY;
-    }
-    const int side = find_side();
-    const uint32_t left = seen_by_cell(&seen.cells, 0, 1, &seen.lone.leaf);
-    const uint32_t opened = offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside, depth);
-    const int is_covered = seen.cells.cover[0] != MLRT_NONE;
-    if ((!left || !(opened || is_covered)) && side >= 0) return INFINITY;
-    if ((is_covered || inside) && side <= 0) return INFINITY;
-    if (!is_covered) return -1;
-    find_d_and_n(other_truth, truth);
-    mpf_div(truth, truth, other_truth); /* |d_main| is 1 */
-    const float near = seen.cells.cover_near[0], far = seen.cells.farthest[0];
-    const double worst = place_in(truth, near, far);
-    /* Behind, or in front of, what was there before. */
-    seen.cells.cover[0] = MLRT_NONE;
-    seen.cells.cover_near[0] = INFINITY;
-    seen.cells.farthest[0] = round_up_exactly(truth);
-    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside, depth) && seen.cells.cover[0] == MLRT_NONE)
-        return INFINITY;
-    seen.cells.cover[0] = MLRT_NONE;
-    seen.cells.farthest[0] = INFINITY;
-    seen.cells.cover_near[0] = round_down_exactly(truth);
-    if (!offer_to_closed(&seen.cells, &seen.lone.leaf, 0, 1, 0, &inside, depth)) return INFINITY;
-    if (depth[0] != near) return INFINITY; /* what was kept is checked */
-    return worst;
-}
-
-/* Decisions on rays by leaves: as of the filter. */
-static double attack_leaf_decisions(const float *input)
-{
-    struct seen_triangle seen;
-    if (!see_triangle(input, 0, &seen)) return -1;
-    const int a = seen.cells.main_axis;
-    const float other = fmaxf(fabsf(input[12 + (a + 1) % 3]), fabsf(input[12 + (a + 2) % 3]));
-    struct filtered filtered = {.leaf = &seen.lone.leaf, .reach = fmaxf(fabsf(input[12 + a]), 2 * other)};
-    memcpy(filtered.direction, input + 12, sizeof filtered.direction);
-    if (seen.n_sign == 0) return -1;
-    const int side = find_side();
-    const struct verdict verdict = decide(&filtered, 0, INFINITY, INFINITY);
-    if ((verdict.nearer || verdict.inside) && side <= 0) return INFINITY;
-    if (!verdict.nearer && !verdict.undecided && side >= 0) return INFINITY;
-    double worst = 0.0005;
-    for (int i = 0; i < 4; ++i) {
-        const float cross[3] = {seen.lone.leaf.cross[i][0][0], seen.lone.leaf.cross[i][1][0],
-                                seen.lone.leaf.cross[i][2][0]};
-        const float value = dot_product(filtered.direction, cross);
-        find_seen_term(&seen, i, truth);
-        worst = fmax(worst, sign_over(truth, value, (i < 3 ? EDGE_BOUND : PLANE_BOUND) * filtered.reach));
-    }
-    return worst;
-}
-
-/* As attack_ends. */
-static double attack_leaf_ends(const float *input, enum quantity quantity, int tiny)
-{
-    struct seen_triangle seen;
-    struct mlrt_leaf_setup *leaf = &seen.lone.leaf;
-    if (!see_triangle(input, 0, &seen) || seen.n_sign == 0) return -1;
-    const int a = seen.cells.main_axis;
-    const float other = fmaxf(fabsf(input[12 + (a + 1) % 3]), fabsf(input[12 + (a + 2) % 3]));
-    struct filtered filtered = {.leaf = leaf, .reach = fmaxf(fabsf(input[12 + a]), 2 * other)};
-    memcpy(filtered.direction, input + 12, sizeof filtered.direction);
-    find_d_and_n(other_truth, truth);
-    divide_by(seen.size[3], other_truth);
-    divide_by(seen.size[3], truth);
-    if (seen.n_sign < 0) {
-        mpf_neg(truth, truth);
-        mpf_neg(other_truth, other_truth);
-    }
-    float distance = 0.5f * leaf->least_n[0] + 0.5f * leaf->greatest_n[0];
-    if (tiny != (0.5f * leaf->greatest_n[0] - 0.5f * leaf->least_n[0] < NEARLY_FLOOR)) return -1;
-    if (quantity == D) {
-        distance = leaf->least_n[0] = leaf->greatest_n[0] = 1;
-        mpf_set_d(truth, 1);
-    } else if (quantity == N) {
-        mpf_set_d(other_truth, 1);
-        memset(filtered.direction, 0, sizeof filtered.direction);
-        filtered.direction[0] = 1;
-        leaf->cross[3][0][0] = 1;
-        filtered.reach = 0;
-    }
-    if (mpf_sgn(other_truth) == 0) return -1;
-    mpf_div(truth, truth, other_truth);
-    const float cross[3] = {leaf->cross[3][0][0], leaf->cross[3][1][0], leaf->cross[3][2][0]};
-    const float d = dot_product(filtered.direction, cross);
-    for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) leaf->cross[i][k][0] = filtered.direction[k] < 0 ? -1 : 1;
-    }
-    return ends_over(&filtered, truth, (double)distance / d);
-}
-
-static double attack_leaf_d(const float *input)
-{
-    return attack_leaf_ends(input, D, 0);
-}
-
-static double attack_leaf_n(const float *input)
-{
-    return attack_leaf_ends(input, N, 0);
-}
-
-static double attack_leaf_t(const float *input)
-{
-    return attack_leaf_ends(input, T, 0);
-}
-
-static double attack_leaf_t_floor(const float *input)
-{
-    return attack_leaf_ends(input, T, 1);
-}
-
-/* |N| between its ends, also where it underflows. */
-static double attack_leaf_n_ends(const float *input)
-{
-    struct seen_triangle seen;
-    if (!see_triangle(input, 0, &seen) || seen.n_sign == 0) return -1;
-    find_d_and_n(other_truth, truth);
-    divide_by(seen.size[3], truth);
-    mpf_abs(truth, truth);
-    return place_in(truth, seen.lone.leaf.least_n[0], seen.lone.leaf.greatest_n[0]);
-}
-
-/* Inputs as of attack_outline. */
-static double attack_leaf_outline(const float *input)
-{
-    struct leaf_corners corners;
-    struct mlrt_leaf_setup leaf;
-    struct mlrt_cells cells;
-    memset(&cells, 0, sizeof cells);
-    cells.sign = 1;
-    for (int i = 0; i < 3; ++i) {
-        corners.to[i][0] = input[0] - input[2];
-        corners.to[i][1] = input[1] - input[3];
-        corners.to[i][2] = 1;
-    }
-    if (!(corners.to[0][0] > SMALLEST_SIZE)) return -1;
-    set_leaf_outline(&cells, &corners, 0, &leaf);
-    subtract_exactly(input[1], input[3], truth);
-    subtract_exactly(input[0], input[2], other_truth);
-    mpf_div(truth, truth, other_truth);
-    if (!is_normal(truth)) return -1;
-    return fmax(slack_used(truth, leaf.slope_lo[0][0], SLOPE_SLACK, 0),
-                slack_used(truth, leaf.slope_hi[0][0], SLOPE_SLACK, 1));
-}
-
-/* Inputs: two directions. */
-static double attack_packet_slope(const float *input)
-{
-    static struct mlrt_ray_tile tile;
-    struct mlrt_packet *packet = &tile.packets[0];
-    memset(&tile, 0, sizeof tile);
-    if (input[0] == 0 || input[1] == 0) return -1;
-    tile.cells.sign = input[0] < 0 ? -1.0f : 1.0f;
-    packet->direction[0][0] = input[0];
-    packet->direction[1][0] = input[1];
-    packet->active = 1;
-    if (!add_packet(&tile, 0)) return -1;
-    mpf_set_d(truth, input[1]);
-    mpf_set_d(other_truth, fabs(input[0]));
-    mpf_div(truth, truth, other_truth);
-    return fmax(slack_used(truth, tile.cells.slopes[0].lo[0], SLOPE_SLACK, 0),
-                slack_used(truth, tile.cells.slopes[0].hi[0], SLOPE_SLACK, 1));
-}
-
-/* Inputs: |d|, t. Nothing up to the depth of the nearest hit may be passed over, nor up to where all rays end. */
-static double attack_farthest_depth(const float *input)
-{
-    static struct mlrt_ray_tile tile;
-    struct mlrt_packet *packet = &tile.packets[0];
-    double worst = 0;
-    if (input[0] == 0) return -1;
-    tile.cells.sign = 1;
-    packet->active = 1;
-    packet->direction[0][0] = fabsf(input[0]);
-    packet->t_max[0] = packet->hi[0] = fabsf(input[1]);
-    if (!add_packet(&tile, 0)) return INFINITY;
-    mpf_set_d(truth, fabs((double)input[0] * input[1]));
-    for (int found_hit = 0; found_hit < 2; ++found_hit) {
-        const float farthest = found_hit ? farthest_depth(packet, 0) : tile.cells.farthest[0];
-        if (farthest < round_down_exactly(truth)) return INFINITY;
-        if (is_normal(truth)) worst = fmax(worst, slack_used(truth, farthest, SLOPE_SLACK, 1));
-    }
-    return worst;
-}
-
-/*
- * Inputs: where a box is along the main axis, from where to where, the apex, and the same over another axis; |d_main|
- * and d_j. How much of the slack of a slope is used up where the box is left out.
- */
-static double attack_cell_box(const float *input)
-{
-    static struct mlrt_ray_tile tile;
-    static struct mlrt_bvh_node node;
-    struct mlrt_packet *packet = &tile.packets[0];
-    struct mlrt_cells *cells = &tile.cells;
-    float near[MLRT_BVH_WIDTH];
-    const float z[2] = {fminf(input[0], input[1]), fmaxf(input[0], input[1])};
-    const float x[2] = {fminf(input[3], input[4]), fmaxf(input[3], input[4])};
-    memset(&tile, 0, sizeof tile);
-    if (input[6] == 0) return -1;
-    cells->sign = input[6] < 0 ? -1.0f : 1.0f;
-    cells->apex[0] = input[2];
-    cells->apex[1] = input[5];
-    packet->direction[0][0] = input[6];
-    packet->direction[1][0] = input[7];
-    packet->t_max[0] = packet->hi[0] = INFINITY;
-    packet->active = 1;
-    for (uint32_t i = 1; i < MLRT_CELL_COUNT; ++i) mlrt_leave_out_cell(cells, i);
-    if (!add_packet(&tile, 0)) return -1;
-    sum_up_cells(cells);
-    for (int i = 0; i < MLRT_BVH_WIDTH; ++i) {
-        const int is_empty = i > 0;
-        for (int k = 0; k < 3; ++k) {
-            node.lo[k][i] = is_empty ? INFINITY : k == 0 ? z[0] : k == 1 ? x[0] : -1;
-            node.hi[k][i] = is_empty ? -INFINITY : k == 0 ? z[1] : k == 1 ? x[1] : 1;
-        }
-    }
-    const uint32_t of_all = children_met(cells, &node, near), of_cell = of_all & 1 ? cells_met(cells, &node, 0) : 0;
-    if (of_all > 1) return INFINITY;
-    if (of_cell) return -1;
-    /* Depths of the box, and its offsets: exactly. */
-    mpf_t *first = &true_vertex[0].x[0], *last = &true_vertex[0].x[1];
-    subtract_exactly(cells->sign > 0 ? z[0] : input[2], cells->sign > 0 ? input[2] : z[1], *first);
-    subtract_exactly(cells->sign > 0 ? z[1] : input[2], cells->sign > 0 ? input[2] : z[0], *last);
-    if (mpf_sgn(*last) <= 0) return -1;
-    if (mpf_sgn(*first) < 0) mpf_set_ui(*first, 0);
-    if (input[7] == 0) {
-        return x[0] <= input[5] && input[5] <= x[1] ? INFINITY : -1;
-    }
-    /* The box lies above or below the ray: by which slope would it be met? Mirrored, it lies above. */
-    for (int side = 0; side < 2; ++side) {
-        subtract_exactly(side ? input[5] : x[0], side ? x[1] : input[5], truth);
-        mpf_t *end = mpf_sgn(truth) > 0 ? last : first;
-        if (mpf_sgn(*end) == 0) continue;
-        mpf_div(truth, truth, *end);
-        /* `truth` is the least slope that meets it; the other side must be no reason to leave it out. */
-        mpf_set_d(other_truth, side ? -(double)input[7] : input[7]);
-        mpf_set_d(scratch[0], fabs(input[6]));
-        mpf_div(other_truth, other_truth, scratch[0]);
-        mpf_sub(difference, truth, other_truth);
-        if (mpf_sgn(difference) <= 0) continue;
-        /* The slope must be greater by this share to meet it: what is left of the slack was used. */
-        mpf_abs(other_truth, other_truth);
-        const double missing = over(difference, 1) / mpf_get_d(other_truth);
-        return missing < SLOPE_SLACK ? 1 - missing / SLOPE_SLACK : 0.01 / (1 + log2(missing / SLOPE_SLACK));
-    }
-    return INFINITY; /* met, but left out */
-}
+/* ---- cells ------------------------------------------------------------------------------------------------------- */
 
 /* Inputs as of the camera: how far beyond the slopes of a cell's corners its rays go, of the way to the cell's bounds.
  */
@@ -1298,15 +951,16 @@ static double attack_camera_cell(const float *input)
 {
     static const struct mlrt_tree tree = {.bvh.unit = 1};
     static struct mlrt_job job = {.tree = &tree}; /* all 0 but for the view */
+    static struct mlrt_bundle bundle;
     struct mlrt_view view;
-    struct mlrt_cells cells;
     uint32_t x, y;
     float p[3];
     load_view(input, &view, &x, &y);
     job.source.view = view;
     const struct mlrt_rectangle area = {x, y, 4, 4};
-    if (!gather_camera_cells(&job, &area, 4, &cells)) return -1;
-    const int a = cells.main_axis, side = a == 0 ? 0 : 1, j = 1 - a; /* over axes 0 and 1 */
+    if (!gather_camera_cells(&job, &area, 4, &bundle)) return -1;
+    const struct mlrt_hull_row *slopes = bundle.hulls.term;
+    const int a = bundle.waist.main_axis, side = a == 0 ? 0 : 1, j = 1 - a; /* over axes 0 and 1 */
     if (a == 2) return -1;
     double lo = INFINITY, hi = -INFINITY, worst = -1;
     for (int i = 0; i < 4; ++i) {
@@ -1318,11 +972,11 @@ static double attack_camera_cell(const float *input)
         lo = fmin(slope, lo);
         hi = fmax(slope, hi);
     }
-    const double below = lo - cells.slopes[side].lo[0], above = cells.slopes[side].hi[0] - hi;
+    const double below = lo - slopes[side].lo[0], above = slopes[side].hi[0] - hi;
     if (!(below > 0 && above > 0)) return INFINITY;
     for (uint32_t i = 0; i < 16; ++i) {
         mlrt_view_point(&view, x + i % 4, y + i / 4, p);
-        if (!(p[a] * cells.sign > 0)) return INFINITY;
+        if (!(p[a] * bundle.waist.sign > 0)) return INFINITY;
         const double slope = (double)p[j] / fabs((double)p[a]);
         worst = fmax(worst, fmax((lo - slope) / below, (slope - hi) / above));
     }
@@ -1677,65 +1331,6 @@ static void single_ray_bounds_hold(void **state)
     for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
 }
 
-static void cell_bounds_hold(void **state)
-{
-    static const struct bound bounds[] = {
-        {"cells: slope of a camera's ray", 10, 0, attack_camera_cell, 0.1, NULL},
-        {"cells: slope of a packet's ray", 2, 3, attack_packet_slope, 0.05, NULL},
-        {"cells: boxes", 8, 0xE4, attack_cell_box, 0.05, NULL},
-        {"cells: farthest depth", 2, 1, attack_farthest_depth, 0.05, NULL},
-        {"cells: outline of a triangle", 4, 0xC, attack_leaf_outline, 0.1, NULL},
-        {"cells: e over slopes", FILTER_INPUTS, RAY_IS_SAFE, attack_slope_edge, 0.3, worst_edge},
-        {"cells: D over slopes", FILTER_INPUTS, RAY_IS_SAFE, attack_slope_plane, 0.2, worst_d},
-        {"cells: depth of a cover", FILTER_INPUTS, RAY_IS_SAFE, attack_closed_cell, 0.2, worst_t},
-        {"leaf: e, D of the wrong sign", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_decisions, 0.1, NULL},
-        {"leaf: D", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_d, 0.3, worst_d},
-        {"leaf: N", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_n, 0.4, worst_n},
-        {"leaf: ends of N", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_n_ends, 0.4, worst_n},
-        {"leaf: t", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_t, 0.3, worst_t},
-        {"leaf: t, where it underflows", FILTER_INPUTS, RAY_IS_SAFE, attack_leaf_t_floor, 0.05, NULL},
-    };
-    (void)state;
-    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) attack(&bounds[i], CLIMB_COUNT);
-}
-
-/* R of a packet is no less than triangle_filter.h asks for, whatever the other packets of its tile are. */
-static void packets_have_their_reach(void **state)
-{
-    (void)state;
-    static struct mlrt_ray_tile tile;
-    struct random random = {15};
-    for (size_t round = 0; round < scaled(20000); ++round) {
-        const int a = (int)draw_below(&random, 3);
-        const float scale = ldexpf(1, (int)draw_below(&random, 116) - 57);
-        tile.cells.main_axis = a;
-        tile.cells.sign = draw_below(&random, 2) ? 1.0f : -1.0f;
-        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-            struct mlrt_packet *packet = &tile.packets[place];
-            mlrt_leave_out_cell(&tile.cells, place);
-            packet->active = draw_below(&random, 2) ? draw_bits(&random) & 0xFFFF : 0;
-            const float slopes[2] = {draw_range(&random, -2, 2), draw_below(&random, 2) ? 0 : 0.3f};
-            for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-                const float depth = scale * draw_range(&random, 0.25f, 1);
-                packet->direction[a][lane] = depth * tile.cells.sign;
-                packet->direction[(a + 1) % 3][lane] = depth * (slopes[0] + draw_range(&random, -0.1f, 0.1f));
-                packet->direction[(a + 2) % 3][lane] = depth * (slopes[1] + draw_range(&random, -0.1f, 0.1f));
-            }
-            if (packet->active && !add_packet(&tile, place)) packet->active = 0;
-        }
-        sum_up_cells(&tile.cells);
-        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-            const struct mlrt_packet *packet = &tile.packets[place];
-            for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-                if (!(packet->active >> lane & 1)) continue;
-                assert_true(packet_reach(&tile, place) >= fabsf(packet->direction[a][lane]));
-                assert_true(packet_reach(&tile, place) >= 2 * fabsf(packet->direction[(a + 1) % 3][lane]));
-                assert_true(packet_reach(&tile, place) >= 2 * fabsf(packet->direction[(a + 2) % 3][lane]));
-            }
-        }
-    }
-}
-
 /* Those of docs/accuracy.md. */
 static void tempting_bounds_do_not_hold(void **state)
 {
@@ -1778,6 +1373,7 @@ static void beam_bounds_hold(void **state)
         {"beam: slope", 6, 0x36, attack_beam_slope, 0.12, NULL},
         {"camera: pad", 10, 0, attack_camera_pad, 0.5, NULL},
         {"camera: slope", 10, 0, attack_camera_slope, 0.4, NULL},
+        {"camera: slope of a cell's ray", 10, 0, attack_camera_cell, 0.1, NULL},
         {"cover: edge", 14, ORIGIN_IS_SAFE, attack_cover_edge, 0.25, NULL},
         {"cover: D and N", 14, ORIGIN_IS_SAFE, attack_cover_d_and_n, 0.25, NULL},
         {"cover: depth", 14, ORIGIN_IS_SAFE, attack_cover_depth, 0.12, NULL},
@@ -1905,11 +1501,12 @@ static void stacks_hold_what_waits(void **state)
     static struct mlrt_bvh_node nodes[MLRT_BVH_DEPTH_LIMIT];
     static float corners[36 * (QUAD + 1) + 16];
     static uint32_t numbers[4 * (QUAD + 1) + 16];
-    static struct mlrt_leaf_setup setups[2];
+    static struct mlrt_bundle_leaf leaves[2];
     static struct mlrt_worker worker;
     static struct mlrt_packet packet;
     static struct mlrt_triangle triangle;
-    static struct mlrt_cells cells;
+    static struct mlrt_reciprocals reciprocals;
+    static struct mlrt_bundle bundle;
     struct mlrt_tree tree = {.triangles = &triangle, .bvh.unit = 1};
     const struct mlrt_job job = {.tree = &tree};
     (void)state;
@@ -1938,28 +1535,29 @@ static void stacks_hold_what_waits(void **state)
                                  .quad_count = QUAD + 1,
                                  .corners = corners,
                                  .numbers = numbers,
+                                 .whole = {{-1, -1, 1}, {1, 1, 2}},
+                                 .core = {{-1, -1, 1}, {1, 1, 2}},
                                  .unit = 1};
 
     const float direction[3] = {0, 0, 1};
-    mlrt_set_main_axis(direction, &cells);
-    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
-        mlrt_leave_out_cell(&cells, i);
-        cells.cover[i] = MLRT_NONE;
+    mlrt_set_main_axis(direction, &bundle.waist);
+    for (int side = 0; side < 2; ++side) {
+        bundle.hulls.term[side].lo[0] = -0.01f;
+        bundle.hulls.term[side].hi[0] = 0.01f;
     }
-    for (int side = 0; side < 2; ++side) mlrt_set_cell_slopes(&cells, 0, side, -0.01f, 0.01f);
-    cells.farthest[0] = cells.cover_near[0] = INFINITY;
-    cells.closed = 1;
-    sum_up_cells(&cells);
-    worker.caches[0].leaves = setups;
-    worker.caches[0].bits = 1;
-    traverse_bvh(&job, &worker, &cells);
-    assert_true(cells.closed == 1 && cells.cover[0] == MLRT_NONE);
+    begin_cells(1, &bundle);
+    worker.bundle_caches[0].leaves = leaves;
+    worker.bundle_caches[0].bits = 1;
+    worker.mask = MLRT_MASK_ALL;
+    trace_cells(&job, &worker, 0, &bundle);
+    assert_true(bundle.closed == 1 && bundle.going == 1 && bundle.hulls.cover[0] == MLRT_NONE);
 
     packet.direction[2][0] = 1;
     packet.lo[0] = packet.hi[0] = INFINITY;
     packet.triangle[0] = MLRT_NONE;
     packet.has_apex = 1;
-    trace_singles(&job, 1, &packet, &worker, 0);
+    set_reciprocals(&packet, &reciprocals);
+    trace_single(&job, &reciprocals, 0, 0, &packet, &worker);
     assert_true(packet.triangle[0] == MLRT_NONE);
 }
 
@@ -1968,8 +1566,6 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_bounds_hold),
         cmocka_unit_test(single_ray_bounds_hold),
-        cmocka_unit_test(cell_bounds_hold),
-        cmocka_unit_test(packets_have_their_reach),
         cmocka_unit_test(tempting_bounds_do_not_hold),
         cmocka_unit_test(plane_bounds_hold),
         cmocka_unit_test(outline_bounds_hold),

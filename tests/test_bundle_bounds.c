@@ -188,16 +188,78 @@ static void reciprocals_may_overflow(void **state)
     }
 }
 
+/*
+ * A triangle 2^-80 beside the waist, in depth, and 2^50 aside: seen from there it has no slope that float carries, but rays
+ * that begin as far aside hit it.
+ */
+static void slopes_of_triangles_may_overflow(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 4; seed++) {
+        struct random random = {seed * 0x10001 + 11};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        const float from_waist[3] = {0, 0, 0}, beside[3] = {seed & 1 ? -0x1p50f : 0x1p50f, 0, 0};
+        const float depth = seed & 2 ? -0x1p-80f : 0x1p-80f, side = copysignf(1, beside[0]);
+        add_triangle(&soup, side * 0x1p49f, -1, depth, side * 0x1p52f, -1, depth, side * 0x1p49f, 2, depth);
+        const float lo[3] = {-1, -1, 4}, hi[3] = {1, 1, 5};
+        soup_add_box(&soup, lo, hi); /* so that the unit is 1 */
+        for (int i = 0; i < RAY_COUNT; i++) {
+            const int x = i % 4, y = i / SIDE % 4, is_sample = x == y && x % 3 == 0; /* of those the waist is made */
+            const float direction[3] = {draw_range(&random, -0.1f, 0.1f), draw_range(&random, -0.1f, 0.1f), depth < 0 ? -1 : 1};
+            const float along[3] = {0, 0, direction[2]};
+            add_ray(&list, is_sample ? from_waist : beside, is_sample ? direction : along);
+        }
+        check("slopes of triangles that overflow", seed, &soup, &list);
+    }
+}
+
+/*
+ * Tiles whose waist is one point: that of parallel rays of one direction, of another, and of rays that begin there. What is
+ * kept of a leaf says where its triangles are seen along one direction.
+ */
+static void one_waist_has_many_slopes(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 8; seed++) {
+        struct random random = {seed * 0x10001 + 13};
+        struct soup soup = {0};
+        struct ray_list list = {0};
+        const float lo[3] = {-1, -1, -1}, hi[3] = {1, 1, 1};
+        soup_add_box(&soup, lo, hi);
+        soup_add_random(&soup, &random, 40, 0.9f, 0.2f);
+        for (int number = 0; number < 6; number++) {
+            const float slopes[2] = {0.25f * (float)draw_below(&random, 5) - 0.5f, 0.25f * (float)draw_below(&random, 5) - 0.5f};
+            for (int i = 0; i < RAY_COUNT; i++) {
+                const uint32_t packet = (uint32_t)(i % SIDE / 4 + i / SIDE / 4 * 4);
+                const float x = ((float)(i % SIDE) - 7.5f) * 0x1p-5f, y = ((float)(i / SIDE) - 7.5f) * 0x1p-5f;
+                /* Samples of the waist lie evenly around the middle of the scene, the first one there. */
+                const float a = packet == 15 ? 0.25f : packet == 0 ? -0.25f : 0;
+                const float b = packet == 3 ? 0.25f : packet == 12 ? -0.25f : 0;
+                const int is_sample = 0x9429u >> packet & 1, is_fan = number == (int)(seed % 6);
+                const float origin[3] = {is_fan ? 0 : is_sample ? a : x, is_fan ? 0 : is_sample ? b : y, 0};
+                const float direction[3] = {slopes[0] + (is_fan ? x : 0), slopes[1] + (is_fan ? y : 0), 1};
+                add_ray(&list, origin, direction);
+            }
+        }
+        check("one waist, many slopes", seed, &soup, &list);
+    }
+}
+
 /* ---- searches ---------------------------------------------------------------------------------------------------- */
 
-/* Inputs: three corners, the waist, an origin, a number whose sign says whether products are fused, and a direction, of
- * two rays two. */
-enum { WAIST = 9, ORIGIN = 12, FUSED = 15, DIRECTION = 16, INPUT_COUNT = 19, INPUT_COUNT_OF_TWO = 22 };
-#define DIRECTIONS_ARE_SAFE 0x3F0000u
+/* Inputs: three corners, the waist, a number whose sign says whether products are fused, and one or two rays: origin and
+ * direction. */
+enum { WAIST = 9, FUSED = 12, RAY = 13, RAY_INPUTS = 6, INPUT_COUNT = 19, INPUT_COUNT_OF_TWO = 25 };
+#define ORIGIN(ray)    (RAY + RAY_INPUTS * (ray))
+#define DIRECTION(ray) (ORIGIN(ray) + 3)
+#define DIRECTIONS_ARE_SAFE (7u << DIRECTION(0) | 7u << DIRECTION(1))
 
 static struct mlrt_ray_tile tile;
 static struct mlrt_bundle bundle;
 static struct mlrt_bundle_leaf leaf;
+static struct mlrt_triangle triangles[1];
+static const struct mlrt_tree tree_of_one = {.triangles = triangles, .bvh.unit = 1};
 
 /* Numbers without rounding: of these inputs none has more than 800 bits. */
 #define EXACT_BITS 1280
@@ -206,8 +268,9 @@ struct vector {
     mpf_t x[3];
 };
 
-static mpf_t product, truth, value, scale;
-static struct vector corner[3], edge[3], origin, direction, cross; /* by axis of the bundle, relative to the waist */
+static mpf_t product, truth, value, scale, other;
+/* By axis of the bundle, relative to the waist; what rays are, of two. */
+static struct vector corner[3], edge[3], origin[2], direction[2], cross, seen;
 
 static void init_vector(struct vector *a)
 {
@@ -217,14 +280,17 @@ static void init_vector(struct vector *a)
 static void init_numbers(void)
 {
     mpf_set_default_prec(EXACT_BITS);
-    mpf_inits(product, truth, value, scale, NULL);
+    mpf_inits(product, truth, value, scale, other, NULL);
     for (int i = 0; i < 3; i++) {
         init_vector(&corner[i]);
         init_vector(&edge[i]);
     }
-    init_vector(&origin);
-    init_vector(&direction);
+    for (int i = 0; i < 2; i++) {
+        init_vector(&origin[i]);
+        init_vector(&direction[i]);
+    }
     init_vector(&cross);
+    init_vector(&seen);
 }
 
 static void subtract_vectors(const struct vector *a, const struct vector *b, struct vector *result)
@@ -272,6 +338,12 @@ static double place_between(double lo, double hi)
     return error_over(0.5 * (lo + hi), 0.5 * (hi - lo));
 }
 
+/* How far `truth` is beyond an interval, over by how much it was moved apart. */
+static double beyond(double lo, double hi, double moved)
+{
+    return fmax(error_over(lo, moved), -error_over(hi, moved));
+}
+
 static void set_scale(double a, double b)
 {
     mpf_set_d(scale, a);
@@ -290,90 +362,284 @@ static void load_exactly(const float *point, struct vector *result)
     if (bundle.waist.sign < 0) mpf_neg(result->x[0], result->x[0]);
 }
 
-/* Makes a bundle of rays from one origin, and the hull of their packet. Returns whether float carries them. */
-static int bundle_rays(const float *input, int count)
+/* A bundle of one packet, of rays like these; they begin at t = 0 and have no end. */
+static void begin_bundle_of(const float *point, const float *const *origins, const float *const *directions, int count)
 {
     struct mlrt_packet *packet = &tile.packets[0];
-    is_fused = input[FUSED] < 0;
     bundle.tile = &tile;
-    bundle.going = 1;
+    tile.made = 1;
+    bundle.going = bundle.closed = 1;
+    bundle.made = bundle.riding = bundle.covered = bundle.apexes = 0;
     bundle.unit = 1;
-    bundle.has_places = 1;
-    bundle.waist.main_axis = 0;
-    bundle.waist.sign = input[DIRECTION] < 0 ? -1.0f : 1.0f;
-    memcpy(bundle.waist.point, input + WAIST, sizeof bundle.waist.point);
+    bundle.scene_first = -INFINITY;
+    bundle.scene_last = INFINITY;
+    bundle.waist = (struct mlrt_waist){.sign = directions[0][0] < 0 ? -1.0f : 1.0f};
+    memcpy(bundle.waist.point, point, sizeof bundle.waist.point);
     packet->active = (1u << count) - 1;
-    for (int lane = 0; lane < count; lane++) {
+    packet->single = 0;
+    packet->has_apex = packet->has_skip = packet->has_masks = packet->has_limits = 0;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
+        const int ray = lane < count ? lane : 0;
+        packet->t_min[lane] = 0;
         packet->t_max[lane] = INFINITY;
         for (int k = 0; k < 3; k++) {
-            packet->origin[k][lane] = input[ORIGIN + k];
-            packet->direction[k][lane] = input[DIRECTION + 3 * lane + k];
+            packet->origin[k][lane] = origins[ray][k];
+            packet->direction[k][lane] = directions[ray][k];
         }
     }
-    if ((set_bundle_rays(&bundle, 0) & packet->active) != packet->active) return 0;
+    for (int ray = 0; ray < count; ray++) {
+        load_exactly(origins[ray], &origin[ray]);
+        for (int k = 0; k < 3; k++) mpf_set_d(direction[ray].x[k], k ? directions[ray][k] : fabsf(directions[ray][k]));
+    }
+}
+
+/* Makes the hull of the packet, and its numbers lane by lane. Returns whether float carries them. */
+static int finish_bundle(int has_places)
+{
+    bundle.has_places = has_places;
+    bundle.is_apex = !has_places;
+    const uint32_t fit = bound_from_anywhere(&bundle, 0), active = tile.packets[0].active;
+    if ((fit & active) != active || !hulls_fit(&bundle, 1)) return 0;
+    assert_int_equal(bundle.apexes, !has_places);
+    finish_depths(&bundle, 1, 0);
     finish_hulls(&bundle, 0);
-    load_exactly(input + ORIGIN, &origin);
+    bundle.hulls.cover_near[0] = INFINITY;
+    bundle.hulls.cover[0] = MLRT_NONE;
+    make_lanes(&bundle, 0);
     return 1;
 }
 
-static void load_direction(const float *input, int lane)
+/* Of inputs; with places from a waist of their own, else from their origin. */
+static int bundle_of(const float *input, int count, int has_places)
 {
-    const float *from = input + DIRECTION + 3 * lane;
-    for (int k = 0; k < 3; k++) mpf_set_d(direction.x[k], k ? from[k] : fabsf(from[0]));
+    const float *const origins[2] = {input + ORIGIN(0), has_places ? input + ORIGIN(1) : input + ORIGIN(0)};
+    const float *const directions[2] = {input + DIRECTION(0), input + DIRECTION(1)};
+    is_fused = input[FUSED] < 0;
+    begin_bundle_of(has_places ? input + WAIST : input + ORIGIN(0), origins, directions, count);
+    return finish_bundle(has_places);
 }
 
 static void set_up_triangle(const float *input)
 {
+    static const uint32_t number = 0;
     struct bundle_corners corners;
     load_bundle_corners(&bundle.waist, input, 1, 0, &corners);
+    leaf.flipped = leaf.fans = 0;
+    leaf.there = leaf.from_waist = 1;
+    leaf.numbers = &number;
+    set_outlines(&bundle.waist, (const vf(*)[3])corners.to, 0, &leaf);
     divisor_count = 0;
-    set_up_bundle_vector(&corners, 0, &leaf); /* divisors: of edges ab, bc, ca, of n */
+    set_up_bundle_vector(&corners, 0, bundle.has_places, &leaf); /* divisors: of n, of edges ab, bc, ca */
+    leaf.doubtful = doubtful_places(&leaf) & 1;
+    memcpy(triangles[0].v, input, sizeof triangles[0].v);
     for (int i = 0; i < 3; i++) load_exactly(input + 3 * i, &corner[i]);
     for (int i = 0; i < 3; i++) subtract_vectors(&corner[(i + 1) % 3], &corner[i], &edge[i]);
+}
+
+#define NORMAL_DIVISOR  0
+#define EDGE_DIVISOR(i) (1 + (i))
+
+/* Terms of triangles may have the other sign. */
+static void turn_as_leaf(void)
+{
+    if (leaf.flipped & 1) mpf_neg(truth, truth);
+}
+
+/* Set `truth` to the edge function, D and N of a ray, as they are: N from its origin. */
+static void find_edge(int i, int ray)
+{
+    subtract_vectors(&corner[i], &origin[ray], &seen);
+    find_cross(&seen, &edge[i]);
+    find_dot(&direction[ray]);
+}
+
+static void find_d(int ray)
+{
+    find_cross(&edge[2], &edge[0]); /* (a - c) x (b - a) */
+    find_dot(&direction[ray]);
+}
+
+static void find_n(int ray)
+{
+    subtract_vectors(&corner[0], &origin[ray], &seen);
+    find_cross(&edge[2], &edge[0]);
+    find_dot(&seen);
+}
+
+/* 1 = the ray passes inside the triangle's edges and hits it, 0 = at an edge, -1 = it misses. With `line` it goes on before
+ * its origin, too. */
+static int find_hit(int ray, int is_line)
+{
+    int sign[3];
+    for (int i = 0; i < 3; i++) {
+        find_edge(i, ray);
+        sign[i] = mpf_sgn(truth);
+    }
+    find_d(ray);
+    const int d = mpf_sgn(truth);
+    find_n(ray);
+    if (d == 0 || (!is_line && d * mpf_sgn(truth) <= 0)) return -1;
+    for (int i = 0; i < 3; i++) {
+        if (sign[i] * d < 0) return -1;
+    }
+    return sign[0] && sign[1] && sign[2];
 }
 
 /* In units of 1 / |d_main|. */
 static double attack_place(const float *input)
 {
     double worst = 0;
-    if (!bundle_rays(input, 1)) return -1;
-    load_direction(input, 0);
+    if (!bundle_of(input, 1, 1)) return -1;
     const float bound = PLACE_ERROR * (bundle.hulls.reach[0] * bundle.hulls.away[0]) + PLACE_FLOOR;
-    set_scale(bundle.rays[0].pace[0], 1);
+    set_scale(tile.rays[0].pace[0], 1);
     for (int side = 0; side < 2; side++) {
-        mpf_mul(truth, origin.x[1 + side], direction.x[0]);
-        mpf_mul(product, origin.x[0], direction.x[1 + side]);
+        mpf_mul(truth, origin[0].x[1 + side], direction[0].x[0]);
+        mpf_mul(product, origin[0].x[0], direction[0].x[1 + side]);
         mpf_sub(truth, truth, product);
-        worst = fmax(worst, fabs(error_over(bundle.rays[0].term[MLRT_PLACE_J + side][0], bound)));
+        worst = fmax(worst, fabs(error_over(tile.rays[0].term[MLRT_PLACE_J + side][0], bound)));
     }
     return worst;
 }
 
-/* In units of size / |d_main|. An edge is put in the place of the others, since only the least of all three is kept. */
-static double attack_edge(const float *input)
+/*
+ * The hull of two rays: how much of what slopes, places and moments are moved apart by is used up. Of places 0.25 of
+ * PLACE_ERROR and what middles and radii pay for; of a moment what places may be off by. And A is no less than it says.
+ */
+static double attack_hull(const float *input)
 {
     double worst = 0;
-    float term[MLRT_RAY_TERMS];
-    if (!bundle_rays(input, 1)) return -1;
-    load_direction(input, 0);
+    if (!bundle_of(input, 2, 1)) return -1;
+    const struct mlrt_hulls *hulls = &bundle.hulls;
+    const double reach = hulls->reach[0], error = PLACE_ERROR * (reach * hulls->away[0]) + PLACE_FLOOR;
+    double radius[2];
+    for (int ray = 0; ray < 2; ray++) {
+        set_scale(tile.rays[0].pace[ray], 1);
+        for (int side = 0; side < 2; side++) {
+            const struct mlrt_hull_row *slopes = &hulls->term[MLRT_SLOPE_J + side], *places = &hulls->term[MLRT_PLACE_J + side];
+            const double middle = hulls->middle[MLRT_SLOPE_J + side][0], slope_size = fmax(fabs(slopes->lo[0]), fabs(slopes->hi[0]));
+            const double at = hulls->middle[MLRT_PLACE_J + side][0], size = fmax(fabs(places->lo[0]), fabs(places->hi[0]));
+            mpf_set(truth, direction[ray].x[1 + side]);
+            if (2 * slope_size > reach) return INFINITY;
+            radius[side] = hulls->radius[MLRT_SLOPE_J + side][0];
+            worst = fmax(worst, beyond(slopes->lo[0], slopes->hi[0], 0x1p-21 * slope_size + 0x1p-140));
+            worst = fmax(worst, fabs(error_over(middle, radius[side] + 0x1p-148)) > 1 ? INFINITY : 0);
+            worst = fmax(worst, beyond(hulls->slope[side].lo[0], hulls->slope[side].hi[0], 1) > 0 ? INFINITY : 0);
+            mpf_mul(truth, origin[ray].x[1 + side], direction[ray].x[0]);
+            mpf_mul(product, origin[ray].x[0], direction[ray].x[1 + side]);
+            mpf_sub(truth, truth, product);
+            worst = fmax(worst, beyond(places->lo[0], places->hi[0], error));
+            worst = fmax(worst, fabs(error_over(at, hulls->radius[MLRT_PLACE_J + side][0] + error)) > 1 ? INFINITY : 0);
+            worst = fmax(worst, beyond(hulls->place[side].lo[0], hulls->place[side].hi[0], 1) > 0 ? INFINITY : 0);
+            if (13 * 0x1p-24 * size > hulls->blur[0]) return INFINITY;
+        }
+        /* m d_main^2 = d_l (x_j d_main) - d_j (x_l d_main), where x d_main = o d_main - o_main d: o_main drops out. */
+        mpf_mul(truth, origin[ray].x[1], direction[ray].x[2]);
+        mpf_mul(product, origin[ray].x[2], direction[ray].x[1]);
+        mpf_sub(truth, truth, product);
+        const double around = hulls->radius[MLRT_MOMENT][0] + 1.001 * reach * error;
+        worst = fmax(worst, fabs(error_over(hulls->middle[MLRT_MOMENT][0], around)) > 1 ? INFINITY : 0);
+        for (int k = 0; k < 3; k++) { /* o_main and twice the others as computed */
+            mpf_abs(truth, origin[ray].x[k]);
+            set_scale(1, 1);
+            const double rounded = fabs((k ? 2 : 1) * tile.rays[0].to_waist[k][ray]);
+            if (rounded > hulls->away[0]) return INFINITY;
+        }
+    }
+    return worst;
+}
+
+/* Inputs: the waist's depth, an origin's, |d_main|, t_min and t_max. Depths between which rays look, and all do. */
+static double attack_depths(const float *input)
+{
+    const float point[3] = {input[0], 0, 0}, from[3] = {input[1], 0, 0}, along[3] = {input[2], 0, 0};
+    const float *const origins[1] = {from}, *const directions[1] = {along};
+    struct mlrt_packet *packet = &tile.packets[0];
+    double worst = 0;
+    if (input[2] == 0) return -1;
+    is_fused = 0;
+    begin_bundle_of(point, origins, directions, 1);
+    packet->has_limits = 1;
+    packet->t_min[0] = input[3];
+    packet->t_max[0] = input[4] == 1 ? INFINITY : input[4];
+    const float begin = fmaxf(input[3], 0), end = packet->t_max[0];
+    const int is_none = !(begin < end), has_places = memcmp(point, from, sizeof point) != 0;
+    if (!finish_bundle(has_places)) return -1;
+    if (is_none) return INFINITY;
+    const struct mlrt_hulls *hulls = &bundle.hulls;
+    set_scale(1, 1);
+    mpf_set_d(truth, begin);
+    mpf_mul(truth, truth, direction[0].x[0]);
+    if (mpf_cmp_d(truth, (double)hulls->begin[0] * (1 + 0x1p-23) + 0x1p-149) > 0) return INFINITY;
+    mpf_add(truth, truth, origin[0].x[0]);
+    const double away = fabs(mpf_get_d(truth)) + hulls->away[0], moved = SLOPE_SLACK * away + HULL_FLOOR;
+    worst = fmax(worst, error_over(hulls->first[0] + moved, moved));
+    worst = fmax(worst, -error_over(hulls->core_first[0] - moved, moved));
+    if (isinf(end)) return hulls->last[0] == INFINITY ? worst : INFINITY;
+    mpf_set_d(truth, end);
+    mpf_mul(truth, truth, direction[0].x[0]);
+    mpf_add(truth, truth, origin[0].x[0]);
+    const double far = fabs(mpf_get_d(truth)) + hulls->away[0], moved_end = SLOPE_SLACK * far + HULL_FLOOR;
+    if (far > 0x1p120) return worst;
+    worst = fmax(worst, -error_over(hulls->last[0] - moved_end, moved_end));
+    return fmax(worst, error_over(hulls->core_last[0] + moved_end, moved_end));
+}
+
+/* Any numbers of any size, as t_min and t_max near each other, of both signs. */
+static void draw_depths(struct random *random, const struct bound *bound, float *input)
+{
+    const int size = (int)draw_below(random, 240) - 140;
+    for (int i = 0; i < 5; i++) {
+        const float a = draw_range(random, -1, 1);
+        input[i] = draw_below(random, 6) ? ldexpf(a, i < 3 || draw_below(random, 2) ? size : 0) : 0;
+        input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
+    }
+    if (draw_below(random, 4) == 0) input[1] = input[0];
+    if (draw_below(random, 2)) input[4] = draw_below(random, 2) ? 1 : fmaxf(input[3], 0) + ldexpf(1, size);
+    if (draw_below(random, 8) == 0) input[3] = -0.0f;
+    input[4] = clamp_input(input[4], 0);
+}
+
+/* Those of the first ray and a triangle. */
+static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct edge_values *found)
+{
+    found->bound[0] = edge_bounds(&bundle.hulls, 0, of->steepness[0], has_places);
+    if (has_places) {
+        find_edge_values(of, &tile.rays[0], 1, 1, 1, 0, 1, found);
+    } else {
+        find_edge_values(of, &tile.rays[0], 1, 1, 0, 0, 1, found);
+    }
+}
+
+/* In units of size / |d_main|. An edge is put in the place of the others, since only the least of all three is kept. */
+static double edges_over(const float *input, int has_places)
+{
+    static struct edge_values found;
+    double worst = 0;
+    if (!bundle_of(input, 1, has_places)) return -1;
     set_up_triangle(input);
-    const float bound = edge_bounds(&bundle.hulls, 0, leaf.steepness[0], 1);
-    for (int i = 0; i < MLRT_RAY_TERMS; i++) term[i] = bundle.rays[0].term[i][0];
     for (int i = 0; i < 3; i++) {
-        struct edge_values found;
         struct mlrt_bundle_leaf one = leaf;
         for (int j = 0; j < 3; j++) {
             one.edge_constant[j][0] = leaf.edge_constant[i][0];
             memcpy(one.edge[j], leaf.edge[i], sizeof one.edge[j]);
         }
-        find_edge_values(&one, 0, term, MLRT_RAY_TERMS, bound, &found);
-        subtract_vectors(&corner[i], &origin, &corner[i]);
-        find_cross(&corner[i], &edge[i]);
-        find_dot(&direction);
-        set_scale(divisors[i], bundle.rays[0].pace[0]);
-        worst = fmax(worst, fabs(error_over(found.least, bound)));
+        find_edges(&one, has_places, &found);
+        find_edge(i, 0);
+        turn_as_leaf();
+        set_scale(divisors[EDGE_DIVISOR(i)], tile.rays[0].pace[0]);
+        worst = fmax(worst, fabs(error_over(found.least[0][0], found.bound[0])));
     }
     return worst;
+}
+
+static double attack_edge(const float *input)
+{
+    return edges_over(input, 1);
+}
+
+static double attack_apex_edge(const float *input)
+{
+    return edges_over(input, 0);
 }
 
 /*
@@ -383,23 +649,22 @@ static double attack_edge(const float *input)
 static double attack_box(const float *input)
 {
     double worst = 0;
-    if (!bundle_rays(input, 1)) return -1;
+    if (!bundle_of(input, 1, 1)) return -1;
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const float depth = (input[0] - input[WAIST]) * bundle.waist.sign;
     const float place_bound = PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR;
-    load_direction(input, 0);
     load_exactly(input, &corner[0]);
-    set_scale(bundle.rays[0].pace[0], 1);
-    mpf_sub(corner[0].x[0], corner[0].x[0], origin.x[0]);
+    set_scale(tile.rays[0].pace[0], 1);
+    mpf_sub(corner[0].x[0], corner[0].x[0], origin[0].x[0]);
     for (int i = 0; i < 2; i++) {
-        const double place = bundle.rays[0].term[MLRT_PLACE_J + i][0], slope = bundle.rays[0].term[MLRT_SLOPE_J + i][0];
+        const double place = hulls->term[MLRT_PLACE_J + i].lo[0], slope = hulls->term[MLRT_SLOPE_J + i].lo[0];
         const double moved = (fabs(place) + fabs(slope * depth)) * SLOPE_SLACK + place_bound + HULL_FLOOR;
         const float upper =
             upper_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].hi[0], 1);
         const float lower =
             lower_place(depth, depth, hulls->slope[i].lo[0], hulls->slope[i].hi[0], hulls->place[i].lo[0], 1);
-        mpf_mul(truth, origin.x[1 + i], direction.x[0]);
-        mpf_mul(product, direction.x[1 + i], corner[0].x[0]);
+        mpf_mul(truth, origin[0].x[1 + i], direction[0].x[0]);
+        mpf_mul(product, direction[0].x[1 + i], corner[0].x[0]);
         mpf_add(truth, truth, product);
         const double used = fmax(-error_over(upper - moved, moved), error_over(lower + moved, moved));
         worst = fmax(worst, used * 16 / 15);
@@ -407,61 +672,332 @@ static double attack_box(const float *input)
     return worst;
 }
 
-/* How far outside the bounds over their hull the edge functions of two rays are. */
-static double attack_cut(const float *input)
+/* Sets `truth` to a place, over one axis: that of a ray at the waist, or with the slope put aside at a depth. */
+static void find_exact_place(int side, mpf_t depth)
+{
+    mpf_mul(truth, origin[0].x[0], direction[0].x[1 + side]);
+    mpf_div(truth, truth, direction[0].x[0]);
+    mpf_sub(truth, origin[0].x[1 + side], truth);
+    if (!depth) return;
+    mpf_mul(product, depth, direction[0].x[1 + side]);
+    mpf_div(product, product, direction[0].x[0]);
+    mpf_add(truth, truth, product);
+}
+
+/*
+ * A box that the first ray meets at the depth of a point, as small as floats allow there, deeper than that or less deep if
+ * other numbers say so: nobody may leave it out. Returns 0 if nobody does.
+ */
+static double boxes_over(const float *input, int count, int has_places)
+{
+    static struct mlrt_bvh_node node;
+    struct box_of_bundle box;
+    float near[MLRT_BVH_WIDTH];
+    if (!bundle_of(input, count, has_places)) return -1;
+    for (uint32_t i = 1; i < MLRT_BUNDLE_PACKETS; i++) leave_bundle(&bundle, i);
+    sum_up_hulls(&bundle);
+    load_exactly(input, &corner[0]);
+    mpf_sub(other, corner[0].x[0], origin[0].x[0]);
+    if (mpf_sgn(other) < 0) return -1;
+    for (int i = 0; i < MLRT_BVH_WIDTH; i++) {
+        for (int k = 0; k < 3; k++) {
+            node.lo[k][i] = INFINITY;
+            node.hi[k][i] = -INFINITY;
+        }
+    }
+    node.lo[0][0] = fminf(input[0], input[3]);
+    node.hi[0][0] = fmaxf(input[0], input[3]);
+    for (int side = 0; side < 2; side++) {
+        find_exact_place(side, corner[0].x[0]);
+        mpf_set_d(product, bundle.waist.point[1 + side]);
+        mpf_add(truth, truth, product);
+        float at = (float)mpf_get_d(truth);
+        if (!(fabsf(at) <= MLRT_SAFE_MAX)) return -1;
+        if (mpf_cmp_d(truth, at) < 0) at = next_float(at, -1);
+        node.lo[1 + side][0] = at;
+        node.hi[1 + side][0] = mpf_cmp_d(truth, at) == 0 ? at : next_float(at, 1);
+    }
+    if (!(bundle_children_met(&bundle, &node, has_places, near) & 1)) return INFINITY;
+    see_bundle_box(&bundle.waist, &node, 0, &box);
+    if (!packets_met(&bundle, &box, has_places)) return INFINITY;
+    return lanes_of_packet_met(&bundle, 0, &box) & 1 ? 0.001 : INFINITY;
+}
+
+static double attack_box_met(const float *input)
+{
+    return boxes_over(input, 2, 1);
+}
+
+static double attack_apex_box_met(const float *input)
+{
+    return boxes_over(input, 2, 0);
+}
+
+/*
+ * Outlines of a point in the triangle's place: as fans, or as beams along any slope. How much is used of 2^-20 of all that
+ * is added up, what places may be off by, and the floor: where the ray passes the point by d, the comparison must be
+ * closer to what is met than d.
+ */
+static double outlines_over(const float *input, int has_places)
 {
     double worst = 0;
-    if (!bundle_rays(input, 2)) return -1;
-    set_up_triangle(input);
-    const float bound = 2 * edge_bounds(&bundle.hulls, 0, leaf.steepness[0], 1);
-    for (int i = 0; i < 3; i++) {
-        float least, greatest;
-        bound_over_hull(&bundle.hulls, 0, leaf.edge_constant[i], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.edge[i][0],
-                        MLRT_RAY_TERMS, &least, &greatest);
-        subtract_vectors(&corner[i], &origin, &corner[i]);
-        find_cross(&corner[i], &edge[i]);
-        for (int lane = 0; lane < 2; lane++) {
-            load_direction(input, lane);
-            find_dot(&direction);
-            set_scale(divisors[i], bundle.rays[0].pace[lane]);
-            worst = fmax(worst, fmax(error_over(least, bound), -error_over(greatest, bound)));
-        }
+    float point[9];
+    struct hull_outline hull;
+    if (!bundle_of(input, 1, has_places)) return -1;
+    for (int i = 0; i < 9; i++) point[i] = input[i % 3];
+    bundle.waist.is_beam = fabsf(input[3]) > 1;
+    for (int i = 0; i < 2; i++) bundle.waist.slope[i] = bundle.waist.is_beam ? fminf(fmaxf(input[4 + i], -2), 2) : 0;
+    set_up_triangle(point);
+    outline_packet(&bundle, 0, has_places, &hull);
+    const struct mlrt_hulls *hulls = &bundle.hulls;
+    const double error = has_places ? PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR : 0;
+    const double depth = fabs(mpf_get_d(corner[0].x[0]));
+    set_scale(1, 1);
+    for (int i = 0; i < 2; i++) {
+        const double t = bundle.waist.slope[i], slope = tile.rays[0].term[MLRT_SLOPE_J + i][0];
+        const int is_fan = leaf.fans & 1;
+        find_exact_place(i, corner[0].x[0]);
+        mpf_sub(other, corner[0].x[1 + i], truth); /* by which the ray passes */
+        find_exact_place(i, NULL);
+        const double x = fabs(mpf_get_d(truth)), p = fabs(mpf_get_d(corner[0].x[1 + i]));
+        double size = (p + x + fabs(slope) * depth + fabs(t) * depth) * SLOPE_SLACK + error;
+        if (is_fan) size /= depth;
+        size += HULL_FLOOR;
+        if (is_fan) mpf_div(other, other, corner[0].x[0]);
+        mpf_set(truth, other);
+        const float weight = leaf.weight[0], room = (is_fan ? hull.aside[i] : hull.turn[i]) * weight;
+        const float upper = (is_fan ? hull.slope_hi[i] : has_places ? hull.place_hi[i] : 0) + room;
+        const float lower = (is_fan ? hull.slope_lo[i] : has_places ? hull.place_lo[i] : 0) - room;
+        /* What is compared, relative to the ray's own: lo - upper is not more than `truth`, hi - lower not less. */
+        const double low = (double)leaf.outline_lo[i][0] - upper, high = (double)leaf.outline_hi[i][0] - lower;
+        if (!(low <= INFINITY && high >= -INFINITY)) return INFINITY;
+        if ((mpf_sgn(truth) <= 0 && low > 0) || (mpf_sgn(truth) >= 0 && high < 0)) return INFINITY;
+        if (!has_places && !is_fan && p < 0x1p-100) continue; /* what underflows keeps its order: nothing is used */
+        worst = fmax(worst, 1 + error_over(fmax(low, -FLT_MAX), size));
+        worst = fmax(worst, 1 - error_over(fmin(high, FLT_MAX), size));
     }
     return worst;
 }
 
-/* Bounds of D or of N as they are kept of a hit, in units of size / |d_main| or of size. */
-static double attack_ends(const float *input, int is_distance)
+static double attack_outline(const float *input)
 {
-    if (!bundle_rays(input, 1)) return -1;
-    load_direction(input, 0);
+    return outlines_over(input, 1);
+}
+
+static double attack_apex_outline(const float *input)
+{
+    return outlines_over(input, 0);
+}
+
+/* How far outside the bounds over their hull the edge functions of two rays are. */
+static double cuts_over(const float *input, int has_places)
+{
+    double worst = 0;
+    if (!bundle_of(input, 2, has_places)) return -1;
     set_up_triangle(input);
-    const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.reach[0], bundle.hulls.away[0], 0};
-    const uint32_t number = 7;
-    struct bundle_vector of = {.least_n = INFINITY, .greatest_n = INFINITY, .least_d = 1, .greatest_d = 1};
+    const float bound = 2 * edge_bounds(&bundle.hulls, 0, leaf.steepness[0], has_places);
+    for (int i = 0; i < 3; i++) {
+        float least, greatest;
+        bound_over_hull(&bundle.hulls, 0, leaf.edge_constant[i], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.edge[i][0],
+                        has_places ? MLRT_RAY_TERMS : 2, &least, &greatest);
+        for (int ray = 0; ray < 2; ray++) {
+            find_edge(i, ray);
+            turn_as_leaf();
+            set_scale(divisors[EDGE_DIVISOR(i)], tile.rays[0].pace[ray]);
+            worst = fmax(worst, beyond(least, greatest, bound));
+        }
+    }
+    const float width = 2 * PLANE_BOUND * bundle.hulls.reach[0];
+    float least, greatest;
+    bound_over_hull(&bundle.hulls, 0, leaf.normal[0], (const float(*)[MLRT_BVH_LEAF_LIMIT])leaf.normal[1], 2, &least,
+                    &greatest);
+    for (int ray = 0; ray < 2; ray++) {
+        find_d(ray);
+        turn_as_leaf();
+        set_scale(divisors[NORMAL_DIVISOR], tile.rays[0].pace[ray]);
+        worst = fmax(worst, beyond(least, greatest, width));
+    }
+    return worst;
+}
+
+static double attack_cut(const float *input)
+{
+    return cuts_over(input, 1);
+}
+
+static double attack_apex_cut(const float *input)
+{
+    return cuts_over(input, 0);
+}
+
+/* Tests the ray against the triangle as traversal does: 1 = hit, -1 = missed, 0 = undecided. */
+static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_rays *plane)
+{
+    const struct mlrt_hulls *hulls = &bundle.hulls;
+    const struct plane_bounds bounds = {PLANE_BOUND * hulls->reach[0], has_places ? hulls->away[0] : 0, 0};
+    static struct edge_values edges;
+    static const uint32_t number = 7;
     leaf.numbers = &number;
+    *of = (struct bundle_vector){.least_n = INFINITY, .greatest_n = INFINITY, .least_d = 1, .greatest_d = 1};
+    of->triangle = MLRT_NONE;
+    for (int i = 0; i < 2; i++) of->slope[i] = tile.rays[0].term[i][0];
+    for (int i = 0; i < 3; i++) of->to_waist[i] = has_places ? tile.rays[0].to_waist[i][0] : 0;
+    find_edges(&leaf, has_places, &edges);
+    if (!edges.of_vector[0]) return -1;
+    const float least = edges.least[0][0], greatest = edges.greatest[0][0], bound = edges.bound[0];
+    vm inside = v_gt(least, bound), may = v_ge(least, -bound);
+    if (has_places) inside = m_or(inside, v_lt(greatest, -bound)), may = m_or(may, v_le(greatest, bound));
+    const uint32_t undecided =
+        test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, may, inside, of, plane);
+    return of->triangle == number ? 1 : undecided ? 0 : -1;
+}
+
+/* Decisions about a ray, also where edges, D or N hardly differ from 0. */
+static double decisions_over(const float *input, int has_places)
+{
+    struct bundle_vector of;
     struct plane_of_rays plane;
+    if (!bundle_of(input, 1, has_places)) return -1;
+    set_up_triangle(input);
+    find_n(0);
+    turn_as_leaf();
+    const int side = mpf_sgn(truth);
+    if (!has_places) {
+        if (!leaf.doubtful && side <= 0) return INFINITY;
+        settle_signs(&tree_of_one, &bundle.waist, &leaf);
+        find_n(0);
+        turn_as_leaf();
+        if (mpf_sgn(truth) < 0 || leaf.doubtful || (leaf.from_waist & 1) != (mpf_sgn(truth) != 0)) return INFINITY;
+        if (!leaf.from_waist) return 0;
+    }
+    const int hit = find_hit(0, 0), decision = test_ray(has_places, &of, &plane);
+    if ((decision > 0 && hit <= 0) || (decision < 0 && hit >= 0)) return INFINITY;
+    find_d(0);
+    turn_as_leaf();
+    set_scale(divisors[NORMAL_DIVISOR], tile.rays[0].pace[0]);
+    return 0.5 * fabs(error_over(plane.backward ? -1 : 1, 1e30)) + 0.01 / (1 + fabs(error_over(0, 1e-4)));
+}
+
+static double attack_decisions(const float *input)
+{
+    return decisions_over(input, 1);
+}
+
+static double attack_apex_decisions(const float *input)
+{
+    return decisions_over(input, 0);
+}
+
+/* Bounds of D or of N as they are kept of a hit, in units of size / |d_main| or of size. */
+static double ends_over(const float *input, int is_distance, int has_places)
+{
+    struct bundle_vector of;
+    struct plane_of_rays plane;
+    if (!bundle_of(input, 1, has_places)) return -1;
+    set_up_triangle(input);
+    const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.reach[0], has_places ? bundle.hulls.away[0] : 0, 0};
+    (void)test_ray(has_places, &of, &plane);
+    of.least_n = of.greatest_n = INFINITY;
     of.triangle = MLRT_NONE;
-    for (int i = 0; i < 2; i++) of.slope[i] = bundle.rays[0].term[i][0];
-    for (int i = 0; i < 3; i++) of.to_waist[i] = bundle.rays[0].to_waist[i][0];
-    test_distances(&leaf, 0, &bounds, bundle.rays[0].begin, 1, 0xFFFFFFFFu, 0xFFFFFFFFu, &of, &plane);
-    if (of.triangle != number) return -1;
-    find_cross(&edge[2], &edge[0]); /* (a - c) x (b - a) */
-    if (is_distance) subtract_vectors(&corner[0], &origin, &corner[0]);
-    find_dot(is_distance ? &corner[0] : &direction);
+    test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, 1, 0xFFFFFFFFu, &of, &plane);
+    if (of.triangle == MLRT_NONE) return -1;
+    if (is_distance) {
+        find_n(0);
+    } else {
+        find_d(0);
+    }
     mpf_abs(truth, truth);
-    set_scale(divisors[3], is_distance ? 1 : bundle.rays[0].pace[0]);
+    set_scale(divisors[NORMAL_DIVISOR], is_distance ? 1 : tile.rays[0].pace[0]);
     return fabs(is_distance ? place_between(of.least_n, of.greatest_n) : place_between(of.least_d, of.greatest_d));
 }
 
 static double attack_d(const float *input)
 {
-    return attack_ends(input, 0);
+    return ends_over(input, 0, 1);
 }
 
 static double attack_n(const float *input)
 {
-    return attack_ends(input, 1);
+    return ends_over(input, 1, 1);
+}
+
+static double attack_apex_d(const float *input)
+{
+    return ends_over(input, 0, 0);
+}
+
+static double attack_apex_n(const float *input)
+{
+    return ends_over(input, 1, 0);
+}
+
+/*
+ * A closed packet of two rays, or of one, is offered a triangle: what becomes of it must be right for both, and depths must
+ * be between the ends that are kept. Of one ray these are near enough to each other to say how much of them is used.
+ */
+static double covers_over(const float *input, int has_places)
+{
+    static struct mlrt_worker worker;
+    static const struct mlrt_job job = {.tree = &tree_of_one, .any = 0};
+    struct triangle_of_packets of;
+    double worst = 0.001;
+    const int count = input[FUSED] > 0 && bits_of_float(input[FUSED]) & 1 ? 2 : 1;
+    if (!bundle_of(input, count, has_places)) return -1;
+    set_up_triangle(input);
+    if (!has_places) {
+        settle_signs(&tree_of_one, &bundle.waist, &leaf);
+        if (!leaf.from_waist) return -1;
+    }
+    see_triangle_of_packets(&bundle.hulls, &leaf, 0, 0, has_places, &of);
+    tile.packets[0].triangle[0] = MLRT_NONE;
+    const uint32_t may = offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1);
+    const int is_covered = bundle.hulls.cover[0] == 0;
+    if (may && is_covered) return INFINITY;
+    if (of.out && (may || is_covered)) return INFINITY;
+    for (int ray = 0; ray < count; ray++) {
+        const int hit = find_hit(ray, 0), of_line = find_hit(ray, 1);
+        if (of.out && (has_places ? of_line : hit) >= 0) return INFINITY;
+        if (of.inside && of_line <= 0) return INFINITY;
+        if (is_covered && hit <= 0) return INFINITY;
+        if (!may && !is_covered && hit >= 0) return INFINITY;
+        if (!of.sure) continue;
+        find_d(ray);
+        turn_as_leaf();
+        if (mpf_sgn(truth) != (of.backward ? -1 : 1)) return INFINITY;
+        /* The depth: o_main + |d_main| N / D. */
+        mpf_set(other, truth);
+        find_n(ray);
+        turn_as_leaf();
+        mpf_div(truth, truth, other);
+        mpf_mul(truth, truth, direction[ray].x[0]);
+        mpf_add(truth, truth, origin[ray].x[0]);
+        set_scale(1, 1);
+        if (isinf(of.near) || isinf(of.far)) continue;
+        worst = fmax(worst, fabs(place_between(of.near, of.far)));
+        if (is_covered && (bundle.hulls.cover_near[0] != of.near || bundle.hulls.last[0] > of.far)) return INFINITY;
+        if (count > 1 || hit < 0) continue;
+        /* Where the packet looks no farther, or no nearer, than that the ray still hits it. */
+        const float depth = (float)mpf_get_d(truth), last = mpf_cmp_d(truth, depth) > 0 ? next_float(depth, 1) : depth;
+        const float first = mpf_cmp_d(truth, depth) < 0 ? next_float(depth, -1) : depth;
+        for (int end = 0; end < 2 && fabsf(depth) < FLT_MAX; end++) {
+            (void)finish_bundle(has_places);
+            bundle.going = bundle.closed = 1;
+            if (end) bundle.hulls.last[0] = last;
+            if (!end) bundle.hulls.first[0] = first;
+            if (!offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1) && bundle.hulls.cover[0] != 0) return INFINITY;
+        }
+    }
+    return count == 1 ? worst : worst > 1 ? worst : 0.01;
+}
+
+static double attack_cover(const float *input)
+{
+    return covers_over(input, 1);
+}
+
+static double attack_apex_cover(const float *input)
+{
+    return covers_over(input, 0);
 }
 
 /* Numbers of one size, of sizes 2^-4 .. 2^4, 2^-24 .. 2^24 or any, or denormal, or points of two kinds; slopes up to 2.
@@ -469,12 +1005,13 @@ static double attack_n(const float *input)
 static void draw_bundle(struct random *random, const struct bound *bound, float *input)
 {
     static const int lowest[] = {0, -4, -24, -60, -148}, highest[] = {0, 4, 24, 60, -110};
-    const uint32_t kind = draw_below(random, 5), other = draw_below(random, 2) ? kind : draw_below(random, 5);
+    const uint32_t kind = draw_below(random, 5), second = draw_below(random, 2) ? kind : draw_below(random, 5);
     const uint32_t alike = draw_below(random, 3);
-    const uint32_t points_of_kind = draw_below(random, 0x80);
+    const uint32_t points_of_kind = draw_below(random, 0x100);
+    const int is_hit = draw_below(random, 2) == 0;
     float base = 1;
     for (int i = 0; i < bound->input_count; i++) {
-        const uint32_t one = points_of_kind >> i / 3 & 1 ? kind : other;
+        const uint32_t one = points_of_kind >> (i < FUSED ? i / 3 : 4 + (i - FUSED) / 3) & 1 ? kind : second;
         const float a = draw_below(random, 3) ? draw_range(random, -2, 2) : draw_below(random, 2) ? -1 : 1;
         input[i] = ldexpf(a, lowest[one] + (int)draw_below(random, (uint32_t)(highest[one] - lowest[one]) + 1));
         if (alike == 0 && draw_below(random, 2)) input[i] = next_float(base, (int)draw_below(random, 17) - 8);
@@ -484,12 +1021,26 @@ static void draw_bundle(struct random *random, const struct bound *bound, float 
         const float near = ldexpf(1, -(int)draw_below(random, 24));
         for (int k = 0; k < 3; k++) input[WAIST + k] = input[k] + near * draw_range(random, -1, 1) * input[3 + k];
     }
-    if (fabsf(input[DIRECTION]) < MLRT_SAFE_MIN) input[DIRECTION] = ldexpf(input[DIRECTION], 140);
-    for (int i = DIRECTION; i < bound->input_count; i += 3) {
-        const float main = input[DIRECTION], pace = draw_below(random, 2) ? copysignf(input[i], main) : main;
+    const float main = fabsf(input[DIRECTION(0)]) < MLRT_SAFE_MIN ? ldexpf(input[DIRECTION(0)], 140) : input[DIRECTION(0)];
+    for (int i = DIRECTION(0); i < bound->input_count; i += RAY_INPUTS) {
+        const float pace = draw_below(random, 2) ? copysignf(input[i], main) : main;
         input[i] = pace;
         for (int side = 1; side < 3; side++) {
             input[i + side] = draw_below(random, 3) ? pace * draw_range(random, -2, 2) : 0;
+        }
+    }
+    if (is_hit) { /* the first ray goes to a point of the triangle, of two rays the second to another nearby */
+        float at[3];
+        const float wide = draw_below(random, 3) ? ldexpf(1, -(int)draw_below(random, 20)) : 0;
+        for (int i = 0; i < 3; i++) at[i] = draw_below(random, 5) ? draw_range(random, 0, 1) : 0;
+        for (int i = ORIGIN(0); i < bound->input_count; i += RAY_INPUTS) {
+            const float sum = at[0] + at[1] + at[2] > 0 ? at[0] + at[1] + at[2] : 1;
+            for (int k = 0; k < 3; k++) {
+                const float p = (at[0] * input[k] + at[1] * input[3 + k] + at[2] * input[6 + k]) / sum;
+                if (i > ORIGIN(0) && draw_below(random, 2)) input[i + k] = input[ORIGIN(0) + k];
+                input[i + 3 + k] = p - input[i + k];
+                at[k] = fmaxf(at[k] + wide * draw_range(random, -1, 1), 0);
+            }
         }
     }
     for (int i = 0; i < bound->input_count; i++) input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
@@ -498,15 +1049,44 @@ static void draw_bundle(struct random *random, const struct bound *bound, float 
 static void bounds_of_bundles_hold(void **state)
 {
     static const struct bound bounds[] = {
-        {"bundles: place", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_place, 0.5, NULL},
+        {"bundles: place", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_place, 0.35, NULL},
+        {"bundles: hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_hull, 0.2, NULL},
         {"bundles: box", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_box, 0.2, NULL},
+        {"bundles: boxes that are met", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_box_met, 0, NULL},
+        {"bundles: outline", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_outline, 0.2, NULL},
         {"bundles: edge function", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_edge, 0.4, NULL},
-        {"bundles: edge function over a hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_cut, 0.1, NULL},
+        {"bundles: e, D over a hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_cut, 0.1, NULL},
         {"bundles: D", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_d, 0.35, NULL},
         {"bundles: N", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_n, 0.35, NULL},
+        {"bundles: decisions", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_decisions, 0, NULL},
+        {"bundles: covers", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_cover, 0.1, NULL},
     };
     (void)state;
     for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
+}
+
+/* Rays that all begin at the waist: no places, and a triangle's terms have the sign of N there. */
+static void bounds_from_the_waist_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"from the waist: boxes that are met", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_apex_box_met, 0, NULL},
+        {"from the waist: outline", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apex_outline, 0.2, NULL},
+        {"from the waist: edge function", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apex_edge, 0.4, NULL},
+        {"from the waist: e, D over a hull", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_apex_cut, 0.1, NULL},
+        {"from the waist: D", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apex_d, 0.3, NULL},
+        {"from the waist: N", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apex_n, 0.3, NULL},
+        {"from the waist: decisions", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apex_decisions, 0, NULL},
+        {"from the waist: covers", INPUT_COUNT_OF_TWO, DIRECTIONS_ARE_SAFE, attack_apex_cover, 0.1, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
+}
+
+static void depths_hold(void **state)
+{
+    static const struct bound depths = {"bundles: depths", 5, 1u << 2, attack_depths, 0.1, NULL};
+    (void)state;
+    attack_bound(&depths, draw_depths, 20, STEP_COUNT);
 }
 
 int main(int argc, char **argv)
@@ -517,7 +1097,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(depths_of_few_rays_may_underflow),
         cmocka_unit_test(places_may_underflow),
         cmocka_unit_test(reciprocals_may_overflow),
+        cmocka_unit_test(slopes_of_triangles_may_overflow),
+        cmocka_unit_test(one_waist_has_many_slopes),
         cmocka_unit_test(bounds_of_bundles_hold),
+        cmocka_unit_test(bounds_from_the_waist_hold),
+        cmocka_unit_test(depths_hold),
     };
     if (argc > 1 && atoi(argv[1]) > 0) search_effort = (size_t)atoi(argv[1]);
     init_numbers();

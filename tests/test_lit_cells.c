@@ -34,29 +34,22 @@ struct scene {
     struct mlrt_tree tree;
     struct mlrt_source light;
     float eye[3];
-    int main_axis;
-    float sign;
-    struct mlrt_slopes slopes[2];
-    uint32_t cover[MLRT_CELL_COUNT];
+    struct mlrt_bundle seen; /* the camera's cells: the waist is the eye */
     /* What the light sees. */
     uint32_t known, dark;
-    struct mlrt_lit_cells lit;
-    struct mlrt_slopes lit_slopes[2];
-    float farthest[MLRT_CELL_COUNT], shortest[MLRT_CELL_COUNT];
+    struct mlrt_bundle lit;
 };
 
 static void make_cells(struct scene *scene, uint32_t among)
 {
-    const struct mlrt_seen_cells seen = {scene->slopes, scene->cover, scene->eye, scene->main_axis, scene->sign};
     scene->tree.triangles = scene->triangles;
     scene->light.kind = MLRT_SOURCE_POINT_LIGHT;
-    scene->lit = (struct mlrt_lit_cells){scene->lit_slopes, scene->farthest, scene->shortest, 0, 0};
-    scene->known = mlrt_make_lit_cells(&scene->light, &scene->tree, &seen, among, &scene->lit, &scene->dark);
+    memcpy(scene->seen.waist.point, scene->eye, sizeof scene->eye);
+    memset(&scene->lit, 0x77, sizeof scene->lit);
+    scene->lit.waist = (struct mlrt_waist){.sign = 1}; /* not set where all cells are dark */
+    scene->known = mlrt_make_lit_cells(&scene->light, &scene->tree, &scene->seen, among, &scene->lit, &scene->dark);
     assert_int_equal((scene->known | scene->dark) & ~among, 0);
     assert_int_equal(scene->known & scene->dark, 0);
-    for (uint32_t place = 0; place < MLRT_CELL_COUNT && scene->known; ++place) {
-        if (!(scene->known >> place & 1)) assert_true(scene->farthest[place] == -INFINITY);
-    }
 }
 
 struct place {
@@ -69,7 +62,7 @@ struct place {
 /* Where a ray of this direction from the eye hits the plane of a cell's cover. Returns 0 if nowhere. */
 static int find_place(const struct scene *scene, uint32_t place, const double d[3], struct place *found)
 {
-    const struct mlrt_triangle *triangle = &scene->triangles[scene->cover[place]];
+    const struct mlrt_triangle *triangle = &scene->triangles[scene->seen.hulls.cover[place]];
     double ab[3], ac[3], n = 0, greatest = 0, steepness = 0, size = 0, roundness = 0;
     found->reach = 0;
     for (int k = 0; k < 3; ++k) {
@@ -105,20 +98,20 @@ struct extremes {
 /* Without rounding, at the corners. 0 if the cover's plane does not reach over the cell. */
 static int find_extremes(const struct scene *scene, uint32_t place, struct extremes *of)
 {
-    const int a = scene->main_axis, b = scene->lit.main_axis;
+    const int a = scene->seen.waist.main_axis, b = scene->lit.waist.main_axis;
     *of = (struct extremes){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, INFINITY, -INFINITY, 0};
     for (int corner = 0; corner < 4; ++corner) {
         struct place at;
         double d[3], away = 0;
-        d[a] = (double)scene->sign;
+        d[a] = (double)scene->seen.waist.sign;
         for (int side = 0; side < 2; ++side) {
-            const struct mlrt_slopes *slopes = &scene->slopes[side];
+            const struct mlrt_hull_row *slopes = &scene->seen.hulls.term[side];
             d[(a + 1 + side) % 3] = (double)(corner >> side & 1 ? slopes->hi : slopes->lo)[place];
         }
         if (!find_place(scene, place, d, &at)) return 0;
         for (int k = 0; k < 3; ++k) away = fmax(away, fabs((double)scene->eye[k] - (double)scene->light.light[k]));
         of->is_grazing |= at.z_by_steepness > 4 * (away + 2 * at.z + at.reach);
-        const double depth = at.x[b] * (double)scene->lit.sign;
+        const double depth = at.x[b] * (double)scene->lit.waist.sign;
         of->shortest = fmin(depth, of->shortest);
         of->farthest = fmax(depth, of->farthest);
         for (int side = 0; side < 2; ++side) {
@@ -152,21 +145,21 @@ static void check_ray(const struct scene *scene, uint32_t place, const struct ex
     for (int k = 0; k < 3; ++k) d[k] = (double)direction[k];
     if (!mlrt_make_segment(scene->eye, direction, 0, INFINITY, &ray) || !find_place(scene, place, d, &at)) return;
     const int is_ray =
-        mlrt_make_shadow_ray(&scene->light, &scene->triangles[scene->cover[place]], &ray, &faces, &shadow);
+        mlrt_make_shadow_ray(&scene->light, &scene->triangles[scene->seen.hulls.cover[place]], &ray, &faces, &shadow);
     if (scene->dark >> place & 1) {
         if (faces) parts->slope = 10;
         return;
     }
-    const int b = scene->lit.main_axis;
-    const double depth = is_ray ? (double)shadow.direction[b] * (double)scene->lit.sign : -1;
+    const int b = scene->lit.waist.main_axis;
+    const double depth = is_ray ? (double)shadow.direction[b] * (double)scene->lit.waist.sign : -1;
     if (!faces || !(depth > 0)) {
         parts->depth = 10;
         return;
     }
-    parts->depth = fmax(parts->depth, part_of(depth, of->farthest, (double)scene->farthest[place]));
-    parts->depth = fmax(parts->depth, part_of(-depth, -of->shortest, -(double)scene->shortest[place]));
+    parts->depth = fmax(parts->depth, part_of(depth, of->farthest, (double)scene->lit.hulls.last[place]));
+    parts->depth = fmax(parts->depth, part_of(-depth, -of->shortest, -(double)scene->lit.hulls.core_last[place]));
     for (int side = 0; side < 2; ++side) {
-        const struct mlrt_slopes *slopes = &scene->lit_slopes[side];
+        const struct mlrt_hull_row *slopes = &scene->lit.hulls.term[side];
         const double slope = (double)shadow.direction[(b + 1 + side) % 3] / depth;
         parts->slope = fmax(parts->slope, part_of(slope, of->hi[side], (double)slopes->hi[place]));
         parts->slope = fmax(parts->slope, part_of(-slope, -of->lo[side], -(double)slopes->lo[place]));
@@ -187,11 +180,11 @@ static int set_component(float slope, float lo, float hi, float length, float *c
 static void check_direction(const struct scene *scene, uint32_t place, const struct extremes *of, const float at[2],
                             float length, struct parts *parts)
 {
-    const int a = scene->main_axis;
+    const int a = scene->seen.waist.main_axis;
     float direction[3];
-    direction[a] = scene->sign * length;
+    direction[a] = scene->seen.waist.sign * length;
     for (int side = 0; side < 2; ++side) {
-        const float lo = scene->slopes[side].lo[place], hi = scene->slopes[side].hi[place];
+        const float lo = scene->seen.hulls.term[side].lo[place], hi = scene->seen.hulls.term[side].hi[place];
         const float slope = at[side] <= 0 ? lo : at[side] >= 1 ? hi : lo + at[side] * (hi - lo);
         if (!set_component(slope, lo, hi, length, &direction[(a + 1 + side) % 3])) return;
     }
@@ -226,14 +219,14 @@ static int attack(const float *input, struct parts *parts)
     memcpy(scene.triangles[0].v, input, sizeof scene.triangles[0].v);
     memcpy(scene.eye, input + EYE, sizeof scene.eye);
     memcpy(scene.light.light, input + LIGHT, sizeof scene.light.light);
-    scene.main_axis = (int)(bits & 3) % 3;
-    scene.sign = bits & 4 ? -1.0f : 1.0f;
-    scene.cover[place] = 0;
+    scene.seen.waist.main_axis = (int)(bits & 3) % 3;
+    scene.seen.waist.sign = bits & 4 ? -1.0f : 1.0f;
+    scene.seen.hulls.cover[place] = 0;
     for (int side = 0; side < 2; ++side) {
         const float s = input[SLOPES + 2 * side], t = input[SLOPES + 2 * side + 1];
         if (fabsf(s) > 2 || fabsf(t) > 2) return 0;
-        scene.slopes[side].lo[place] = fminf(s, t);
-        scene.slopes[side].hi[place] = fmaxf(s, t);
+        scene.seen.hulls.term[side].lo[place] = fminf(s, t);
+        scene.seen.hulls.term[side].hi[place] = fmaxf(s, t);
     }
     make_cells(&scene, 1u << place);
     return check_cell(&scene, place, at, length, parts);
@@ -342,20 +335,20 @@ static void draw_scene(struct random *random, struct scene *scene)
     const float width = ldexpf(1, -(int)draw_below(random, 16));
     const float first[2] = {draw_range(random, -2, 2 - width), draw_range(random, -2, 2 - width)};
     float normal[3], d[3], corners[9];
-    scene->main_axis = (int)draw_below(random, 3);
-    scene->sign = draw_sign(random);
+    scene->seen.waist.main_axis = (int)draw_below(random, 3);
+    scene->seen.waist.sign = draw_sign(random);
     draw_point(random, -1, 1, scene->eye);
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
-        d[scene->main_axis] = scene->sign;
+        d[scene->seen.waist.main_axis] = scene->seen.waist.sign;
         for (uint32_t side = 0; side < 2; ++side) {
             const float lo = first[side] + 0.25f * width * (float)(side ? place / 4 : place % 4);
-            scene->slopes[side].lo[place] = lo;
-            scene->slopes[side].hi[place] = lo + 0.25f * width;
-            d[(scene->main_axis + 1 + (int)side) % 3] = lo + 0.125f * width;
+            scene->seen.hulls.term[side].lo[place] = lo;
+            scene->seen.hulls.term[side].hi[place] = lo + 0.25f * width;
+            d[(scene->seen.waist.main_axis + 1 + (int)side) % 3] = lo + 0.125f * width;
         }
-        scene->cover[place] = place;
+        scene->seen.hulls.cover[place] = place;
         if (place && draw_below(random, 4)) {
-            scene->cover[place] = scene->cover[place - 1];
+            scene->seen.hulls.cover[place] = scene->seen.hulls.cover[place - 1];
             continue;
         }
         draw_cover(random, scene->eye, d, corners, normal);

@@ -2,22 +2,28 @@
 /*
  * The rays of a tile as a bundle (../bundle.h): its waist, the terms of its rays, and the hulls of its packets.
  *
- * WHAT IS COMPUTED, u = 2^-24. With the main axis' sign o' = o - w, 1 rounding per component; a slope s_j = d_j / |d_main|
- * has 1. Let A be at least |o'_main|, 2 |o'_j|, 2 |o'_l| of all rays of a packet and R at least 1 and 2 |s_j|. A place
- * x_j = o'_j - s_j o'_main is off by u |o'_j| + 3.01 u |s_j o'_main| and its own rounding of at most u (|o'_j| +
- * |s_j o'_main|): together by less than 2 u |o'_j| + 4.1 u |s_j o'_main| <= (1 + 2.05) u R A. PLACE_ERROR makes 4 u of
- * it. A ray from the waist has o' = 0, and place 0 exactly.
+ * WHAT IS COMPUTED, u = 2^-24. With the main axis' sign o' = o - w, 1 rounding per component; a slope s_j = d_j /
+ * |d_main| has 1 as lanes have it, and 2 in hulls, which make it with a reciprocal. Let A be at least |o'_main|, 2
+ * |o'_j|, 2 |o'_l| of all rays of a packet and R at least 1 and 2 |s_j|. A place x_j = o'_j - s_j o'_main is off by u
+ * |o'_j| and, for what is relative to |s_j o'_main|, 3.01 u, in hulls 4.01 u; and its own rounding of at most u
+ * (|o'_j| + |s_j o'_main|): together by less than 2 u |o'_j| + 5.1 u |s_j o'_main| <= (1 + 2.55) u R A. PLACE_ERROR
+ * makes 4 u of it. A ray from the waist has o' = 0, and place 0 exactly.
  *
- * UNDERFLOW. Components of directions are 0 or of magnitude 2^-60 .. 2^60, so a slope is 0 or above 2^-120. The product
- * s_j o'_main may lose 2^-150, and so may one of a slope and a depth; where R A is less than 2^-128, PLACE_ERROR R A is
- * less than that. PLACE_FLOOR pays for both.
+ * HULLS are made from rays as they were read, and hold their slopes and places as they are, but for PLACE_ERROR R A:
+ * to the middle of terms 2^-21 of itself is added, and 2^-20 to their radius, for 2.001 u of a slope and the
+ * roundings of both. The moment's interval is made of those of its factors (product_over_hull), and A of depths,
+ * slopes and places (hulls_fit).
  *
- * BOXES. At depth z a ray is at x_j + s_j z. For a box, as computed, c = fl(c_j - w_j) and z = fl(c_main - w_main) are off
- * by u of themselves, the product with a slope and the sum with a place by u each. Slopes and places of hulls are moved
- * apart by SLOPE_SLACK, 2^-20 of themselves (and places by PLACE_ERROR R A): 16 u |s| |z| and 16 u |x|. That pays for all:
- * a box is compared as c <= fl(x) + fl(s z) where both sides differ by at most 2 u |s z| + 3 u (|x| + |s z|) from what
- * they stand for, and u |c| matters only where c is as large as that. Depths where rays begin and end, o'_main + tau,
- * are moved by SLOPE_SLACK (|z| + A).
+ * UNDERFLOW. A slope is 0 or at least LEAST_SLOPE, or all slopes of a packet lose 2^-150 at most and are 0. The
+ * product s_j o'_main may lose 2^-150, and so may one of a slope and a depth; where R A is less than 2^-128,
+ * PLACE_ERROR R A is less than that. PLACE_FLOOR pays for both.
+ *
+ * BOXES. At depth z a ray is at x_j + s_j z. For a box, as computed, c = fl(c_j - w_j) and z = fl(c_main - w_main)
+ * are off by u of themselves, the product with a slope and the sum with a place by u each. Slopes and places of hulls
+ * are moved apart by SLOPE_SLACK, 2^-20 of themselves (and places by PLACE_ERROR R A): 16 u |s| |z| and 16 u |x|.
+ * That pays for all: a box is compared as c <= fl(x) + fl(s z) where both sides differ by at most 3 u |s z| + 3 u
+ * (|x| + |s z|) from what they stand for, and u |c| matters only where c is as large as that. Depths where rays begin
+ * and end, o'_main + tau, are moved by SLOPE_SLACK (|z| + A). docs/accuracy.md, "Bundles", has all of this as lemmas.
  *
  * Based on, for frusta against boxes: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
  */
@@ -340,8 +346,7 @@ MLRT_INLINE void take_least(vf value, int v, vf *least)
  * Bounds a packet whose rays have just been read; has_places is 0 if they all begin at the waist. Returns the lanes of
  * rays that can go with the bundle, unless hulls_fit says otherwise; if one cannot, the bounds are anything.
  *
- * Slopes are products with a reciprocal here: one rounding more than those of make_lanes, which 8 u of themselves that
- * hulls are wider by pay for. How far origins are away follows from depths, slopes and places.
+ * Slopes are products with a reciprocal here, those of make_lanes are quotients: see the head of this file.
  */
 MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, int has_places)
 {
@@ -377,7 +382,9 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
         const vf sum = has_places ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
         vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
         fits = m_and(fits, v_le(sum, v_set1(MLRT_SAFE_MAX)));
-        if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) fits = m_and(fits, exact_in_units(bundle, packet, v));
+        if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) { /* a reciprocal that is denormal would not do, either */
+            fits = m_and(fits, m_and(exact_in_units(bundle, packet, v), v_le(rays.pace, v_set1(GREATEST_PACE))));
+        }
         if (packet->has_limits) {
             const vf given = v_load(packet->t_min + v), begin = v_mul(v_max(given, zero), pace);
             fits = m_and(fits, m_and(v_eq(given, given), v_lt(given, v_load(packet->t_max + v))));

@@ -168,8 +168,10 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
     if (MLRT_UNLIKELY(bundle->unit != 1)) check_packet_in_units(packet->active | packet->single, bundle->unit, packet);
     int fits = packet->active && !packet->single;
     if (fits && (bundle->unit != 1 || bundle->tile->seen)) { /* closer than what was known before */
+        const float last = bundle->hulls.last[place]; /* that of its cover, too */
         fits = !(packet->active & ~bound_from_anywhere(bundle, place)) && hulls_fit(bundle, 1u << place);
         finish_depths(bundle, 1u << place, v);
+        if (last < bundle->hulls.last[place]) bundle->hulls.last[place] = last;
         finish_hulls(bundle, v);
     } else if (fits) {
         fits = !may_have_tiny_slopes(&bundle->hulls, place) || !has_tiny_slopes(bundle, packet);

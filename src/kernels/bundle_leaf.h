@@ -15,8 +15,8 @@
  *
  * EDGES, u = 2^-24, in units of size, with R, A, X = the greatest |x|, of a packet (bundle.h). C_k has 4 roundings (p, g,
  * product, difference), 1 / size and its product 2; a slope 1, a product 1, and up to 5 sums: 13. As |s| <= R / 2, that is
- * 13.001 u R. A place is off by E = 3.05 u R A, a factor of g has 1 + 2 roundings, product and sums 6: so both products of
- * places are off by (9.001 u X + E) |g|. The moment is off by 2 |s| E + 3.001 u 2 |s| X <= R E + 3.001 u R X, and g_z times
+ * 13.001 u R. A place is off by E = 3.05 u R A (in hulls 3.55), a factor of g has 1 + 2 roundings, product and sums 6:
+ * so both products of places are off by (9.001 u X + E) |g|. The moment is off by 2 |s| E + 3.001 u 2 |s| X <= R E + 3.001 u R X, and g_z times
  * it by 9.001 u R X more. Together no more than
  *
  *     13.001 u R + (12.1 u X + E) R rho,   rho the greatest |g| / size of the three edges.
@@ -30,15 +30,20 @@
  * DISTANCE_ERROR, 16 u (F + A), leave 5.9 u R and 2.9 u (F + A) for the roundings of N -+ E, D -+ W and the products that
  * compare them, as in triangle_filter.h.
  *
- * UNDERFLOW AND RANGE. Corners and origins are at most 2^60 and may be denormal; only components of directions are 0 or of
- * magnitude 2^-60 .. 2^60. Sums and differences of denormals are exact. A product of C or n may lose 2^-150, but is divided
+ * UNDERFLOW AND RANGE. Corners and origins are at most 2^60 and may be denormal; of directions only slopes matter, which are at
+ * most 2. Sums and differences of denormals are exact. A product of C or n may lose 2^-150, but is divided
  * by a size of at least 2^-100, and a coefficient is multiplied by a term of at most 2^65: so an edge function and D lose less
  * than 2^-48 R, which is nothing beside u R. N loses 2^-48 (F + A) so, and 2^-147 in products with places, for which
  * DISTANCE_FLOOR pays. Sizes are at most 2^124, so 1 / size is normal; and as size >= |g| 2^-20, no edge function exceeds 2^87.
  *
  * CUTS. Over a hull an edge function lies within its value at the middles of the terms and the sum of |coefficient| radius.
- * Middles and radii have 7 roundings of |coefficient| |term|, and the coefficients are off as above, without sums: together
- * 14.002 u R + (13.2 u X + E) R rho, so twice the bound is enough. docs/accuracy.md, "Bundles", has all of this as lemmas.
+ * The slopes of rays lie in their hull (bundle.h). Middles and radii have 7 roundings of |coefficient| |term|, and the
+ * coefficients are off as above, without sums: together 14.002 u R + (13.2 u X + E) R rho, so twice the bound is enough.
+ *
+ * FROM THE WAIST N is the same for all rays. Terms are turned so that it is not negative there, by its float; where that is
+ * not above its bound, DISTANCE_ERROR F, the judge settles the sign. Depth goes down the axis where the waist's sign is -1:
+ * that mirrors triangles, and so the sign of N is that of the side of the plane that the waist is on, not the other one. With
+ * N > 0 only D > 0 and edge functions that are not negative are hits. docs/accuracy.md, "Bundles", has all of this as lemmas.
  */
 
 #if MLRT_GUESS
@@ -359,11 +364,12 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
     return leaf;
 }
 
-/* Has set-ups for another waist forgotten; those for other axes at the same point may stay. */
+/* Has set-ups for another waist forgotten; those for other axes may stay, if the point and what is seen along are the same. */
 static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle_cache *cache)
 {
+    const size_t first = offsetof(struct mlrt_waist, point), size = sizeof *waist - first;
     if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
-    if (memcmp(waist->point, cache->waist.point, sizeof waist->point) != 0 || cache->waist.main_axis < 0) {
+    if (memcmp((const char *)waist + first, (const char *)&cache->waist + first, size) != 0 || cache->waist.main_axis < 0) {
         memset(cache->children, 0, sizeof cache->children);
     }
     cache->waist = *waist;
@@ -497,7 +503,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
     for (int n = 0; n < count; ++n) of->of_vector[first + n] = met[n];
 }
 
-/* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients (bvh_tile.h). */
+/* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients. */
 struct bundle_vector {
     vf slope[2];
     vf to_waist[3];
@@ -598,7 +604,8 @@ struct plane_of_rays {
 
 /*
  * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
- * returns the lanes that are left undecided. A quotient of bounds is compared as products (bvh_tile.h).
+ * returns the lanes that are left undecided. Quotients of bounds are compared as products: rounding is monotone, so that if one
+ * product is less than the other, so is what it stands for.
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const struct plane_bounds *bounds,
                                     const float *begin, int has_places, vm candidates, vm inside,

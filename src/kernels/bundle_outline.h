@@ -17,7 +17,13 @@
  * moved apart by SLOPE_SLACK, 16 u of themselves. p_j - t z is off by 4 u (|p_j| + |t z|), and moved by 16 u of that. Weights
  * have at most two roundings and are 16 u larger. Slopes and places of hulls are moved apart by 16 u of themselves, too, and
  * by HULL_FLOOR (bundle.h): that pays for the roundings of the sums they are compared in.
+ *
+ * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, and so p_j / z less than 2^122: infinite ends would be none
+ * once they are moved, and a comparison with what is no number leaves a triangle out.
  */
+
+/* What is nearer to the waist is no fan. */
+#define LEAST_FAN_DEPTH 0x1p-60f
 
 /* A hull as triangles are compared with it. */
 struct hull_outline {
@@ -72,7 +78,7 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
                               struct mlrt_bundle_leaf *leaf)
 {
     const vf a = corner[0][0], b = corner[1][0], c = corner[2][0], slack = v_set1(SLOPE_SLACK), wider = v_set1(1 + SLOPE_SLACK);
-    const vf near = v_min(v_min(a, b), c), far = v_max(v_max(a, b), c), small = v_set1(SMALLEST_SIZE);
+    const vf near = v_min(v_min(a, b), c), far = v_max(v_max(a, b), c), small = v_set1(LEAST_FAN_DEPTH);
     const vf least = v_max(near, v_sub(v_set1(0), far)), greatest = v_max(v_abs(near), v_abs(far));
     vm is_fan = v_gt(least, small);
     if (waist->is_beam) is_fan = m_from_bits(0);

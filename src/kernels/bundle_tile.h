@@ -364,8 +364,8 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
         const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
         check_odd_packet(bundle->unit, packet);
-        const uint32_t unfit = packet->active & ~bound_from_anywhere(bundle, place);
-        if (packet->active && !unfit && hulls_fit(bundle, bundle->going | bit) & bit) {
+        const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
+        if (fits && hulls_fit(bundle, bundle->going | bit) & bit) {
             bundle->going |= bit;
         } else {
             leave_bundle(bundle, place);

@@ -93,7 +93,7 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
  * slope times 0 would be a NaN.
  *
  * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them
- * are moved by SLOPE_FLOOR too. (Those of packets are 0 or above 2^-120.)
+ * are moved by SLOPE_FLOOR too. (Those of packets that have rays are 0 or at least LEAST_SLOPE.)
  */
 static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_bundle *bundle)

@@ -2,7 +2,7 @@
 /*
  * The least and the greatest: of two numbers, of some lanes of sixteen, and of what comes along. And how far bounds of
  * quotients are moved apart, as shares of themselves, to be safe from rounding: those of reciprocals
- * (interval_traversal.h, bvh_single.h) and of slopes (outline.h, cells.h).
+ * (interval_traversal.h, bvh_single.h) and of slopes (outline.h, bundle.h).
  */
 
 #define RECIPROCAL_SLACK 0x1p-21f

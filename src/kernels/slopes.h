@@ -5,7 +5,8 @@
 #ifndef MLRT_SLOPES_H
 #define MLRT_SLOPES_H
 
-/* Slopes are moved apart by this part of themselves: more than what roundings change (cells.h, outline.h). */
+/* Slopes are moved apart by this part of themselves: more than what roundings change (bundle.h,
+ * bundle_outline.h, outline.h). */
 #define SLOPE_SLACK 0x1p-20f
 
 /* Slopes of cells are at most this: the main axis is nearly the main one for all their rays. */
