@@ -830,6 +830,16 @@ static double attack_apex_cut(const float *input)
     return cuts_over(input, 0);
 }
 
+/* Is the triangle left out for the packet, by where it is seen or by its edges? */
+static int is_cut(int has_places)
+{
+    struct hull_outline hull;
+    outline_packet(&bundle, 0, has_places, &hull);
+    leaf.row = 4;
+    if (!(triangles_met(&leaf, &hull, has_places, 1) & 1)) return 1;
+    return !(triangles_within_edges(&bundle, &leaf, 0, has_places, 1) & 1);
+}
+
 /* Tests the ray against the triangle as traversal does: 1 = hit, -1 = missed, 0 = undecided. */
 static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_rays *plane)
 {
@@ -872,6 +882,7 @@ static double decisions_over(const float *input, int has_places)
     }
     const int hit = find_hit(0, 0), decision = test_ray(has_places, &of, &plane);
     if ((decision > 0 && hit <= 0) || (decision < 0 && hit >= 0)) return INFINITY;
+    if (hit >= 0 && is_cut(has_places)) return INFINITY;
     find_d(0);
     turn_as_leaf();
     set_scale(divisors[NORMAL_DIVISOR], tile.rays[0].pace[0]);
@@ -960,6 +971,7 @@ static double covers_over(const float *input, int has_places)
         if (of.inside && of_line <= 0) return INFINITY;
         if (is_covered && hit <= 0) return INFINITY;
         if (!may && !is_covered && hit >= 0) return INFINITY;
+        if (hit >= 0 && bundle.going && is_cut(has_places)) return INFINITY;
         if (!of.sure) continue;
         find_d(ray);
         turn_as_leaf();
