@@ -74,7 +74,7 @@
 #endif
 
 /*
- * A worker keeps 1 << this set-ups of leaves, of 1.25 KiB; in calls of fewer rays than many, fewer, since what first
+ * A worker keeps 1 << this set-ups of leaves, of 2 KiB; in calls of fewer rays than many, fewer, since what first
  * uses memory waits for it. By instructions, pictures and shadows take up to 3 % more with 32.
  */
 #ifndef MLRT_LEAF_SETUP_BITS

@@ -12,7 +12,8 @@ rewrites each table of the Markdown files that stands between two lines
 from DATA/NAME.csv. WHAT is one of
 
     ratio       the library's speed over that of Embree's fast mode; a column for each kind
-    aims        the same with what it ought to be, from DATA/aims.csv: in bold where it is
+    gain        the library's speed over that of the build that it was run against (bench --against)
+    aims        `ratio` with what it ought to be, from DATA/aims.csv: in bold where it is
     mrays, embree_fast_mrays, embree_robust_mrays
                 millions of rays per second; likewise
     all         these four, of one kind
@@ -47,6 +48,11 @@ def show_speed(row, column):
 def show_ratio(row):
     rate, peer = float(row["mrays"]), float(row["embree_fast_mrays"])
     return f"{rate / peer:.2f}" if peer > 0 else ""
+
+
+def show_gain(row):
+    rate, old = float(row["mrays"]), float(row["old_mrays"])
+    return f"{rate / old:.2f}" if old > 0 else ""
 
 
 def table(head, body):
@@ -96,7 +102,8 @@ def make_table(data, name, what, titles):
         return table_of_all(rows, *titles)
     if what == "settings":
         return table_of_settings(rows, titles)
-    return table_of_kinds(rows, titles, show_ratio if what == "ratio" else lambda row: show_speed(row, what))
+    shows = {"ratio": show_ratio, "gain": show_gain}
+    return table_of_kinds(rows, titles, shows.get(what, lambda row: show_speed(row, what)))
 
 
 def renew(text, data):
