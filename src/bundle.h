@@ -95,7 +95,8 @@ struct mlrt_hulls {
     MLRT_ALIGNED(64) float core_last[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float cover_near[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS]; /* a triangle's number; MLRT_NONE: nothing so far */
-    MLRT_ALIGNED(64) uint32_t skip[MLRT_BUNDLE_PACKETS];  /* of packets without rays: the triangle that all of them pass */
+    MLRT_ALIGNED(64)
+    uint32_t skip[MLRT_BUNDLE_PACKETS]; /* of packets without rays: the triangle that all of them pass */
 };
 
 /* One hull of all packets that go together. */
@@ -130,16 +131,16 @@ struct mlrt_bundle {
     float core_first, core_last; /* where most triangles are, as a guess */
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
-    uint32_t going;           /* packets with a hull */
-    uint32_t apexes;          /* packets whose rays all start at the waist */
-    uint32_t closed;          /* of whose rays no more is known than what covers all of them (kernels/bundle_cover.h) */
-    uint32_t covered;         /* that are done, as one triangle hides all of their rays */
-    uint32_t riding;          /* that go lane by lane afterwards, unless one triangle happens to hide all of their rays */
-    uint32_t nearer;          /* whose rays may look less far than their hulls say */
-    uint32_t given_up;        /* that were tested in vain too often */
-    uint32_t set_aside;       /* that are to go lane by lane afterwards */
-    uint32_t made;            /* of whose rays there are the numbers, lane by lane */
-    uint32_t has_reciprocals; /* of whose rays there are these */
+    uint32_t going;     /* packets with a hull */
+    uint32_t apexes;    /* packets whose rays all start at the waist */
+    uint32_t closed;    /* of whose rays no more is known than what covers all of them (kernels/bundle_cover.h) */
+    uint32_t covered;   /* that are done, as one triangle hides all of their rays */
+    uint32_t riding;    /* that go lane by lane afterwards, unless one triangle happens to hide all of their rays */
+    uint32_t nearer;    /* whose rays may look less far than their hulls say */
+    uint32_t given_up;  /* that were tested in vain too often */
+    uint32_t set_aside; /* that are to go lane by lane afterwards */
+    uint32_t made;      /* of whose rays there are the numbers, lane by lane */
+    uint32_t has_reciprocals;            /* of whose rays there are these */
     uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
     struct mlrt_bundle_cache *cache;
     struct mlrt_ray_tile *tile; /* whose packets they are; NULL: they are tiles */
@@ -147,18 +148,18 @@ struct mlrt_bundle {
 
 /* What bundles with one waist share about the triangles of a leaf: arrays have a place for each triangle. */
 struct mlrt_bundle_leaf {
-    int32_t axis;   /* the main one; ~axis if rays go down it */
-    int32_t has_places; /* 0: set up for rays from the waist only */
+    int32_t axis;        /* the main one; ~axis if rays go down it */
+    int32_t has_places;  /* 0: set up for rays from the waist only */
     uint32_t there;      /* places with a triangle that the call's common mask shows; bit per place */
     uint32_t from_waist; /* of these, those that a ray from the waist can hit: it does not lie in their planes */
     uint32_t flipped;    /* whose terms have the other sign, so that N is not negative at the waist */
     uint32_t doubtful;   /* of which float does not know that sign; none once that is settled */
-    uint32_t row;   /* floats in a row of corners */
+    uint32_t row;        /* floats in a row of corners */
     const uint32_t *numbers;
     const float *corners;
-    uint32_t odd;        /* bvh_unit.h */
-    uint32_t ready;      /* vectors of places that have their terms */
-    uint32_t fans;       /* of what the outlines are: see kernels/bundle_outline.h */
+    uint32_t odd;                                     /* bvh_unit.h */
+    uint32_t ready;                                   /* vectors of places that have their terms */
+    uint32_t fans;                                    /* of what the outlines are: see kernels/bundle_outline.h */
     MLRT_ALIGNED(64) float near[MLRT_BVH_LEAF_LIMIT]; /* depths of the triangle */
     MLRT_ALIGNED(64) float far[MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float outline_lo[2][MLRT_BVH_LEAF_LIMIT];
@@ -168,7 +169,7 @@ struct mlrt_bundle_leaf {
     MLRT_ALIGNED(64) float edge_constant[3][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float edge[3][MLRT_RAY_TERMS][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float normal[3][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT]; /* of the plane from the waist: N there */
+    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT];  /* of the plane from the waist: N there */
     MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: how much places weigh in edge functions */
     MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];      /* what the error of `distance` is relative to */
 };
@@ -199,8 +200,8 @@ struct mlrt_pair_line {
 struct mlrt_bundle_cache {
     struct mlrt_bundle_leaf *leaves; /* 1 << bits of them, by a hash of the first quad */
     uint32_t bits;
-    struct mlrt_waist waist; /* main_axis -1: of none */
-    uint32_t waist_count;    /* how many there were so far */
+    struct mlrt_waist waist;                       /* main_axis -1: of none */
+    uint32_t waist_count;                          /* how many there were so far */
     uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes; 0 = nobody's */
     struct mlrt_pair_line lines[1u << MLRT_PAIR_LINE_BITS];
 };

@@ -95,19 +95,20 @@ struct mlrt_known_plane {
 
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
-    struct mlrt_triangle_pair *pairs;                    /* entry (first ^ second) & pair_mask */
-    uint32_t pair_mask;                                  /* how many there are: a power of two, less one */
-    struct mlrt_known_plane *planes;                     /* entry number & plane_mask */
+    struct mlrt_triangle_pair *pairs; /* entry (first ^ second) & pair_mask */
+    uint32_t pair_mask;               /* how many there are: a power of two, less one */
+    struct mlrt_known_plane *planes;  /* entry number & plane_mask */
     uint32_t plane_mask;
     struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
     uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
     float apex[3];
-    struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
-    struct mlrt_bundle_cache bundle_caches[2]; /* of closest hits; of any: a picture's shadows go in turn with its tiles */
-    uint32_t mask;                    /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
+    struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
+    struct mlrt_bundle_cache
+        bundle_caches[2];     /* of closest hits; of any: a picture's shadows go in turn with its tiles */
+    uint32_t mask;            /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets: of closest hits, of any */
-    uint32_t lane_tiles[2]; /* how many of the next tiles go lane by lane: of closest hits, of any */
-    uint32_t open_tiles; /* of the next ones, how many begin with open cells (levels.c); squares likewise */
+    uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane: of closest hits, of any */
+    uint32_t open_tiles;      /* of the next ones, how many begin with open cells (levels.c); squares likewise */
     uint32_t open_squares;
     struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the one that was last hit */
@@ -117,8 +118,8 @@ struct mlrt_worker {
     uint64_t environment;           /* floating-point environment of the caller */
     double pixels_told;             /* of the current item */
     uint32_t slow_steps;
-    struct mlrt_scaled_packet *scaled;   /* whose rays go alone, in units; else NULL */
-    int stopped; /* the call is to end */
+    struct mlrt_scaled_packet *scaled; /* whose rays go alone, in units; else NULL */
+    int stopped;                       /* the call is to end */
 };
 
 /* tile.h */
@@ -156,7 +157,8 @@ struct mlrt_kernels {
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_bundle *bundle);
     /* Traces a bundle whose packets, or tiles, have no rays yet. bundle_tile.h */
-    void (*trace_cells)(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open, struct mlrt_bundle *bundle);
+    void (*trace_cells)(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
+                        struct mlrt_bundle *bundle);
     /* Traces the packets `waiting` (bit per place) of a bundle's tile, whose rays are there. bundle_tile.h */
     void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                          uint32_t waiting);

@@ -26,8 +26,8 @@ struct mlrt_sink_group {
     unsigned char *data; /* of the first; the strides are those of all */
     size_t stride;
     size_t row_stride;
-    uint8_t count; /* 4, 2 or 1 */
-    uint8_t channel[4]; /* those past the last are any */
+    uint8_t count;          /* 4, 2 or 1 */
+    uint8_t channel[4];     /* those past the last are any */
     uint8_t is_same_struct; /* as that of the group before it */
 };
 

@@ -55,7 +55,8 @@ static void cross_with_sizes(const double p[3], const double q[3], double cross[
 }
 
 /* Corners by axis from the main one on, in the signs of the waist; 0 if the triangle is odd. */
-static int load_corners(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number, double corner[3][3])
+static int load_corners(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
+                        double corner[3][3])
 {
     const struct mlrt_triangle *triangle = &tree->triangles[number];
     const double unit = tree->bvh.unit, sign = waist->sign;
@@ -163,13 +164,14 @@ static void set_normal(double (*corner)[3], struct mlrt_pair_line *line)
     for (int k = 0; k < 3; ++k) line->normal[k] = (float)(normal[k] * scale);
 }
 
-MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache, uint32_t first,
-                                      uint32_t second, struct mlrt_worker *worker, struct mlrt_pair_line *line)
+MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache,
+                                      uint32_t first, uint32_t second, struct mlrt_worker *worker,
+                                      struct mlrt_pair_line *line)
 {
     const struct mlrt_waist *waist = &cache->waist;
     double corner_1[3][3], corner_2[3][3], height[3], error[3];
-    const double from[3] = {(double)waist->sign * waist->point[waist->main_axis], waist->point[(waist->main_axis + 1) % 3],
-                            waist->point[(waist->main_axis + 2) % 3]};
+    const double from[3] = {(double)waist->sign * waist->point[waist->main_axis],
+                            waist->point[(waist->main_axis + 1) % 3], waist->point[(waist->main_axis + 2) % 3]};
     int certain;
     line->waist_count = cache->waist_count;
     line->first = first;

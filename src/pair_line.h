@@ -18,15 +18,16 @@ struct mlrt_plane {
 void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane);
 
 /* Sets the line of two triangles relative to the waist of a cache. */
-void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache, uint32_t first, uint32_t second,
-                        struct mlrt_worker *worker, struct mlrt_pair_line *line);
+void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache, uint32_t first,
+                        uint32_t second, struct mlrt_worker *worker, struct mlrt_pair_line *line);
 
 /* The line of two triangles, of which the last ones for the waist of a cache are kept. */
 static inline const struct mlrt_pair_line *mlrt_find_pair_line(const struct mlrt_tree *tree, uint32_t first,
                                                                uint32_t second, struct mlrt_worker *worker,
                                                                struct mlrt_bundle_cache *cache)
 {
-    struct mlrt_pair_line *line = &cache->lines[(first * 0x9E3779B1u ^ second * 0x85EBCA6Bu) >> (32 - MLRT_PAIR_LINE_BITS)];
+    struct mlrt_pair_line *line =
+        &cache->lines[(first * 0x9E3779B1u ^ second * 0x85EBCA6Bu) >> (32 - MLRT_PAIR_LINE_BITS)];
     if (MLRT_UNLIKELY(line->first != first || line->second != second || line->waist_count != cache->waist_count)) {
         mlrt_set_pair_line(tree, cache, first, second, worker, line);
     }

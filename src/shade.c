@@ -74,8 +74,9 @@ static uint32_t covered_cells(const struct mlrt_bundle *bundle)
  * Takes what a light sees of covered cells down the hierarchy. Returns the cells that are lit; *dark receives those
  * that are not. About others `bundle` says nothing, or has rays by now.
  */
-static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
-                                uint32_t covered, struct mlrt_bundle *bundle, uint32_t *dark)
+static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker,
+                                const struct mlrt_bundle *seen, uint32_t covered, struct mlrt_bundle *bundle,
+                                uint32_t *dark)
 {
     if (!gather_lit_cells(light, seen, covered, bundle, dark)) return 0;
     light->kernels->trace_cells(light, worker, 0, bundle);

@@ -93,7 +93,7 @@ struct mlrt_bundle;
  * depths between which their shadow rays look; the waist is the light. Returns these packets. *dark receives those where
  * the light is on the other side of the cover.
  */
-uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree, const struct mlrt_bundle *seen,
-                             uint32_t among, struct mlrt_bundle *lit, uint32_t *dark);
+uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit, uint32_t *dark);
 
 #endif

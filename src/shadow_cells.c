@@ -109,9 +109,9 @@ struct quad_extremes {
 };
 
 /* The hits of the rays at one corner. */
-static MLRT_NOINLINE void add_corner(const struct mlrt_bundle *seen, const struct planes *planes,
-                                     const float from[3], uint32_t first, uint32_t corner,
-                                     const struct mlrt_bundle *lit, struct quad_extremes *of)
+static MLRT_NOINLINE void add_corner(const struct mlrt_bundle *seen, const struct planes *planes, const float from[3],
+                                     uint32_t first, uint32_t corner, const struct mlrt_bundle *lit,
+                                     struct quad_extremes *of)
 {
     const int a = seen->waist.main_axis;
     f4 d[3], steepness = f4_set1(0);
@@ -167,8 +167,7 @@ static int set_lit_cell(const struct quad_extremes *of, float reach, float away,
 }
 
 uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
-                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit,
-                             uint32_t *dark)
+                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit, uint32_t *dark)
 {
     struct planes planes;
     float from[3], away = 0;

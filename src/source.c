@@ -295,8 +295,8 @@ MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
 }
 
 /* Words of elements, lane by lane: word k of lane l goes to words[k][l]. The array has one for each `group` rays. */
-static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group,
-                                   int word_count, void *const *words)
+static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
+                        void *const *words)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
@@ -463,7 +463,6 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
         packet->skip[lane] = number_in_mesh(mesh, packet->skip[lane]);
     }
 }
-
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {

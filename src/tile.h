@@ -40,9 +40,9 @@ MLRT_INLINE uint32_t mlrt_existing_lanes(const struct mlrt_source *source, const
 /* A tile of sixteen packets: the rays of a bundle, made when they are needed. */
 struct mlrt_ray_tile {
     struct mlrt_rectangle area;
-    uint32_t column_bits; /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
-    uint32_t blocks;      /* places that have one; those that are cut off count */
-    uint32_t made;        /* packets that have their rays */
+    uint32_t column_bits;            /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
+    uint32_t blocks;                 /* places that have one; those that are cut off count */
+    uint32_t made;                   /* packets that have their rays */
     const struct mlrt_job *picture;  /* of shadow rays: the call whose hits they come from, */
     struct mlrt_ray_tile *seen;      /* the tile with them, */
     const struct mlrt_bundle *cells; /* and what was found without rays; else NULL */

@@ -352,8 +352,7 @@ static void shorten(float v[3], int bits)
 {
     int exponent;
     frexp(fmax(fabs((double)v[0]), fmax(fabs((double)v[1]), fabs((double)v[2]))), &exponent);
-    for (int k = 0; k < 3; k++)
-        v[k] = round_finite(ldexp(rint(ldexp((double)v[k], bits - exponent)), exponent - bits));
+    for (int k = 0; k < 3; k++) v[k] = round_finite(ldexp(rint(ldexp((double)v[k], bits - exponent)), exponent - bits));
 }
 
 /* All rays pass one point of the scene: a vertex, a point on an edge, in a triangle or in its plane. */
@@ -543,8 +542,8 @@ static void add_jump_in_depth(struct ray_list *list, struct random *random, cons
         struct reference_ray ray = sight.list.rays[i];
         if ((i % shape.width / width + i / shape.width / down) % 2) {
             for (int k = 0; k < 3; k++)
-                ray.origin[k] = round_finite((double)ray.origin[k] +
-                                             share * ((double)sight.points[i][k] - (double)ray.origin[k]));
+                ray.origin[k] =
+                    round_finite((double)ray.origin[k] + share * ((double)sight.points[i][k] - (double)ray.origin[k]));
         }
         add_ray(list, ray.origin, ray.direction);
     }
@@ -806,9 +805,8 @@ void stretch_directions(struct ray_list *list, struct random *random)
 
 static void make_odd(struct reference_ray *ray, struct random *random, const struct fixture *fixture)
 {
-    static const float numbers[] = {NAN,       INFINITY, -INFINITY, 1e30f,   -1e30f,    FLT_MAX, -FLT_MAX,
-                                    0x1p-140f, 0x1p-149f, -0x1p-140f, 0x1p60f, -0x1p61f, 0x1p-60f, 0x1p-61f,
-                                    0.0f,      -0.0f};
+    static const float numbers[] = {NAN,       INFINITY,   -INFINITY, 1e30f,    -1e30f,   FLT_MAX,  -FLT_MAX, 0x1p-140f,
+                                    0x1p-149f, -0x1p-140f, 0x1p60f,   -0x1p61f, 0x1p-60f, 0x1p-61f, 0.0f,     -0.0f};
     const float number = numbers[draw_below(random, sizeof numbers / sizeof numbers[0])];
     const uint32_t k = draw_below(random, 3);
     float old[3];

@@ -48,7 +48,7 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define KERNELS bounds_kernels_kdtree
 #include "kernels/kdtree_body.h"
 #undef KERNELS
-#define KERNELS       bounds_kernels
+#define KERNELS   bounds_kernels
 #define axis_code bundle_axis_code /* ray_group.h has one too */
 #include "kernels/bvh_body.h"
 #undef axis_code

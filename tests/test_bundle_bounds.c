@@ -206,7 +206,8 @@ static void slopes_of_triangles_may_overflow(void **state)
         soup_add_box(&soup, lo, hi); /* so that the unit is 1 */
         for (int i = 0; i < RAY_COUNT; i++) {
             const int x = i % 4, y = i / SIDE % 4, is_sample = x == y && x % 3 == 0; /* of those the waist is made */
-            const float direction[3] = {draw_range(&random, -0.1f, 0.1f), draw_range(&random, -0.1f, 0.1f), depth < 0 ? -1 : 1};
+            const float direction[3] = {draw_range(&random, -0.1f, 0.1f), draw_range(&random, -0.1f, 0.1f),
+                                        depth < 0 ? -1 : 1};
             const float along[3] = {0, 0, direction[2]};
             add_ray(&list, is_sample ? from_waist : beside, is_sample ? direction : along);
         }
@@ -229,7 +230,8 @@ static void one_waist_has_many_slopes(void **state)
         soup_add_box(&soup, lo, hi);
         soup_add_random(&soup, &random, 40, 0.9f, 0.2f);
         for (int number = 0; number < 6; number++) {
-            const float slopes[2] = {0.25f * (float)draw_below(&random, 5) - 0.5f, 0.25f * (float)draw_below(&random, 5) - 0.5f};
+            const float slopes[2] = {0.25f * (float)draw_below(&random, 5) - 0.5f,
+                                     0.25f * (float)draw_below(&random, 5) - 0.5f};
             for (int i = 0; i < RAY_COUNT; i++) {
                 const uint32_t packet = (uint32_t)(i % SIDE / 4 + i / SIDE / 4 * 4);
                 const float x = ((float)(i % SIDE) - 7.5f) * 0x1p-5f, y = ((float)(i / SIDE) - 7.5f) * 0x1p-5f;
@@ -251,8 +253,8 @@ static void one_waist_has_many_slopes(void **state)
 /* Inputs: three corners, the waist, a number whose sign says whether products are fused, and one or two rays: origin and
  * direction. */
 enum { WAIST = 9, FUSED = 12, RAY = 13, RAY_INPUTS = 6, INPUT_COUNT = 19, INPUT_COUNT_OF_TWO = 25 };
-#define ORIGIN(ray)    (RAY + RAY_INPUTS * (ray))
-#define DIRECTION(ray) (ORIGIN(ray) + 3)
+#define ORIGIN(ray)         (RAY + RAY_INPUTS * (ray))
+#define DIRECTION(ray)      (ORIGIN(ray) + 3)
 #define DIRECTIONS_ARE_SAFE (7u << DIRECTION(0) | 7u << DIRECTION(1))
 
 static struct mlrt_ray_tile tile;
@@ -515,9 +517,12 @@ static double attack_hull(const float *input)
     for (int ray = 0; ray < 2; ray++) {
         set_scale(tile.rays[0].pace[ray], 1);
         for (int side = 0; side < 2; side++) {
-            const struct mlrt_hull_row *slopes = &hulls->term[MLRT_SLOPE_J + side], *places = &hulls->term[MLRT_PLACE_J + side];
-            const double middle = hulls->middle[MLRT_SLOPE_J + side][0], slope_size = fmax(fabs(slopes->lo[0]), fabs(slopes->hi[0]));
-            const double at = hulls->middle[MLRT_PLACE_J + side][0], size = fmax(fabs(places->lo[0]), fabs(places->hi[0]));
+            const struct mlrt_hull_row *slopes = &hulls->term[MLRT_SLOPE_J + side],
+                                       *places = &hulls->term[MLRT_PLACE_J + side];
+            const double middle = hulls->middle[MLRT_SLOPE_J + side][0],
+                         slope_size = fmax(fabs(slopes->lo[0]), fabs(slopes->hi[0]));
+            const double at = hulls->middle[MLRT_PLACE_J + side][0],
+                         size = fmax(fabs(places->lo[0]), fabs(places->hi[0]));
             mpf_set(truth, direction[ray].x[1 + side]);
             if (2 * slope_size > reach) return INFINITY;
             radius[side] = hulls->radius[MLRT_SLOPE_J + side][0];
@@ -1033,7 +1038,8 @@ static void draw_bundle(struct random *random, const struct bound *bound, float 
         const float near = ldexpf(1, -(int)draw_below(random, 24));
         for (int k = 0; k < 3; k++) input[WAIST + k] = input[k] + near * draw_range(random, -1, 1) * input[3 + k];
     }
-    const float main = fabsf(input[DIRECTION(0)]) < MLRT_SAFE_MIN ? ldexpf(input[DIRECTION(0)], 140) : input[DIRECTION(0)];
+    const float main =
+        fabsf(input[DIRECTION(0)]) < MLRT_SAFE_MIN ? ldexpf(input[DIRECTION(0)], 140) : input[DIRECTION(0)];
     for (int i = DIRECTION(0); i < bound->input_count; i += RAY_INPUTS) {
         const float pace = draw_below(random, 2) ? copysignf(input[i], main) : main;
         input[i] = pace;

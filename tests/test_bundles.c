@@ -92,7 +92,8 @@ static void doubled_walls(struct soup *soup, struct random *random)
 }
 
 /* A vertex of a grid over a surface, each coordinate up to `most` floats aside. */
-static void surface_point(const float frame[3][3], float u, float v, uint32_t most, struct random *random, float point[3])
+static void surface_point(const float frame[3][3], float u, float v, uint32_t most, struct random *random,
+                          float point[3])
 {
     for (int k = 0; k < 3; k++) {
         const int floats = (int)draw_below(random, 2 * most + 1) - (int)most;
@@ -308,7 +309,7 @@ struct world {
     struct soup soup;
     mlrt_mesh meshes[MESH_LIMIT];
     size_t mesh_count;
-    struct fixture fixture;                          /* of all triangles: its reference knows nothing of masks */
+    struct fixture fixture;                           /* of all triangles: its reference knows nothing of masks */
     struct reference_scene *visible[1 << MESH_LIMIT]; /* of the meshes in a set; made when they are asked for */
 };
 
@@ -372,8 +373,7 @@ static void make_world(uint64_t number, struct world *world)
     world->is_there = 1;
     snprintf(world->name, sizeof world->name, "%s * 2^%d", scenes[scene].name, power);
     scenes[scene].make(&world->soup, &random);
-    for (size_t i = 0; i < 9 * world->soup.count; i++)
-        world->soup.corners[i] = ldexpf(world->soup.corners[i], power);
+    for (size_t i = 0; i < 9 * world->soup.count; i++) world->soup.corners[i] = ldexpf(world->soup.corners[i], power);
     make_meshes(world, &random);
     mlrt_build_options options = {.struct_size = sizeof options};
     static const int32_t presets[] = {MLRT_TREE_DEFAULT, MLRT_TREE_DEFAULT, MLRT_TREE_FAST, MLRT_TREE_BEST};
@@ -635,8 +635,7 @@ static unsigned char *output_place(const struct output *output, unsigned char *b
 static mlrt_hits hits_of_output(const struct output *output, unsigned char *block, size_t count)
 {
     mlrt_hits hits = {.struct_size = sizeof hits};
-    mlrt_array *const arrays[OUTPUT_COUNT] = {&hits.t,    &hits.u,        &hits.v,
-                                              &hits.mesh, &hits.triangle, &hits.facing};
+    mlrt_array *const arrays[OUTPUT_COUNT] = {&hits.t, &hits.u, &hits.v, &hits.mesh, &hits.triangle, &hits.facing};
     for (uint32_t f = 0; f < OUTPUT_COUNT; f++) {
         if (output->wanted >> f & 1)
             *arrays[f] = (mlrt_array){output_place(output, block, count, f), output->stride, 0};
@@ -725,8 +724,7 @@ static void judge(struct bundle *bundle, struct random *random)
         const uint32_t mask = bundle->has_masks ? bundle->masks[i] : bundle->common_mask;
         struct reference_hit hit;
         reference_trace(visible_part(bundle->world, mask), &bundle->list.rays[i], &hit);
-        if (!same_hit(&hit, &bundle->expected[i]))
-            fail_case(bundle, "method ray", i, &hit, &bundle->expected[i]);
+        if (!same_hit(&hit, &bundle->expected[i])) fail_case(bundle, "method ray", i, &hit, &bundle->expected[i]);
         judged_count++;
     }
 }

@@ -477,7 +477,8 @@ static int check_offer(const struct test_case *test)
     check(said < 0 || said == hit, "offer_in_double", test);
     if (hit) {
         lo = hi = test->ray.t_max;
-        check(mlrt_offer_in_double(&test->ray, &test->triangle, 1, NULL, &lo, &hi) != 0, "offer_in_double, inside", test);
+        check(mlrt_offer_in_double(&test->ray, &test->triangle, 1, NULL, &lo, &hi) != 0, "offer_in_double, inside",
+              test);
         check(lo <= hi && hi <= test->ray.t_max, "offer_in_double, bounds", test);
     }
     return said;

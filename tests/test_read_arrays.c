@@ -125,7 +125,8 @@ static void set_skips(struct random *random, const struct array *skips, size_t c
 
 static void check_words(const char *what, size_t ray, const void *given, float found, size_t layout, uint32_t group)
 {
-    if (memcmp(given, &found, 4) != 0) fail_msg("%s of ray %zu, layout %zu, %u rays an origin: %a", what, ray, layout, group, found);
+    if (memcmp(given, &found, 4) != 0)
+        fail_msg("%s of ray %zu, layout %zu, %u rays an origin: %a", what, ray, layout, group, found);
 }
 
 static void check_packet(const struct array arrays[FIELD_COUNT], const struct mlrt_source *source, size_t layout,
@@ -142,10 +143,13 @@ static void check_packet(const struct array arrays[FIELD_COUNT], const struct ml
     assert_int_equal(packet->has_apex, 0);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
         if (!(lanes >> lane & 1)) continue;
-        const size_t ray = (block->y + (size_t)mlrt_lane_y[lane]) * source->width + block->x + (size_t)mlrt_lane_x[lane];
+        const size_t ray =
+            (block->y + (size_t)mlrt_lane_y[lane]) * source->width + block->x + (size_t)mlrt_lane_x[lane];
         for (size_t k = 0; k < 3; k++) {
-            check_words("origin", ray, element_of(&arrays[ORIGIN], ray / group) + 4 * k, packet->origin[k][lane], layout, group);
-            check_words("direction", ray, element_of(&arrays[DIRECTION], ray) + 4 * k, packet->direction[k][lane], layout, group);
+            check_words("origin", ray, element_of(&arrays[ORIGIN], ray / group) + 4 * k, packet->origin[k][lane],
+                        layout, group);
+            check_words("direction", ray, element_of(&arrays[DIRECTION], ray) + 4 * k, packet->direction[k][lane],
+                        layout, group);
         }
         const void *first = arrays[T_MIN].data ? (const void *)element_of(&arrays[T_MIN], ray / group) : &zero;
         const void *last = arrays[T_MAX].data ? (const void *)element_of(&arrays[T_MAX], ray) : &infinity;
@@ -164,7 +168,8 @@ static void check_source(const struct fixture *fixture, struct random *random, s
     struct mlrt_source source;
     for (int field = 0; field < FIELD_COUNT; field++) {
         const size_t elements = is_of_group(field) ? count / group : count;
-        if (layout->place[field] == APART) make_apart(random, elements, field_words[field], layout->gap, &arrays[field]);
+        if (layout->place[field] == APART)
+            make_apart(random, elements, field_words[field], layout->gap, &arrays[field]);
     }
     make_struct(random, layout, 1, group == 1, count / group, arrays);
     if (group > 1) make_struct(random, layout, 0, 0, count, arrays);

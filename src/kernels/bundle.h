@@ -272,7 +272,8 @@ MLRT_INLINE int starts_at_waist(const struct mlrt_bundle *bundle, struct mlrt_pa
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         apex[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][0];
-        if (apex[k] * bundle->unit != bundle->waist.point[k] || bundle->waist.point[k] / bundle->unit != apex[k]) return 0;
+        if (apex[k] * bundle->unit != bundle->waist.point[k] || bundle->waist.point[k] / bundle->unit != apex[k])
+            return 0;
     }
     for (int v = 0; !packet->has_apex && v < MLRT_PACKET_RAYS; v += VW) {
         MLRT_UNROLL
@@ -291,8 +292,8 @@ struct given_rays {
     vf from_waist[3]; /* o - w: depth, place j, place l */
 };
 
-MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int has_places, int v,
-                                 struct given_rays *rays)
+MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int has_places,
+                                 int v, struct given_rays *rays)
 {
     const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
     const vf sign = v_set1(bundle->waist.sign), unit = v_set1(bundle->unit);
@@ -434,7 +435,8 @@ MLRT_INLINE int may_have_tiny_slopes(const struct mlrt_hulls *hulls, uint32_t pl
 {
     int may = 0;
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) may |= hulls->term[i].lo[place] < LEAST_SLOPE && hulls->term[i].hi[place] > -LEAST_SLOPE;
+    for (int i = 0; i < 2; ++i)
+        may |= hulls->term[i].lo[place] < LEAST_SLOPE && hulls->term[i].hi[place] > -LEAST_SLOPE;
     return may;
 }
 
@@ -463,8 +465,8 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const float *w = bundle->waist.point;
-    const int is_near = fabsf(w[0]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[1]) < 0.5f * MLRT_SAFE_MAX &&
-                        fabsf(w[2]) < 0.5f * MLRT_SAFE_MAX;
+    const int is_near =
+        fabsf(w[0]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[1]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[2]) < 0.5f * MLRT_SAFE_MAX;
     const vf farthest = v_set1(is_near ? 0.5f * MLRT_SAFE_MAX : 0); /* from the waist: so origins are safe */
     uint32_t fit = 0, small = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
@@ -475,7 +477,8 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
-            const vf from = v_load(hulls->term[MLRT_PLACE_J + i].lo + v), to = v_load(hulls->term[MLRT_PLACE_J + i].hi + v);
+            const vf from = v_load(hulls->term[MLRT_PLACE_J + i].lo + v),
+                     to = v_load(hulls->term[MLRT_PLACE_J + i].hi + v);
             steepest = v_max(v_max(v_abs(lo), v_abs(hi)), steepest);
             aside = v_max(v_max(v_abs(from), v_abs(to)), aside);
             fits = m_and(fits, m_and(v_ge(lo, v_set1(-STEEPEST_SLOPE)), v_le(hi, v_set1(STEEPEST_SLOPE))));
@@ -711,13 +714,14 @@ MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_plac
 }
 
 /* The children of a node whose boxes the bundle may meet; the least depths go to `near`. */
-MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node, int has_places,
-                                         float near[MLRT_BVH_WIDTH])
+MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node,
+                                         int has_places, float near[MLRT_BVH_WIDTH])
 {
     const struct mlrt_waist *waist = &bundle->waist;
     const struct mlrt_hull *whole = &bundle->whole;
     const int a = waist->main_axis;
-    const float *enter = waist->sign > 0 ? node->lo[a] : node->hi[a], *exit = waist->sign > 0 ? node->hi[a] : node->lo[a];
+    const float *enter = waist->sign > 0 ? node->lo[a] : node->hi[a],
+                *exit = waist->sign > 0 ? node->hi[a] : node->lo[a];
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         const vf w = v_set1(waist->point[a]), sign = v_set1(waist->sign);
@@ -795,7 +799,8 @@ MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct 
 }
 
 /* The rays of a packet that may meet a box: as the hull of each would (see the head of this file). */
-MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint32_t place, const struct box_of_bundle *box)
+MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint32_t place,
+                                         const struct box_of_bundle *box)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
@@ -806,7 +811,8 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint3
         far = larger_of(larger_of(fabsf(hulls->place[i].lo[place]), fabsf(hulls->place[i].hi[place])), far);
     }
     const float reach = hulls->reach[place];
-    const vf slack = v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->away[place] + HULL_FLOOR);
+    const vf slack =
+        v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->away[place] + HULL_FLOOR);
     uint32_t met = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf last = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));

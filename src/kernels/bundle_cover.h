@@ -29,11 +29,11 @@
 
 /* One triangle as the packets of a vector meet it. */
 struct triangle_of_packets {
-    vm out;    /* no ray hits it */
-    vm inside; /* all rays pass inside its edges */
-    vm sure;   /* D has one sign: */
+    vm out;      /* no ray hits it */
+    vm inside;   /* all rays pass inside its edges */
+    vm sure;     /* D has one sign: */
     vm backward; /* -1 */
-    vf near;   /* where `sure`: depths between which the rays cross its plane */
+    vf near;     /* where `sure`: depths between which the rays cross its plane */
     vf far;
 };
 
@@ -54,8 +54,9 @@ MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float
 }
 
 /* N over the hulls, and from it the depths. */
-MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int v,
-                              int has_places, vm backward, vf least_d, vf greatest_d, struct triangle_of_packets *of)
+MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                              int v, int has_places, vm backward, vf least_d, vf greatest_d,
+                              struct triangle_of_packets *of)
 {
     vf middle = v_set1(leaf->distance[triangle]), radius = v_set1(0), error = v_set1(0);
     if (!MLRT_GUESS) {
@@ -80,12 +81,13 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
     of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
 }
 
-MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle, int v,
-                              int has_places, struct triangle_of_packets *of)
+MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf,
+                                         uint32_t triangle, int v, int has_places, struct triangle_of_packets *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
     const vf reach = v_load(hulls->reach + v), zero = v_set1(0);
-    vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least, greatest;
+    vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least,
+       greatest;
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) {
         bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], leaf->edge[i], triangle, term_count, &least,
@@ -168,7 +170,7 @@ static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct 
     if (MLRT_UNLIKELY(bundle->unit != 1)) check_packet_in_units(packet->active | packet->single, bundle->unit, packet);
     int fits = packet->active && !packet->single;
     if (fits && (bundle->unit != 1 || bundle->tile->seen)) { /* closer than what was known before */
-        const float last = bundle->hulls.last[place]; /* that of its cover, too */
+        const float last = bundle->hulls.last[place];        /* that of its cover, too */
         fits = !(packet->active & ~bound_from_anywhere(bundle, place)) && hulls_fit(bundle, 1u << place);
         finish_depths(bundle, 1u << place, v);
         if (last < bundle->hulls.last[place]) bundle->hulls.last[place] = last;
@@ -199,7 +201,8 @@ static MLRT_NOINLINE void open_bundle_packet(const struct mlrt_job *job, struct 
     if (hulls->cover[place] == MLRT_NONE) return;
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const vf near = v_set1(hulls->cover_near[place]), far = v_set1(hulls->last[place]), away = v_set1(hulls->away[place]);
+    const vf near = v_set1(hulls->cover_near[place]), far = v_set1(hulls->last[place]),
+             away = v_set1(hulls->away[place]);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = m_from_bits(packet->active >> v);
         const vf z = v_load(rays->to_waist[0] + v), slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
@@ -252,9 +255,9 @@ static MLRT_NOINLINE void hide_riding_packets(struct mlrt_bundle *bundle, uint32
  * before it may cover the packet instead. Of two in one plane the first in the input wins. Returns the packets that this
  * settles.
  */
-static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                                            uint32_t number, uint32_t doubtful, uint32_t may_cover, int v,
-                                            const struct triangle_of_packets *of)
+static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                            struct mlrt_bundle *bundle, uint32_t number, uint32_t doubtful,
+                                            uint32_t may_cover, int v, const struct triangle_of_packets *of)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const vf far = v_load(hulls->last + v), near = v_load(hulls->cover_near + v);
@@ -268,8 +271,7 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
         const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
         const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->cover + v), i_set1(cover)));
         doubtful &= ~same;
-        const struct mlrt_pair_line *line =
-            mlrt_find_pair_line(job->tree, number, cover, worker, bundle->cache);
+        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, cover, worker, bundle->cache);
         uint32_t replaced = 0;
         if (line->kind == MLRT_ONE_PLANE) {
             replaced = number < cover ? same & m_bits(of->inside) : 0;
@@ -293,7 +295,8 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
  * Rays of a packet that surely do not come to a plane, by the sign of N - t D where they begin, at t = 0, or end, in
  * double: those that leave it, or end before it. `sign` is that of D.
  */
-MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end, double sign)
+MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end,
+                                double sign)
 {
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
     vd n = d_set1(0), n_size = n;
@@ -386,9 +389,9 @@ static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, st
  * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
  * which all rays are done, as any hit will do, leave the bundle.
  */
-MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                                         const struct mlrt_bundle_leaf *leaf, uint32_t triangle, uint32_t among,
-                                         int has_places)
+MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                         uint32_t triangle, uint32_t among, int has_places)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     const uint32_t number = leaf->numbers[triangle];
@@ -399,7 +402,8 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
         if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D as it is */
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
-        const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))), passed = m_and(of.sure, beside);
+        const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
+                 passed = m_and(of.sure, beside);
         const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
@@ -412,12 +416,14 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
             const vm near_end = m_and(v_gt(of.far, core_last), v_le(v_sub(of.far, of.near), close));
             /* Who crosses more than where they end is opened all the same (shadow rays of erw6: 1.5 % of the time). */
             const uint32_t may_be = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
-            const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v, those = (may_be & made) << v & bundle->closed;
+            const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v,
+                           those = (may_be & made) << v & bundle->closed;
             const uint32_t others = may_be & bundle->closed >> v & ~made;
             if (others && job->any) met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
             if (those) {
                 met &= ~(find_packets_apart(job->tree, bundle, number, those, ~m_bits(near_begin) << v,
-                                            m_bits(of.backward) << v) >> v);
+                                            m_bits(of.backward) << v) >>
+                         v);
             }
         }
         for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
@@ -446,7 +452,8 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         may &= ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, core)), v, &of) << v);
     }
     may &= among & ~covered & ~(left_alone & bundle->closed);
-    for (uint32_t left = may & bundle->closed; left; left &= left - 1) open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = may & bundle->closed; left; left &= left - 1)
+        open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
     if (job->any) bundle->covered |= covered;
     for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);

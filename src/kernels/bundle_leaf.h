@@ -119,7 +119,8 @@ MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t
         vf cross[3];
         const vf length = v_add(v_add(v_abs(g[i][0]), v_abs(g[i][1])), v_abs(g[i][2]));
         const vf least = v_max(v_mul(length, v_set1(0x1p-20f)), v_set1(SMALLEST_SIZE));
-        const vf size = v_div(v_set1(1), cross_with_size(corners->to[i], g[i], least, cross)), factor = v_flip(size, distance);
+        const vf size = v_div(v_set1(1), cross_with_size(corners->to[i], g[i], least, cross)),
+                 factor = v_flip(size, distance);
         v_store(leaf->edge_constant[i] + v, v_mul(cross[0], factor));
         v_store(leaf->edge[i][MLRT_SLOPE_J] + v, v_mul(cross[1], factor));
         v_store(leaf->edge[i][MLRT_SLOPE_L] + v, v_mul(cross[2], factor));
@@ -160,7 +161,8 @@ MLRT_INLINE float float_or_infinity(double a)
 }
 
 /* A cross product, and the size it is divided by, as above. */
-static double cross_doubles_with_size(const double p[3], const double q[3], double least, double cross[3], double size[3])
+static double cross_doubles_with_size(const double p[3], const double q[3], double least, double cross[3],
+                                      double size[3])
 {
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
@@ -179,7 +181,8 @@ static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const st
     const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
     double near = INFINITY, far = -INFINITY;
     for (int i = 0; i < 3; ++i) {
-        const double depth = (triangle->v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
+        const double depth =
+            (triangle->v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
         near = fmin(depth, near);
         far = fmax(depth, far);
     }
@@ -199,8 +202,8 @@ static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const st
  * that it may hit are left undecided. That distance is off by 2^-49 of the sum of its products (covering.h) and one rounding
  * of itself, of which `away` is made instead of F: corners far away are not what it is off by in float.
  */
-static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
-                                              struct mlrt_bundle_leaf *leaf)
+static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                              uint32_t place, struct mlrt_bundle_leaf *leaf)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
     double to[3][3], g[3][3], cross[3], size[3], steepness = 0, distance = 0, error = 0;
@@ -279,8 +282,9 @@ MLRT_INLINE int32_t axis_code(const struct mlrt_waist *waist)
 }
 
 /* Begins the set-up of a leaf: which places there are, and where their triangles are seen. */
-static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist, int has_places,
-                                            uint32_t child, uint32_t mask, struct mlrt_bundle_leaf *leaf)
+static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                            int has_places, uint32_t child, uint32_t mask,
+                                            struct mlrt_bundle_leaf *leaf)
 {
     const uint32_t row = 4 * mlrt_bvh_quad_count(child);
     leaf->corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
@@ -306,8 +310,8 @@ static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const 
 }
 
 /* Sets the terms of triangles whose vectors have some of `wanted`. */
-static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t wanted,
-                                           struct mlrt_bundle_leaf *leaf)
+static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                           uint32_t wanted, struct mlrt_bundle_leaf *leaf)
 {
     uint32_t now = 0;
     for (uint32_t v = 0; v < leaf->row; v += VW) {
@@ -342,9 +346,10 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child
  * The set-up of a leaf, and in *seen which of its triangles the bundle may hit: these have their terms. A worker keeps the
  * last set-ups for its next tiles.
  */
-MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job, const struct mlrt_bundle *bundle,
-                                                            int has_places, uint32_t child,
-                                                            const struct mlrt_worker *worker, uint32_t *seen)
+MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job,
+                                                            const struct mlrt_bundle *bundle, int has_places,
+                                                            uint32_t child, const struct mlrt_worker *worker,
+                                                            uint32_t *seen)
 {
     struct mlrt_bundle_cache *cache = bundle->cache;
     const uint32_t place = place_of_leaf(child, cache);
@@ -369,7 +374,8 @@ static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle
 {
     const size_t first = offsetof(struct mlrt_waist, point), size = sizeof *waist - first;
     if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
-    if (memcmp((const char *)waist + first, (const char *)&cache->waist + first, size) != 0 || cache->waist.main_axis < 0) {
+    if (memcmp((const char *)waist + first, (const char *)&cache->waist + first, size) != 0 ||
+        cache->waist.main_axis < 0) {
         memset(cache->children, 0, sizeof cache->children);
     }
     cache->waist = *waist;
@@ -380,7 +386,8 @@ static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle
 
 /* Of an edge function, or of D: bounds over the hull of a packet, but for rounding. */
 MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place, const float *constant,
-                                 const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], int term_count, vf *least, vf *greatest)
+                                 const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], int term_count, vf *least,
+                                 vf *greatest)
 {
     vf middle = v_load(constant), radius = v_set1(0);
     MLRT_UNROLL
@@ -427,8 +434,8 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
             met |= (~m_bits(v_lt(lowest, v_sub(v_set1(0), bound))) & ALL_LANES) << v;
             continue;
         }
-        bound_over_hull(hulls, place, leaf->normal[0] + v, (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->normal[1] + v), 2,
-                        &least, &greatest);
+        bound_over_hull(hulls, place, leaf->normal[0] + v, (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->normal[1] + v),
+                        2, &least, &greatest);
         const vf width = v_set1(2 * PLANE_BOUND * hulls->reach[place]);
         const vm below = v_lt(lowest, v_sub(v_set1(0), bound)), above = v_gt(highest, bound);
         const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(v_set1(0), width));
@@ -454,8 +461,9 @@ struct edge_values {
  * Finds them for a number of vectors, from one on: with nothing else in registers, and no branch on what each triangle says.
  * Most of many have no ray inside, and are done with so.
  */
-MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays, uint32_t active,
-                                  uint32_t triangles, int has_places, int first, int count, struct edge_values *of)
+MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays,
+                                  uint32_t active, uint32_t triangles, int has_places, int first, int count,
+                                  struct edge_values *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
     vf term[PACKET_VECTORS][MLRT_RAY_TERMS];
@@ -514,8 +522,8 @@ struct bundle_vector {
     vi triangle;
 };
 
-MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet, int has_places,
-                                    int v, struct bundle_vector *of)
+MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet,
+                                    int has_places, int v, struct bundle_vector *of)
 {
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) of->slope[i] = v_load(rays->term[i] + v);
@@ -571,7 +579,8 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
         v_store(packet->lo + v, v_select(none, t_max, lo));
         v_store(packet->hi + v, v_select(none, t_max, hi));
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
+        for (int k = 0; k < 3; ++k)
+            v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
     }
 }
 
@@ -586,8 +595,8 @@ MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane
 
 /* How far off the plane's terms may be, over all rays of a packet. */
 struct plane_bounds {
-    vf width;    /* of D */
-    float away;  /* A */
+    vf width;   /* of D */
+    float away; /* A */
     int has_begins;
 };
 
@@ -607,9 +616,9 @@ struct plane_of_rays {
  * returns the lanes that are left undecided. Quotients of bounds are compared as products: rounding is monotone, so that if one
  * product is less than the other, so is what it stands for.
  */
-MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle, const struct plane_bounds *bounds,
-                                    const float *begin, int has_places, vm candidates, vm inside,
-                                    struct bundle_vector *of, struct plane_of_rays *plane)
+MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                                    const struct plane_bounds *bounds, const float *begin, int has_places,
+                                    vm candidates, vm inside, struct bundle_vector *of, struct plane_of_rays *plane)
 {
     vf n = v_set1(leaf->distance[triangle]), d = v_set1(leaf->normal[0][triangle]);
     MLRT_UNROLL
@@ -648,8 +657,8 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
 }
 
 /* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle (pair_line.c). */
-MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place, int v,
-                                 vm *above, vm *below)
+MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
+                                 int v, vm *above, vm *below)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
@@ -670,9 +679,9 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
  * Lanes of a vector whose distances do not tell whether a triangle or the nearest hit so far comes first: the line of
  * their planes does, as in settle_covers (bundle_cover.h). Returns the lanes that are left.
  */
-static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                                           uint32_t place, uint32_t number, uint32_t lanes, vm inside,
-                                           const struct plane_of_rays *plane, int v)
+static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                           struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
+                                           vm inside, const struct plane_of_rays *plane, int v)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     uint32_t left = lanes;
@@ -683,8 +692,7 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
         const uint32_t same = lanes & m_bits(i_eq(triangle, i_set1(nearest)));
         lanes &= ~same;
         if (nearest == MLRT_NONE) continue;
-        const struct mlrt_pair_line *line =
-            mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
+        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
         if (line->kind == MLRT_ONE_PLANE) {
             left &= ~(mlrt_settle_tie(number, nearest, same << v, m_bits(inside) << v, packet) >> v);
         } else if (line->kind == MLRT_LINE) {
@@ -710,8 +718,8 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
 /* Hands lanes of a vector to who knows: the line of two planes, then undecided.h. Returns those that are hit nearer than
  * before. */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                                  struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
-                                                  vm inside, const struct plane_of_rays *plane, int v)
+                                                  struct mlrt_bundle *bundle, uint32_t place, uint32_t number,
+                                                  uint32_t lanes, vm inside, const struct plane_of_rays *plane, int v)
 {
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     struct mlrt_packet *packet = &bundle->tile->packets[place];
@@ -728,7 +736,8 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
         if (!left) return changed;
         set_packet_distances(rays, packet);
     }
-    const uint32_t nearer = decide_lanes(job->tree, number, left << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
+    const uint32_t nearer =
+        decide_lanes(job->tree, number, left << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
     for (uint32_t those = job->any ? 0 : nearer; those; those &= those - 1) {
         set_lane_depths(packet, mlrt_lowest_bit(those), rays);
     }
@@ -783,9 +792,9 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
 #define VECTORS_FROM_ANYWHERE (PACKET_VECTORS < 2 ? PACKET_VECTORS : 2)
 
 /* Tests a packet against triangles of a leaf, and counts those in vain. Returns the lanes whose nearest hit changed. */
-MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                                        const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place,
-                                        int has_places)
+MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                        uint32_t triangles, uint32_t place, int has_places)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     const uint32_t active = bundle->tile->packets[place].active;
@@ -805,7 +814,8 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     }
     for (int n = 0; n < PACKET_VECTORS; ++n) {
         met |= edges.of_vector[n];
-        if (edges.of_vector[n]) changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_places, VW * n);
+        if (edges.of_vector[n])
+            changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_places, VW * n);
     }
     bundle->tests[place] += mlrt_count_bits(triangles & ~met);
     return changed;

@@ -60,7 +60,8 @@ MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, int has_places,
 }
 
 /* That of one packet. */
-MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place, int has_places, struct hull_outline *of)
+MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place, int has_places,
+                                struct hull_outline *of)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     of->first = hulls->first[place];
@@ -77,7 +78,8 @@ MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place
 MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)[3], uint32_t v,
                               struct mlrt_bundle_leaf *leaf)
 {
-    const vf a = corner[0][0], b = corner[1][0], c = corner[2][0], slack = v_set1(SLOPE_SLACK), wider = v_set1(1 + SLOPE_SLACK);
+    const vf a = corner[0][0], b = corner[1][0], c = corner[2][0], slack = v_set1(SLOPE_SLACK),
+             wider = v_set1(1 + SLOPE_SLACK);
     const vf near = v_min(v_min(a, b), c), far = v_max(v_max(a, b), c), small = v_set1(LEAST_FAN_DEPTH);
     const vf least = v_max(near, v_sub(v_set1(0), far)), greatest = v_max(v_abs(near), v_abs(far));
     vm is_fan = v_gt(least, small);
@@ -124,14 +126,16 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, const st
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(among >> v & ALL_LANES)) continue;
         const int are_fans = !(among & ~leaf->fans);
-        vm may = m_and(v_le(v_load(leaf->near + v), v_set1(hull->last)), v_ge(v_load(leaf->far + v), v_set1(hull->first)));
+        vm may =
+            m_and(v_le(v_load(leaf->near + v), v_set1(hull->last)), v_ge(v_load(leaf->far + v), v_set1(hull->first)));
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             vf upper = v_set1(hull->slope_hi[i]), lower = v_set1(hull->slope_lo[i]), reach = v_set1(0);
             if (has_places) reach = v_set1(hull->aside[i]);
             if (MLRT_UNLIKELY(!are_fans)) {
                 const vm is_fan = m_from_bits(leaf->fans >> v);
-                const float place_lo = has_places ? hull->place_lo[i] : 0, place_hi = has_places ? hull->place_hi[i] : 0;
+                const float place_lo = has_places ? hull->place_lo[i] : 0,
+                            place_hi = has_places ? hull->place_hi[i] : 0;
                 upper = v_select(is_fan, upper, v_set1(place_hi));
                 lower = v_select(is_fan, lower, v_set1(place_lo));
                 reach = v_select(is_fan, reach, v_set1(hull->turn[i]));
@@ -141,7 +145,8 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, const st
                 upper = v_add(upper, room);
                 lower = v_sub(lower, room);
             }
-            may = m_and(may, m_and(v_le(v_load(leaf->outline_lo[i] + v), upper), v_ge(v_load(leaf->outline_hi[i] + v), lower)));
+            may = m_and(
+                may, m_and(v_le(v_load(leaf->outline_lo[i] + v), upper), v_ge(v_load(leaf->outline_hi[i] + v), lower)));
         }
         met |= m_bits(may) << v;
     }

@@ -91,7 +91,8 @@ MLRT_INLINE void settle_bundle(struct mlrt_bundle *bundle)
 
 /* Traces rays of a packet one by one from a child of a node on. */
 static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                                struct mlrt_bundle *bundle, uint32_t place, uint32_t lanes, uint32_t child)
+                                                struct mlrt_bundle *bundle, uint32_t place, uint32_t lanes,
+                                                uint32_t child)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
@@ -132,8 +133,8 @@ MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, c
  * together, nor a set-up for all of them. Else returns 0.
  */
 static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                             struct mlrt_bundle *bundle, const struct box_of_bundle *box, uint32_t child,
-                                             uint32_t met)
+                                             struct mlrt_bundle *bundle, const struct box_of_bundle *box,
+                                             uint32_t child, uint32_t met)
 {
     const uint32_t most = mlrt_bvh_quad_count(child) ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
     uint32_t lanes[MLRT_BUNDLE_PACKETS], count = 0;
@@ -158,8 +159,8 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
 }
 
 /* Of the triangles of a leaf that the bundle may hit, those that a packet may. */
-MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf, uint32_t place,
-                                   int has_places, uint32_t seen)
+MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                      uint32_t place, int has_places, uint32_t seen)
 {
     struct hull_outline hull;
     outline_packet(bundle, place, has_places, &hull);
@@ -174,20 +175,21 @@ static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, co
                               : cut_triangles_by(bundle, leaf, place, 0, seen);
 }
 
-static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                                          const struct mlrt_bundle_leaf *leaf, uint32_t triangles, uint32_t place)
+static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                          uint32_t triangles, uint32_t place)
 {
     need_lanes(bundle, place);
     const uint32_t changed = bundle->has_places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
-                                        : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
+                                                : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
     if (changed) update_bundle(bundle, place, changed, job->any);
     if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS) && bundle->going >> place & 1) {
         give_up_packet(bundle, place);
     }
 }
 
-MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
-                                      uint32_t child, uint32_t met, int has_places)
+MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                      struct mlrt_bundle *bundle, uint32_t child, uint32_t met, int has_places)
 {
     uint32_t seen;
     const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, has_places, child, worker, &seen);
@@ -214,7 +216,8 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
 }
 
 /* Takes a bundle down the hierarchy. */
-static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          struct mlrt_bundle *bundle)
 {
     const int has_places = bundle->has_places;
     const struct mlrt_bvh *bvh = &job->tree->bvh;
@@ -240,7 +243,8 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
             see_bundle_box(&bundle->waist, parent, place, &box);
             const uint32_t met = packets_met(bundle, &box, has_places);
             if (!met) continue;
-            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) && !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle, child)) &&
+            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) &&
+                !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle, child)) &&
                 trace_few_of_bundle(job, worker, bundle, &box, child, met)) {
                 continue;
             }

@@ -28,7 +28,7 @@
 
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
-    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .gather_camera_cells = gather_camera_cells,               \
+    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .gather_camera_cells = gather_camera_cells,              \
     .trace_cells = trace_cells, .trace_bundle = trace_bundle
 /* clang-format on */
 

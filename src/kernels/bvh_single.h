@@ -81,8 +81,8 @@ MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct mlrt_r
     }
 }
 
-MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals, uint32_t lane,
-                                struct single_ray *ray)
+MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals,
+                                uint32_t lane, struct single_ray *ray)
 {
     float reach = 0;
     MLRT_UNROLL
@@ -319,8 +319,9 @@ MLRT_INLINE float finite_limit(float hi)
 }
 
 /* From a child of a node on. */
-static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals, uint32_t lane,
-                                       uint32_t child, struct mlrt_packet *packet, struct mlrt_worker *worker)
+static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals,
+                                       uint32_t lane, uint32_t child, struct mlrt_packet *packet,
+                                       struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];

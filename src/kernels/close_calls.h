@@ -79,7 +79,7 @@ MLRT_INLINE void place_origin(const struct mlrt_packet *packet, uint32_t lane, s
 }
 
 static MLRT_NOINLINE void set_close_triangle(const struct mlrt_triangle *corners, const struct mlrt_packet *packet,
-                                    struct close_triangle *triangle)
+                                             struct close_triangle *triangle)
 {
     for (int k = 0; k < 3; ++k) {
         triangle->a[k] = d_set1(corners->v[0][k]);
@@ -91,8 +91,8 @@ static MLRT_NOINLINE void set_close_triangle(const struct mlrt_triangle *corners
     if (packet->has_apex) place_origin(packet, 0, triangle);
 }
 
-static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet, uint32_t lane,
-                                struct close_bounds *bounds)
+static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet,
+                                         uint32_t lane, struct close_bounds *bounds)
 {
     if (!packet->has_apex) place_origin(packet, lane, triangle);
     const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),

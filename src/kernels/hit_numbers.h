@@ -286,9 +286,9 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
         fused_cross_product(start.p, direction, moment);
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            certain &= round_quotients(fused_dot_product(plane->side[i], moment),
-                                       d_mul(start.edge_width[i], d_set1(direction_size)), &denominator,
-                                       values->uv[i] + lane);
+            certain &=
+                round_quotients(fused_dot_product(plane->side[i], moment),
+                                d_mul(start.edge_width[i], d_set1(direction_size)), &denominator, values->uv[i] + lane);
         }
     }
     return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
@@ -378,10 +378,9 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
     if (hit) {
         const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
         const double direction_size = greatest_direction_size(packet, hit);
-        const uint32_t reported =
-            hit & ~lanes_of_triangle(packet, number)
-                ? report_several(tree, packet, hit, direction_size, outputs, cache, values)
-                : report_kept(tree, packet, number, direction_size, outputs, cache, values);
+        const uint32_t reported = hit & ~lanes_of_triangle(packet, number)
+                                      ? report_several(tree, packet, hit, direction_size, outputs, cache, values)
+                                      : report_kept(tree, packet, number, direction_size, outputs, cache, values);
         if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
         for (uint32_t left = hit & ~reported; left; left &= left - 1) {
             mlrt_report_lane(tree, packet, mlrt_lowest_bit(left), outputs, values);

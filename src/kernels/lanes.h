@@ -58,7 +58,7 @@ struct lanes_search {
     int one_origin;
     float origin[3]; /* if it is one */
     float reach;     /* 4 times the greatest component of a direction */
-    uint32_t alive; /* lanes that still look */
+    uint32_t alive;  /* lanes that still look */
     uint32_t count;
     struct pending_lanes stack[WAITING_LIMIT + 1];
 };
@@ -167,7 +167,8 @@ MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const str
 
 /* Of `lanes` those that may meet a box; *near receives where the first of them does. */
 MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struct mlrt_packet *packet,
-                                  const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any, float *near)
+                                  const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any,
+                                  float *near)
 {
     uint32_t met = 0;
     vf nearest = v_set1(INFINITY);
@@ -297,7 +298,7 @@ MLRT_INLINE void store_cross_product(const vf cross[3], uint32_t v, float (*rows
 }
 
 MLRT_INLINE void set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
-                                  struct triangles_from_origin *terms)
+                                    struct triangles_from_origin *terms)
 {
     for (uint32_t v = 0; v < row; v += VW) {
         vf s[3], f[3], g[3], cross[3];
@@ -325,7 +326,7 @@ MLRT_INLINE void set_up_from_origin(const struct lanes_search *search, const flo
 
 /* Where a vector has one triangle and many rays, or one ray and many triangles. */
 MLRT_INLINE void set_test_from_origin(const vf ca[3], const vf ab[3], const vf normal[3], const vf d[3], vf bound,
-                                 struct float_test *test)
+                                      struct float_test *test)
 {
     test->determinant = dot_product(d, normal);
     const vf edge_ca = dot_product(d, ca), edge_ab = dot_product(d, ab);
@@ -361,8 +362,7 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
                                                      v_load(packet->lo + v), v_load(packet->hi + v), 0);
     keep_verdict(&verdict, number, v, packet, &outcome);
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
-    return outcome.nearer |
-           decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
+    return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
 }
 
 /* Of lanes that may not see all triangles, those that see one. */
@@ -397,8 +397,7 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
             if (!seeing) continue;
             COUNT(&worker->counters, triangle_test_count, 1);
             COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
-            const uint32_t changed =
-                test_triangle_from_origin(job, terms, i, d, seeing, numbers[i], v, packet, worker);
+            const uint32_t changed = test_triangle_from_origin(job, terms, i, d, seeing, numbers[i], v, packet, worker);
             all_changed |= changed;
             if (job->any) left &= ~changed;
         }
@@ -407,8 +406,8 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
 }
 
 /* Tests lanes against one triangle. Returns those whose nearest hit changed. `reach` is that of all lanes. */
-static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, uint32_t lanes,
-                                                     const float *corners, uint32_t row, uint32_t number, float reach,
+static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, uint32_t lanes, const float *corners,
+                                                     uint32_t row, uint32_t number, float reach,
                                                      struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct outcome outcome = {0, 0, 0};
@@ -433,8 +432,7 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
         keep_verdict(&verdict, number, v, packet, &outcome);
     }
     if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
-    return outcome.nearer |
-           decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
+    return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
 }
 
 /* Lanes that go one by one from a child of a node on. */
@@ -474,7 +472,8 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
         if (!seeing) continue;
         COUNT(&worker->counters, triangle_test_count, 1);
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
-        const uint32_t changed = test_triangle_by_lanes(job, seeing, corners + i, row, numbers[i], search->reach, packet, worker);
+        const uint32_t changed =
+            test_triangle_by_lanes(job, seeing, corners + i, row, numbers[i], search->reach, packet, worker);
         if (!job->any) continue;
         lanes &= ~changed;
         search->alive &= ~changed;

@@ -63,17 +63,17 @@ static int begin_reading(const struct mlrt_source *source, struct array_reader *
     reader->points.has_word = reader->points_have_t_min || is_followed_by(&reader->points, &reader->t_max) ||
                               is_followed_by(&reader->points, &reader->directions) ||
                               is_followed_by(&reader->points, &reader->skip);
-    reader->directions.has_word = reader->directions_have_t_max ||
-                                  is_followed_by(&reader->directions, &reader->t_min) ||
-                                  is_followed_by(&reader->directions, &reader->points) ||
-                                  is_followed_by(&reader->directions, &reader->skip);
+    reader->directions.has_word =
+        reader->directions_have_t_max || is_followed_by(&reader->directions, &reader->t_min) ||
+        is_followed_by(&reader->directions, &reader->points) || is_followed_by(&reader->directions, &reader->skip);
     return 1;
 }
 
 /* The column and row of a packet's lane. */
 MLRT_INLINE size_t offset_of_lane(const struct array_layout *layout, int lane)
 {
-    return (size_t)((lane & 1) | (lane >> 1 & 2)) * layout->step + (size_t)((lane >> 1 & 1) | (lane >> 2 & 2)) * layout->row_step;
+    return (size_t)((lane & 1) | (lane >> 1 & 2)) * layout->step +
+           (size_t)((lane >> 1 & 1) | (lane >> 2 & 2)) * layout->row_step;
 }
 
 /*

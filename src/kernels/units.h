@@ -21,7 +21,8 @@ MLRT_INLINE int is_normal_exponent(uint32_t exponent_bits)
 }
 
 /* Finds the powers of two for rays of a packet; returns the lanes that have them. */
-static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, float unit, struct mlrt_ray_scales *scales)
+static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, float unit,
+                            struct mlrt_ray_scales *scales)
 {
     uint32_t found = 0, unit_bits;
     memcpy(&unit_bits, &unit, sizeof unit_bits);
