@@ -190,7 +190,7 @@ struct mlrt_pair_line {
     float constant;
     float coefficient[MLRT_RAY_TERMS];
     float normal[3];
-    float error;     /* relative to R; as EDGE_ERROR */
+    float error;     /* relative to R; as EDGE_ERROR. 0: of rays that hit the second only, known without them */
     float steepness; /* as that of a leaf */
 };
 
