@@ -38,10 +38,3 @@ struct extremes {
 };
 
 #define NO_EXTREMES ((struct extremes){v_set1(INFINITY), v_set1(INFINITY)})
-
-/* A NaN changes nothing. */
-MLRT_INLINE void add_to_extremes(vf value, struct extremes *of)
-{
-    of->least = v_min(value, of->least);
-    of->negated = v_min(v_flip(value, v_set1(-1)), of->negated);
-}

@@ -172,10 +172,6 @@ MLRT_INLINE vi i_select(vm m, vi a, vi b)
     return _mm256_blendv_epi8(b, a, _mm256_castps_si256(m));
 }
 
-MLRT_INLINE __m256 load_halves(const float *low, const float *high)
-{
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high), 1);
-}
 /* A row is in a half: columns 0 and 1 of both come first. */
 MLRT_INLINE vf squares_of_rows(__m256 rows)
 {
