@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The levels of the tile method: an area of 64x64 pixels is sixteen cells of 16x16, and one of those sixteen packets of
- * 4x4. Cells that one triangle covers, or nothing, are done at once; the others are cut.
+ * The levels of the tile method: an area of 64x64 pixels is a bundle of sixteen tiles of 16x16, and a tile one of sixteen
+ * packets of 4x4. Tiles and packets that one triangle covers, or nothing, are done at once; the others are cut.
  *
  * Only a camera's rays are known before they are made. Tiles of other sources begin with their packets.
  *

@@ -111,7 +111,7 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
 }
 
 /*
- * Is a box too large for few rays of a packet to meet it, unless at its rim? Guessed by its size and that of the packet; four
+ * Is a box too large for few rays of a packet to meet it, unless at its rim? A guess by its size and the packet's: four
  * times as many may be found after all. What is large is worth going there together: neighbours do.
  */
 MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, const struct box_of_bundle *box,
