@@ -154,8 +154,8 @@ static int bench_scene(const struct bench_settings *settings, const char *word)
     struct arena arena;
     struct contest contest, frame = {.count = 0};
     int failed = open_arena(settings, word, &arena) || set_size(&arena.subject, settings->size);
-    if (!failed && arena.tree && !settings->csv) print_head(&arena, settings->size);
-    for (int kind = 0; kind < KIND_COUNT && arena.tree && !failed; kind++) {
+    if (!failed && !settings->csv) print_head(&arena, settings->size);
+    for (int kind = 0; kind < KIND_COUNT && !failed; kind++) {
         if (!(settings->kinds & 1u << kind)) continue;
         struct task task;
         failed = start_contest(settings, &arena, (enum kind)kind, &task, &contest) || hold_contest(&contest);
@@ -238,9 +238,7 @@ int main(int argc, char **argv)
          "methods, a list (default: default)", 0, 0},
         {OPTION_SET, "--isa", &settings.isas, "auto,scalar,sse,avx2,avx512", "instruction sets, a list (default: auto)",
          0, 0},
-        {OPTION_CHOICE, "--structure", &settings.structure, "default|kdtree|bvh", "what to search in", 0, 0},
-        {OPTION_CHOICE, "--preset", &settings.preset, "default|paper|fast|best", "the kind of tree", MLRT_TREE_DEFAULT,
-         0},
+        {OPTION_CHOICE, "--tree", &settings.tree, TREE_WORDS, "boxes, or kd-trees", TREE_DEFAULT, 0},
         {OPTION_COUNT, "--threads", &settings.threads, "N", "threads; more than 1: one as well (default: 1)", 1, 256},
         {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11; of building 3)", 1, MAXIMUM_RUNS},
         {OPTION_FLAG, "--alone", &settings.alone, NULL, "without Embree", 0, 0},

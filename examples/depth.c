@@ -343,10 +343,9 @@ static void print_small_row(const struct settings *settings, const char *name, c
 
 static int study_small(const struct settings *settings, const char *name, struct scene *scene)
 {
-    const mlrt_build_options usual = {.struct_size = sizeof usual, .structures = MLRT_STRUCTURE_KDTREE};
+    const struct tree_settings usual = {.kind = TREE_KDTREE_TUNED};
     // A step that costs a million tests never pays: retraction makes everything one leaf.
-    const mlrt_build_options one_leaf = {
-        .struct_size = sizeof one_leaf, .traversal_cost = 1e6f, .structures = MLRT_STRUCTURE_KDTREE};
+    const struct tree_settings one_leaf = {.kind = TREE_KDTREE_TUNED, .traversal_cost = 1e6f};
     mlrt_tree *tree = NULL, *leaf = NULL;
     struct rays rays = {.t = NULL};
     double seconds;
@@ -428,7 +427,7 @@ static double compare_trees(const struct settings *settings, const char *name, u
 
 static int study_depth(const struct settings *settings, const char *name, const struct scene *scene)
 {
-    mlrt_build_options build = {.struct_size = sizeof build, .structures = MLRT_STRUCTURE_KDTREE};
+    struct tree_settings build = {.kind = TREE_KDTREE_TUNED};
     mlrt_tree *tree = NULL;
     struct rays rays = {.t = NULL};
     double seconds, ratio = 1;

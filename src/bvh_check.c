@@ -138,7 +138,7 @@ static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, s
 void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     mlrt_find_float_safety(tree);
-    if (tree->nodes == NULL) report(tree, costs, progress);
+    report(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */

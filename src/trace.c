@@ -39,14 +39,13 @@ static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uin
     return is_power_of_two(given) && given >= lo && given <= hi ? given : 0;
 }
 
-/* A method, with the default resolved; MLRT_METHOD_DEFAULT if the tree lacks what the method searches in. */
+/* A method, with the default resolved; MLRT_METHOD_DEFAULT if it goes through the other structure. */
 static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
 {
-    const int has_boxes = (tree->structures & MLRT_STRUCTURE_BVH) != 0;
-    const int has_kdtree = (tree->structures & MLRT_STRUCTURE_KDTREE) != 0;
-    if (method == MLRT_METHOD_DEFAULT) return has_boxes ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
-    if (method == MLRT_METHOD_TILE) return has_boxes ? method : MLRT_METHOD_DEFAULT;
-    return has_kdtree || method == MLRT_METHOD_RAY ? method : MLRT_METHOD_DEFAULT;
+    const int is_bvh = tree->structure == MLRT_STRUCTURE_BVH;
+    if (method == MLRT_METHOD_DEFAULT) return is_bvh ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
+    if (method == MLRT_METHOD_RAY) return method;
+    return (method == MLRT_METHOD_TILE) == is_bvh ? method : MLRT_METHOD_DEFAULT;
 }
 
 /* The side of the tiles that are shared out among threads. */

@@ -100,15 +100,15 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
     }
 }
 
-static int has_boxes_only(const struct mlrt_tree *tree)
+static int is_bvh(const struct mlrt_tree *tree)
 {
-    return tree->structures == MLRT_STRUCTURE_BVH;
+    return tree->structure == MLRT_STRUCTURE_BVH;
 }
 
 uint32_t mlrt_trace_segment(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
                             mlrt_counters *counters)
 {
-    if (has_boxes_only(tree)) return mlrt_trace_boxes(tree, ray, skip, any, NULL, counters);
+    if (is_bvh(tree)) return mlrt_trace_boxes(tree, ray, skip, any, NULL, counters);
     return counters ? trace(tree, ray, skip, any, NULL, counters) : trace(tree, ray, skip, any, NULL, NULL);
 }
 
@@ -116,7 +116,7 @@ void mlrt_gather_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segmen
                       struct mlrt_hit_list *list, mlrt_counters *counters)
 {
     list->count = 0;
-    if (has_boxes_only(tree)) {
+    if (is_bvh(tree)) {
         mlrt_trace_boxes(tree, ray, skip, 0, list, counters);
     } else {
         trace(tree, ray, skip, 0, list, counters);
