@@ -2,7 +2,7 @@
 /*
  * Trees as bytes, to be written to a file and used again: saving, loading, and the hash of a geometry.
  *
- * THE FORMAT, version 2
+ * THE FORMAT, version 3
  *
  * A file is a header and ten sections, each at a multiple of 64 bytes from the start of the file, in the order below.
  * What lies between is zero, and so is the end, up to a multiple of 64. Numbers are in the byte order of the machine
@@ -31,7 +31,8 @@
  * That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its mask
  * (of a mesh without triangles: all bits), then the coordinates of all triangles in order.
  *
- * In the build report, bytes and seconds are 0: they are not the tree's but the process's.
+ * The first of the counts is what the tree is, MLRT_STRUCTURE_*, and sections of the other structure are empty. In the
+ * build report it is 0, and so are bytes and seconds: they are not the tree's but the process's.
  *
  * WHAT LOADING CHECKS
  *
