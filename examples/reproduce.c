@@ -961,7 +961,7 @@ static const struct table {
      "is bold.",
      ON_PAPER_TREE, measure_sweep, print_sweep},
     {"Frames per second",
-     "The paper's table 1. The tree is the kd-tree of preset `default`. The shader is a dot product with the "
+     "The paper's table 1. The tree is the kd-tree of preset `tuned`. The shader is a dot product with the "
      "triangle's normal, "
      "stored as 8-bit RGBA; without it, the numbers of the triangles hit are stored.",
      ON_DEFAULT_TREE, measure_methods, print_methods},

@@ -260,8 +260,8 @@ typedef struct mlrt_host {
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * A tree: the triangles of any number of meshes, and what finds them (MLRT_STRUCTURE_*). Immutable. What is made of it
- * and how it was made never change an answer: all functions take every tree.
+ * A tree: the triangles of any number of meshes, and what finds them (MLRT_STRUCTURE_*). Immutable. All functions take
+ * every tree, and how it was built never changes an answer.
  */
 typedef struct mlrt_tree mlrt_tree;
 
