@@ -238,6 +238,8 @@ int main(int argc, char **argv)
          "methods, a list (default: default)", 0, 0},
         {OPTION_SET, "--isa", &settings.isas, "auto,scalar,sse,avx2,avx512", "instruction sets, a list (default: auto)",
          0, 0},
+        {OPTION_CHOICE, "--peer-isa", &settings.peer_isa, "auto|sse|avx|avx2|avx512", "the widest that Embree may use",
+         0, 0},
         {OPTION_CHOICE, "--structure", &settings.structure, "default|kdtree|bvh", "what to search in", 0, 0},
         {OPTION_CHOICE, "--preset", &settings.preset, "default|paper|fast|best", "the kind of tree", MLRT_TREE_DEFAULT,
          0},

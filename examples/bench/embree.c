@@ -74,10 +74,12 @@ int have_peer(void)
 
 struct peer *create_peer(const struct scene *scene, const struct peer_settings *settings, struct peer_build *build)
 {
+    static const char *const isa_names[] = {"", ",isa=sse4.2", ",isa=avx", ",isa=avx2", ",isa=avx512"};
     char configuration[64];
     struct peer *peer = calloc(1, sizeof *peer);
     double seconds;
-    snprintf(configuration, sizeof configuration, "hugepages=1,threads=%u", (unsigned)settings->threads);
+    snprintf(configuration, sizeof configuration, "hugepages=1,threads=%u%s", (unsigned)settings->threads,
+             isa_names[settings->isa]);
     if (peer) peer->device = rtcNewDevice(configuration);
     if (!peer || !peer->device) {
         fprintf(stderr, "cannot start Embree\n");
