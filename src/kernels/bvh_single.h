@@ -354,57 +354,102 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
 }
 
 #if !MLRT_COUNTING
-/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes. */
-static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip)
+/*
+ * Rule R1 for a ray that float arithmetic carries: its numbers as a packet in lane 0. Returns 1; 0 if it can hit nothing,
+ * and -1 if float does not carry it.
+ */
+MLRT_INLINE int take_lone_ray(const mlrt_ray *ray, struct mlrt_packet *packet)
 {
-    struct mlrt_packet packet;
+    const unsigned char *numbers = (const unsigned char *)ray + offsetof(mlrt_ray, origin);
+    const f4 first = f4_abs(f4_load_any(numbers)), last = f4_abs(f4_load_any(numbers + 2 * sizeof(float)));
+    const unsigned zeros = f4_within(last, 0, 0);
+    const unsigned carried = f4_within(first, MLRT_SAFE_MIN, MLRT_SAFE_MAX) | f4_within(first, 0, 0);
+    if ((carried & (f4_within(last, MLRT_SAFE_MIN, MLRT_SAFE_MAX) | zeros)) != 15) return -1;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        packet->origin[k][0] = ray->origin[k];
+        packet->direction[k][0] = ray->direction[k] + 0.0f; /* -0 becomes 0 */
+    }
+    packet->t_min[0] = ray->t_min < 0 ? 0 : ray->t_min;
+    packet->t_max[0] = packet->lo[0] = packet->hi[0] = ray->t_max == 0 ? INFINITY : ray->t_max;
+    return packet->t_min[0] < packet->t_max[0] && (zeros & 14) != 14;
+}
+
+/* Traces lane 0 of a packet. Of a worker nothing is used but what it remembers of planes. */
+MLRT_INLINE uint32_t trace_lone_lane(const struct mlrt_job *job, uint32_t mask, uint32_t skip,
+                                     struct mlrt_scaled_packet *scaled, struct mlrt_packet *packet)
+{
     struct mlrt_reciprocals reciprocals;
-    struct mlrt_worker worker;
     struct mlrt_known_plane plane;
-    struct mlrt_triangle_pair pairs[4];
-    if (job->tree->bvh.node_count == 0) return MLRT_NONE;
-    struct mlrt_scaled_packet scaled;
-    struct mlrt_packet *rays = &packet;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        packet.origin[k][0] = segment->origin[k];
-        packet.direction[k][0] = segment->direction[k];
-    }
-    packet.t_min[0] = segment->t_min;
-    packet.t_max[0] = packet.lo[0] = packet.hi[0] = segment->t_max;
-    packet.triangle[0] = MLRT_NONE;
-    packet.skip[0] = skip;
-    packet.has_apex = packet.has_masks = 0;
-    worker.mask = segment->mask;
-    packet.has_skip = skip != MLRT_NONE;
+    struct mlrt_triangle_pair pair;
+    struct mlrt_worker worker;
+    packet->triangle[0] = MLRT_NONE;
+    packet->skip[0] = skip;
+    packet->has_skip = skip != MLRT_NONE;
+    packet->has_apex = packet->has_masks = 0;
+    worker.mask = mask;
     worker.planes = &plane;
-    worker.pairs = pairs;
-    mlrt_forget_planes(0, 2, &worker);
+    worker.pairs = &pair;
+    worker.plane_mask = worker.pair_mask = 0;
+    plane.number = MLRT_NONE;
+    pair.first = pair.second = 0;
     worker.progress = NULL;
-    worker.scaled = NULL;
-    if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) {
-        for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                packet.origin[k][lane] = packet.origin[k][0];
-                packet.direction[k][lane] = packet.direction[k][0];
-            }
-            packet.t_min[lane] = packet.t_min[0];
-            packet.lo[lane] = packet.hi[lane] = packet.hi[0];
-        }
-        if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) {
-            return mlrt_trace_segment(job->tree, segment, skip, job->any, NULL);
-        }
-        worker.scaled = &scaled;
-        rays = &scaled.rays;
-    }
+    worker.scaled = scaled;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const float r = 1 / rays->direction[k][0];
+        const float r = 1 / packet->direction[k][0];
         reciprocals.near[k][0] = r * (1 - RECIPROCAL_SLACK);
         reciprocals.far[k][0] = r * (1 + RECIPROCAL_SLACK);
     }
-    trace_single(job, &reciprocals, 0, 0, rays, &worker);
-    return rays->triangle[0];
+    trace_single(job, &reciprocals, 0, 0, packet, &worker);
+    return packet->triangle[0];
+}
+
+/* Traces a ray that float does not carry, or only in units. */
+static MLRT_NOINLINE uint32_t trace_unusual_ray(const struct mlrt_job *job, const mlrt_ray *ray, uint32_t mask,
+                                                uint32_t skip)
+{
+    struct mlrt_packet packet;
+    struct mlrt_scaled_packet scaled;
+    struct mlrt_ray_segment segment;
+    if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, ray->t_max == 0 ? INFINITY : ray->t_max, &segment))
+        return MLRT_NONE;
+    segment.mask = mask;
+    if (job->tree->bvh.unit == 1) return mlrt_trace_segment(job->tree, &segment, skip, job->any, NULL);
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
+        for (int k = 0; k < 3; ++k) {
+            packet.origin[k][lane] = segment.origin[k];
+            packet.direction[k][lane] = segment.direction[k];
+        }
+        packet.t_min[lane] = segment.t_min;
+        packet.t_max[lane] = packet.lo[lane] = packet.hi[lane] = segment.t_max;
+    }
+    packet.has_apex = 0;
+    if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) {
+        return mlrt_trace_segment(job->tree, &segment, skip, job->any, NULL);
+    }
+    packet.triangle[0] = MLRT_NONE;
+    packet.skip[0] = skip;
+    packet.has_skip = skip != MLRT_NONE;
+    packet.has_masks = 0;
+    return trace_lone_lane(job, mask, skip, &scaled, &scaled.rays);
+}
+
+/* kernels.h: trace_ray. */
+static void trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
+                           mlrt_hit *hit)
+{
+    struct mlrt_packet packet;
+    struct mlrt_job job;
+    uint32_t number = MLRT_NONE;
+    job.tree = tree;
+    job.any = any;
+    if (MLRT_LIKELY(tree->bvh.node_count > 0)) {
+        const int is_taken = tree->bvh.unit == 1 ? take_lone_ray(ray, &packet) : -1;
+        if (is_taken > 0) number = trace_lone_lane(&job, mask, skip, NULL, &packet);
+        if (MLRT_UNLIKELY(is_taken < 0)) number = trace_unusual_ray(&job, ray, mask, skip);
+    }
+    hit->occluded = number != MLRT_NONE;
+    if (!any) mlrt_tell_hit(tree, ray, number, hit);
 }
 #endif

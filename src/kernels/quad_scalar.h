@@ -55,6 +55,13 @@ MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
     memcpy(words, p, sizeof words);
     return (words[0] == word) | (words[1] == word) << 1 | (words[2] == word) << 2 | (words[3] == word) << 3;
 }
+/* bits of those that lie between two numbers, or are one of them */
+MLRT_INLINE unsigned f4_within(f4 a, float lo, float hi)
+{
+    unsigned bits = 0;
+    for (int i = 0; i < 4; ++i) bits |= (unsigned)(lo <= a.x[i] && a.x[i] <= hi) << i;
+    return bits;
+}
 /* so_far, but 0 where any four words are not those of a */
 MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
 {

@@ -45,6 +45,10 @@ MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_set1_epi32((int)word));
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
+MLRT_INLINE unsigned f4_within(f4 a, float lo, float hi)
+{
+    return (unsigned)_mm_movemask_ps(_mm_and_ps(_mm_cmple_ps(_mm_set1_ps(lo), a), _mm_cmple_ps(a, _mm_set1_ps(hi))));
+}
 MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
 {
     return _mm_and_ps(so_far, _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_castps_si128(a))));
