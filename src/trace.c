@@ -222,11 +222,6 @@ static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
     return ray->t_max == 0 ? INFINITY : ray->t_max;
 }
 
-static uint32_t skip_of_ray(const mlrt_tree *tree, const mlrt_ray *ray)
-{
-    return ray->flags & MLRT_RAY_SKIP ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
-}
-
 /* Method `ray`, and all others where they count. */
 static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask,
                                        uint32_t skip, mlrt_counters *counters, mlrt_hit *hit)
@@ -278,7 +273,7 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
 }
 
 /* With options that are not the default: they are checked as those of all calls are. */
-static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlrt_ray *ray,
+static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t skip,
                                                 const mlrt_trace_options *options, mlrt_hit *hit)
 {
     struct call call;
@@ -290,7 +285,7 @@ static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlr
     if (method != MLRT_METHOD_DEFAULT && method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, options, job.any, hit);
     }
-    const uint32_t mask = job.source.common_mask, skip = skip_of_ray(tree, ray);
+    const uint32_t mask = job.source.common_mask;
     mlrt_counters own = {.struct_size = 0};
     const uint64_t environment = mlrt_enter_fp_environment();
     if (job.method == MLRT_METHOD_TILE && job.kernels->trace_ray) {
@@ -306,21 +301,28 @@ static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlr
 /* Is there something to look at in options, besides the query, the mask and the pool? */
 static int has_options(const mlrt_trace_options *of)
 {
-    return (of->method | of->isa | of->culling) != 0 || (uint32_t)of->query > MLRT_QUERY_ANY ||
+    return (of->method | of->isa | of->culling | (of->query & ~MLRT_QUERY_ANY)) != 0 ||
            (of->culling_check | of->initial_tile_size | of->minimum_tile_size | of->split_factor | of->outputs |
             of->shortcuts_off | of->light_count | of->reserved) != 0 ||
-           of->counters || of->host || of->lights;
+           ((uintptr_t)of->counters | (uintptr_t)of->host | (uintptr_t)of->lights) != 0;
 }
 
-/* Both structs are of this version. Of the hit, what the query does not write stays. */
+/* All structs are of this version. Of the hit, what the query does not write stays. */
 static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                              mlrt_hit *hit)
 {
-    if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
-    if (options && has_options(options)) return trace_with_options(tree, ray, options, hit);
-    const int any = options && options->query == MLRT_QUERY_ANY;
-    const uint32_t mask = options && options->mask ? options->mask : MLRT_MASK_ALL, skip = skip_of_ray(tree, ray);
-    const struct mlrt_kernels *kernels = mlrt_select_kernels(MLRT_ISA_AUTO, MLRT_METHOD_TILE, 0);
+    int any = 0;
+    uint32_t mask = MLRT_MASK_ALL, skip = MLRT_NONE;
+    if (MLRT_UNLIKELY(ray->flags)) {
+        if (ray->flags != MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+        skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
+    }
+    if (options) {
+        if (has_options(options)) return trace_with_options(tree, ray, skip, options, hit);
+        any = options->query;
+        if (options->mask) mask = options->mask;
+    }
+    const struct mlrt_kernels *kernels = mlrt_widest_kernels();
     const uint64_t environment = mlrt_enter_fp_environment();
     if (tree->structures & MLRT_STRUCTURE_BVH && kernels->trace_ray) {
         kernels->trace_ray(tree, ray, any, mask, skip, hit);
