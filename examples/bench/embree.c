@@ -254,6 +254,9 @@ const char *peer_variant_name(enum kind kind, int variant)
         return v->lit ? v->name : NULL;
     case PRIMARY:
         return v->picture && !v->table ? v->name : NULL;
+    case SINGLE:
+    case SINGLE_ANY:
+        return v->closest == trace_closest_1 ? v->name : NULL;
     default:
         return v->closest && (!v->incoherent || kind >= REACH) ? v->name : NULL;
     }
@@ -318,7 +321,7 @@ static size_t start_batches(const struct peer *peer, const struct task *task, co
 {
     job->batch = (struct batch){.scene = peer->scene, .stream = &task->stream, .answers = answers};
     rtcInitIntersectContext(&job->batch.context);
-    job->batch.context.flags = task->kind == BOUNCE || job->variant->incoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
+    job->batch.context.flags = task->kind == BOUNCE || is_single(task->kind) || job->variant->incoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
                                                                                 : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     job->any = is_yes_or_no(task->kind);
     return (task->stream.count + BATCH_SIZE - 1) / BATCH_SIZE;
