@@ -312,11 +312,11 @@ typedef struct mlrt_tree_options {
     int32_t preset;          /* MLRT_TREE_* */
     float traversal_cost;    /* of a node, 0..1e6, in units of a leaf; 0 = 1 */
     float intersection_cost; /* of a triangle in a leaf, 0..1e6, in the same units; 0 = a small share of the leaf's */
-    char *message;          /* NULL, or a buffer that receives what went wrong, in words (UTF-8, terminated); else "" */
-    size_t message_size;    /* its size in bytes */
-    const mlrt_host *host;  /* NULL = malloc and silence */
-    uint64_t memory_limit;  /* bytes held at one time at most, or MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
-    struct mlrt_pool *pool; /* who builds; NULL = the calling thread alone. The tree is the same */
+    char *message;           /* NULL, or a buffer for what went wrong, in words (UTF-8, terminated), or "" */
+    size_t message_size;     /* its size in bytes */
+    const mlrt_host *host;   /* NULL = malloc and silence */
+    uint64_t memory_limit;   /* bytes held at one time at most, or MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
+    struct mlrt_pool *pool;  /* who builds; NULL = the calling thread alone. The tree is the same */
 } mlrt_tree_options;
 
 /*

@@ -421,6 +421,7 @@ static MLRT_NOINLINE int32_t take_file(const unsigned char *data, size_t size, u
     tree->info.peak_memory_size = tree->memory.peak_size;
     tree->info.build_seconds = 0;
     tree->info.structure = tree->structure;
+    tree->info.reserved = 0;
     tree->memory.limit_size = 0;
     return MLRT_OK;
 }

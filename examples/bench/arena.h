@@ -15,6 +15,7 @@ struct bench_settings {
     uint32_t kinds, methods, isas; /* a bit for each */
     int32_t tree;                  /* common/tree.h: TREE_* */
     int32_t study;
+    int32_t peer_isa; /* PEER_ISA_* */
     int csv;
     int alone;                 /* without Embree */
     int paced;                 /* contest.h */
