@@ -323,7 +323,7 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
     }
     const struct mlrt_kernels *kernels = mlrt_widest_kernels();
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (tree->structures & MLRT_STRUCTURE_BVH && kernels->trace_ray) {
+    if (tree->structure == MLRT_STRUCTURE_BVH && kernels->trace_ray) {
         kernels->trace_ray(tree, ray, any, mask, skip, hit);
     } else {
         trace_by_ray(tree, ray, any, mask, skip, NULL, hit);
