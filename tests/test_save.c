@@ -76,14 +76,10 @@ static void assert_refused(const void *data, size_t size)
     }
 }
 
-/* What the tests below are given: each is run for both. */
+/* What tests below are given: each is run for boxes first, then for a kd-tree. */
 static uint32_t boxes = MLRT_STRUCTURE_BVH, kdtree = MLRT_STRUCTURE_KDTREE;
 
-#define OF_BOTH(test)                                                                                                  \
-    {#test ", boxes", test, NULL, NULL, &boxes},                                                                       \
-    {                                                                                                                  \
-#test ", kd-tree", test, NULL, NULL, &kdtree                                                                   \
-    }
+#define OF_BOTH(test) cmocka_unit_test_prestate(test, &boxes), cmocka_unit_test_prestate(test, &kdtree)
 
 static uint32_t structure_given(void **state)
 {
