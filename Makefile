@@ -65,9 +65,10 @@ SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-fr
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object per instruction set, and some that count (dispatch.c).
-ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
-KERNELS     := kdtree $(if $(IS_X86),sse avx2 avx512,scalar)
+# One object per instruction set, and some that count (run/dispatch.c).
+ALL_ISAS    := scalar sse avx2 avx512
+ISAS        := $(if $(IS_X86),$(ALL_ISAS),scalar)
+KERNELS     := $(if $(IS_X86),sse avx2 avx512,scalar)
 COUNTING_KERNELS := scalar
 ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
@@ -77,8 +78,9 @@ ifneq ($(filter %-mingw32,$(TARGET)),)
 ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>/dev/null && echo $(UNALIGNED))
 ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
-                   $(KERNELS:%=$(BUILD)/obj/kernels/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/kernels/%_counting.o)
+SOURCES := $(wildcard src/*/*.c)
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c),$(SOURCES))) \
+                   $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
 # What is installed is looked at when it is needed, so that `make deps demo` works in one go.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -119,11 +121,11 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 # are for the tests with SAN.
 INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
-$(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
+$(BUILD)/obj/trace/%_counting.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(ISA_FLAGS_$*) -c $< -o $@
 
-$(BUILD)/obj/kernels/%.o: src/kernels/%.c
+$(BUILD)/obj/trace/%.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
@@ -396,7 +398,7 @@ ONE_FILE := $(BUILD)/amalgamation
 
 amalgamation: $(ONE_FILE)/mlrt.c
 
-$(ONE_FILE)/mlrt.c: src/amalgamate.py include/mlrt.h $(wildcard src/*.[ch] src/kernels/*.[ch])
+$(ONE_FILE)/mlrt.c: src/amalgamate.py include/mlrt.h $(wildcard src/*/*.[ch])
 	$(Q)python3 src/amalgamate.py $(@D)
 
 X86_32_FLAGS = $(if $(filter i386% i486% i586% i686%,$1),-msse2 -mfpmath=sse)
@@ -483,7 +485,7 @@ test-install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
+	clang-format -i include/*.h src/*/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
 	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
 
 clean:

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kdtree.h"
+#include "mlrta/kdtree.h"
 
 size_t search_effort = 1;
 
