@@ -34,6 +34,8 @@ KERNELS = [
     Kernel("avx512", "trace/avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
 ]
 
+CHOSEN = "simd/simd.h"  # the vocabulary that a kernel's unit includes first
+
 COUNTING = "counters.h"  # its macros differ between kernels that count and those that do not
 COUNTING_MACROS = ["COUNT", "COUNTERS", "MLRT_COUNTING"]
 
@@ -138,11 +140,11 @@ def find_header(name, includer):
 
 
 def uses_words(path):
-    """Is a header compiled once per instruction set? Those have no guard, but for the vocabularies and a few."""
-    folder, file = os.path.split(path)
-    if os.path.basename(folder) == "simd":
-        return file != "sixteen.h"
-    return file == "shared.h" or (path.endswith(".h") and not re.search(r"^#ifndef \w+_H\n", read(path), re.M))
+    """Is a header compiled once per instruction set: is it of a vocabulary, or does it include the chosen one?"""
+    if os.path.dirname(path) == os.path.join(SOURCE, "simd"):
+        return os.path.basename(path) != "sixteen.h"
+    includes = re.findall(r'^#include "(\w+/.*)"', read(path), re.M)
+    return any(file == CHOSEN or uses_words(os.path.join(SOURCE, file)) for file in includes if file != "simd/quad.h")
 
 
 class Text:
@@ -171,6 +173,8 @@ class Text:
             if system:
                 self.system.append("immintrin.h" if system[1] in INTRINSICS else system[1])
             elif local:
+                if local[1] == CHOSEN:
+                    continue
                 header = find_header(local[1], path)
                 if not is_own(header):
                     # quad.h includes one of two headers, by the processor: they stay between its #if and #endif.

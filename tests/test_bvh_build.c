@@ -16,6 +16,7 @@
 
 #include "bvh/build.h"
 #include "bvh/check.h"
+#include "bvh/node.h"
 #include "support.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */

@@ -16,6 +16,7 @@
 
 #include "mlrta/build.h"
 #include "mlrta/check.h"
+#include "mlrta/kdtree.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
 

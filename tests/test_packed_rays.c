@@ -14,6 +14,7 @@
 #include "rays/source.h"
 #include "support.h"
 #include "trace/ray_tile.h"
+#include "scene/masks.h"
 
 enum { WIDTH = 23, HEIGHT = 21, COUNT = WIDTH * HEIGHT };
 

@@ -10,6 +10,7 @@
 #include "rays/source.h"
 #include "support.h"
 #include "trace/ray_tile.h"
+#include "scene/masks.h"
 
 /* Where arrays are in a struct, in words; APART: they have one of their own, with a stride of so many more words; NONE. */
 enum { NONE = -1, APART = -2 };

@@ -15,6 +15,8 @@
 #include "bvh/check.h"
 #include "forged_files.h"
 #include "mlrta/check.h"
+#include "bvh/node.h"
+#include "mlrta/kdtree.h"
 #include "support.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */

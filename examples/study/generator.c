@@ -5,6 +5,7 @@
 #include "common/steady_math.h"
 #include "common/view.h"
 #include "mlrta/kdtree.h"
+#include "scene/tree.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -20,6 +20,7 @@
 #define TRAVERSAL_H
 
 #include "mlrta/kdtree.h"
+#include "scene/tree.h"
 #include "method.h"
 #include "base/platform.h"
 

@@ -2,8 +2,8 @@
 /*
  * What the library says of itself: its version, what it can do here, the sizes of its structs, and what codes mean.
  */
-#include "run/dispatch.h"
 #include "mlrt.h"
+#include "run/dispatch.h"
 
 MLRT_API uint32_t mlrt_version(void)
 {

@@ -49,16 +49,17 @@
 #include <math.h>
 #include <string.h>
 
-#include "bvh/check.h"
-#include "bvh/unit.h"
 #include "base/hash.h"
 #include "base/host.h"
-#include "mlrta/check.h"
-#include "scene/meshes.h"
-#include "base/platform.h"
-#include "exact/predicate.h"
 #include "base/structs.h"
+#include "bvh/check.h"
+#include "bvh/node.h"
+#include "bvh/unit.h"
+#include "exact/predicate.h"
+#include "mlrta/check.h"
+#include "mlrta/kdtree.h"
 #include "scene/masks.h"
+#include "scene/meshes.h"
 
 #define SECTION_ALIGNMENT 64
 

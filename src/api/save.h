@@ -2,10 +2,10 @@
 /*
  * What trees that are built and trees that are loaded share.
  */
-#ifndef MLRT_SAVE_H
-#define MLRT_SAVE_H
+#ifndef MLRT_API_SAVE_H
+#define MLRT_API_SAVE_H
 
-#include "mlrta/kdtree.h"
+#include "scene/tree.h"
 
 /* A tree without anything in it, allocated from this memory, which it keeps. NULL if there is none (tree.c). */
 struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_memory *memory);

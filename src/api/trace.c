@@ -6,16 +6,19 @@
 #include <math.h>
 #include <string.h>
 
-#include "run/all_hits.h"
 #include "base/counters.h"
-#include "run/dispatch.h"
 #include "base/host.h"
-#include "exact/offset.h"
-#include "run/workers.h"
-#include "rays/rows.h"
-#include "hits/shadow_ray.h"
+#include "base/run_options.h"
 #include "base/structs.h"
+#include "exact/nearest.h"
+#include "exact/offset.h"
+#include "hits/shadow_ray.h"
+#include "hits/sink.h"
+#include "rays/rows.h"
+#include "run/all_hits.h"
+#include "run/dispatch.h"
 #include "run/trace_ray.h"
+#include "run/workers.h"
 
 #define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
 

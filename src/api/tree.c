@@ -4,12 +4,15 @@
  */
 #include <string.h>
 
+#include "api/save.h"
+#include "base/host.h"
+#include "base/platform.h"
+#include "base/progress.h"
+#include "base/structs.h"
 #include "bvh/build.h"
 #include "mlrta/build.h"
+#include "mlrta/kdtree.h"
 #include "scene/meshes.h"
-#include "base/platform.h"
-#include "api/save.h"
-#include "base/structs.h"
 
 /* ---- options ---- */
 

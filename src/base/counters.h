@@ -4,8 +4,8 @@
  * MLRT_COUNTING=1, and is nothing in the others, so that nobody pays who does not ask (dispatch.c). COUNTERS(worker) is
  * what functions of other files are handed: NULL where nothing is counted.
  */
-#ifndef MLRT_COUNTERS_H
-#define MLRT_COUNTERS_H
+#ifndef MLRT_BASE_COUNTERS_H
+#define MLRT_BASE_COUNTERS_H
 
 #include "mlrt.h"
 

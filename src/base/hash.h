@@ -4,8 +4,8 @@
  * values of the words, so floats and counts have the same hash on every machine. A change of one word always shows, any
  * other by chance 2^64 - 1 times in 2^64. It is no protection against someone who wants two data to have one hash.
  */
-#ifndef MLRT_HASH_H
-#define MLRT_HASH_H
+#ifndef MLRT_BASE_HASH_H
+#define MLRT_BASE_HASH_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -2,8 +2,8 @@
 /*
  * The functions of the program around the library, and what a call tells it in words.
  */
-#ifndef MLRT_HOST_H
-#define MLRT_HOST_H
+#ifndef MLRT_BASE_HOST_H
+#define MLRT_BASE_HOST_H
 
 #include "mlrt.h"
 

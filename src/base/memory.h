@@ -4,8 +4,8 @@
  *
  * A `struct mlrt_memory` counts what is held through it, so that a build can report its peak.
  */
-#ifndef MLRT_MEMORY_H
-#define MLRT_MEMORY_H
+#ifndef MLRT_BASE_MEMORY_H
+#define MLRT_BASE_MEMORY_H
 
 #include <stddef.h>
 #include <stdint.h>

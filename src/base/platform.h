@@ -4,8 +4,8 @@
  * environment. Also the two settings without which no bound in this library holds: no contraction of a * b + c, and
  * float arithmetic that is done in float.
  */
-#ifndef MLRT_PLATFORM_H
-#define MLRT_PLATFORM_H
+#ifndef MLRT_BASE_PLATFORM_H
+#define MLRT_BASE_PLATFORM_H
 
 #include <float.h>
 #include <stdint.h>
@@ -29,7 +29,7 @@
 #endif
 
 #if defined(__GNUC__)
-#if defined(MLRT_COUNTING) /* counting kernels may be slow, and should be small: 40 kB of 100 less */
+#if defined(MLRT_COUNTING) && MLRT_COUNTING /* counting kernels may be slow, and should be small: 40 kB of 100 less */
 #define MLRT_INLINE static inline __attribute__((unused))
 #else
 #define MLRT_INLINE static inline __attribute__((always_inline, unused))

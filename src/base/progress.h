@@ -2,8 +2,8 @@
 /*
  * How far a call has come, told to the host from whichever of its threads is there, and whether it is to go on.
  */
-#ifndef MLRT_PROGRESS_H
-#define MLRT_PROGRESS_H
+#ifndef MLRT_BASE_PROGRESS_H
+#define MLRT_BASE_PROGRESS_H
 
 #include <pthread.h>
 

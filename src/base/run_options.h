@@ -2,8 +2,8 @@
 /*
  * What a call that traces runs with: threads, counters, and the host.
  */
-#ifndef MLRT_RUN_OPTIONS_H
-#define MLRT_RUN_OPTIONS_H
+#ifndef MLRT_BASE_RUN_OPTIONS_H
+#define MLRT_BASE_RUN_OPTIONS_H
 
 #include "mlrt.h"
 

@@ -6,8 +6,8 @@
  * worker 0 and blocks until all are done. Workers are numbered below mlrt_worker_count(pool), and no two items run at
  * the same time with the same worker number: so data per worker needs no lock.
  */
-#ifndef MLRT_SCHEDULER_H
-#define MLRT_SCHEDULER_H
+#ifndef MLRT_BASE_SCHEDULER_H
+#define MLRT_BASE_SCHEDULER_H
 
 #include <stdint.h>
 

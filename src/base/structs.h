@@ -3,8 +3,8 @@
  * Structs that grow: what the caller has is as long as its struct_size says, which may be less or more than what this
  * version knows (mlrt.h, rules of the whole interface). And the greatest stride that arrays in them may have.
  */
-#ifndef MLRT_STRUCTS_H
-#define MLRT_STRUCTS_H
+#ifndef MLRT_BASE_STRUCTS_H
+#define MLRT_BASE_STRUCTS_H
 
 #include <stddef.h>
 

@@ -4,8 +4,10 @@
  * the compiler's command line, so that a sweep (examples/bench/sweep.py) can compare each with fixed choices;
  * docs/performance.md has what it found.
  */
-#ifndef MLRT_TUNING_H
-#define MLRT_TUNING_H
+#ifndef MLRT_BASE_TUNING_H
+#define MLRT_BASE_TUNING_H
+
+#include "mlrt.h"
 
 /*
  * Where all cells of one area had to be opened, so have those of the next ones, mostly: so many tiles of 16x16 begin

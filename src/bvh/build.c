@@ -24,15 +24,15 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/progress.h"
+#include "base/scheduler.h"
+#include "base/tuning.h"
 #include "bvh/check.h"
 #include "bvh/collapse.h"
 #include "bvh/spatial.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
-#include "base/platform.h"
 #include "exact/predicate.h"
-#include "base/scheduler.h"
-#include "base/tuning.h"
 
 /* ---- settings ------------------------------------------------------------------------------------------------ */
 

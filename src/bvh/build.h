@@ -5,8 +5,8 @@
 #ifndef MLRT_BVH_BUILD_H
 #define MLRT_BVH_BUILD_H
 
-#include "mlrta/kdtree.h"
 #include "base/progress.h"
+#include "scene/tree.h"
 
 /*
  * On entry: tree->triangles and triangle_count are set, options is checked (or NULL), the floating-point environment is

@@ -5,12 +5,14 @@
  */
 #include "bvh/check.h"
 
-#include "bvh/unit.h"
-#include "exact/check_point.h"
-
 #include <math.h>
 #include <string.h>
 
+#include "base/progress.h"
+#include "bvh/node.h"
+#include "bvh/split.h"
+#include "bvh/unit.h"
+#include "exact/check_point.h"
 #include "mlrta/check.h"
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */

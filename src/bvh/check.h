@@ -5,7 +5,9 @@
 #ifndef MLRT_BVH_CHECK_H
 #define MLRT_BVH_CHECK_H
 
+#include "base/progress.h"
 #include "bvh/split.h"
+#include "scene/tree.h"
 
 /*
  * Sets tree->bvh.float_safe, and if the tree has no kd-tree also tree->float_safe and what follows from the hierarchy

@@ -7,8 +7,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/progress.h"
+#include "bvh/split.h"
 #include "bvh/unit.h"
-#include "base/platform.h"
 
 void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlrt_binary_node *node,
                       struct mlrt_forest_costs *result)

@@ -16,10 +16,14 @@
  *       ("quads"); places behind the last triangle have number MLRT_NONE and corners that are NaN. So are those of odd
  *       triangles.
  *
+ * Leaves with q quads from quad f on: row 3 i + k of the corners, which is coordinate k of corner i of all its 4 q
+ * triangles, starts at corners[36 f + 4 q (3 i + k)], and their numbers at numbers[4 f]. Both arrays may be read (not
+ * used) up to 16 elements behind what belongs to a leaf.
+ *
  * Boxes and corners are in units (unit.h).
  */
-#ifndef MLRT_BVH_H
-#define MLRT_BVH_H
+#ifndef MLRT_BVH_NODE_H
+#define MLRT_BVH_NODE_H
 
 #include <stdint.h>
 
@@ -28,11 +32,6 @@
 #define MLRT_BVH_WIDTH       16
 #define MLRT_BVH_DEPTH_LIMIT 32
 #define MLRT_BVH_LEAF_LIMIT  16 /* triangles */
-
-struct mlrt_box {
-    float lo[3];
-    float hi[3];
-};
 
 /* Boxes are in units (unit.h). */
 struct mlrt_bvh_node {
@@ -51,21 +50,5 @@ static inline uint32_t mlrt_bvh_offset(uint32_t child)
 {
     return child >> 3;
 }
-
-/*
- * Leaves with q quads from quad f on: row 3 i + k of the corners, which is coordinate k of corner i of all its 4 q
- * triangles, starts at corners[36 f + 4 q (3 i + k)], and their numbers at numbers[4 f]. Both arrays may be read (not
- * used) up to 16 elements behind what belongs to a leaf.
- */
-struct mlrt_bvh {
-    struct mlrt_bvh_node *nodes;
-    uint32_t node_count;
-    uint32_t quad_count;
-    float *corners;        /* 36 * quad_count + 16 */
-    uint32_t *numbers;     /* 4 * quad_count + 16 */
-    float unit;            /* what coordinates of boxes and corners were multiplied with: unit.h */
-    struct mlrt_box whole; /* of all triangles, in units */
-    struct mlrt_box core;  /* where most are, as a guess: no answer depends on it */
-};
 
 #endif

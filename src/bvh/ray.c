@@ -10,6 +10,9 @@
  */
 #include "bvh/ray.h"
 
+#include "bvh/node.h"
+#include "exact/hit_list.h"
+#include "exact/nearest.h"
 #include "exact/ray_interval.h"
 
 /* A child, or the root, that the ray can meet from t = enter on. */

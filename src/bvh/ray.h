@@ -5,7 +5,6 @@
 #ifndef MLRT_BVH_RAY_H
 #define MLRT_BVH_RAY_H
 
-#include "exact/nearest.h"
 #include "exact/hit_list.h"
 
 /*

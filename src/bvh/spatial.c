@@ -11,7 +11,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/progress.h"
 #include "bvh/box.h"
+#include "bvh/split.h"
 #include "bvh/unit.h"
 #include "scene/clip.h"
 

@@ -8,7 +8,9 @@
 #ifndef MLRT_BVH_SPATIAL_H
 #define MLRT_BVH_SPATIAL_H
 
+#include "base/progress.h"
 #include "bvh/split.h"
+#include "exact/triangle.h"
 
 /* 16 take an eighth less time to build; expected costs are then 1 % higher in buildings, the same elsewhere. */
 #define MLRT_SPATIAL_BINS 32

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/progress.h"
 #include "bvh/box.h"
 
 /* ---- sets ---------------------------------------------------------------------------------------------------- */

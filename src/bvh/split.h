@@ -11,8 +11,7 @@
 
 #include <string.h>
 
-#include "bvh/node.h"
-#include "mlrta/kdtree.h"
+#include "base/platform.h"
 #include "base/progress.h"
 
 /* A box as two f4; what is in the fourth places does not matter, and is no NaN that arithmetic must wait for. */

@@ -16,8 +16,10 @@
 #ifndef MLRT_BVH_UNIT_H
 #define MLRT_BVH_UNIT_H
 
-#include "mlrta/kdtree.h"
+#include <math.h>
+
 #include "exact/rounding.h"
+#include "scene/tree.h"
 
 #define MLRT_BVH_FAR 0x1p62f
 

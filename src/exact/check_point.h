@@ -3,10 +3,10 @@
  * Points of triangles that double holds exactly: where the checks of both structures look (mlrta/check.c,
  * bvh/check.c).
  */
-#ifndef MLRT_CHECK_POINT_H
-#define MLRT_CHECK_POINT_H
+#ifndef MLRT_EXACT_CHECK_POINT_H
+#define MLRT_EXACT_CHECK_POINT_H
 
-#include "mlrta/kdtree.h"
+#include "exact/triangle.h"
 
 /* a + b in *sum. Returns whether that is exact. */
 static inline int mlrt_add_exactly(double a, double b, double *sum)

@@ -13,8 +13,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/platform.h"
-
 /* Restores the form after an operation: no zero limbs at either end, and zero as one value. */
 static void normalize(struct mlrt_exact *number)
 {

@@ -19,10 +19,12 @@
  *
  * Every operation asserts that its result fits.
  */
-#ifndef MLRT_EXACT_H
-#define MLRT_EXACT_H
+#ifndef MLRT_EXACT_DYADIC_H
+#define MLRT_EXACT_DYADIC_H
 
 #include <stdint.h>
+
+#include "mlrt.h"
 
 #define MLRT_EXACT_DETERMINANT_LIMBS 27
 #define MLRT_EXACT_LIMBS             (2 * MLRT_EXACT_DETERMINANT_LIMBS)

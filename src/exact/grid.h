@@ -7,8 +7,8 @@
  * Each function returns 1 and sets its result, or returns 0: no grid, or a compiler without 128-bit integers.
  * Coordinates are finite.
  */
-#ifndef MLRT_GRID_H
-#define MLRT_GRID_H
+#ifndef MLRT_EXACT_GRID_H
+#define MLRT_EXACT_GRID_H
 
 #include "exact/predicate.h"
 

@@ -6,6 +6,7 @@
 #include "exact/hit_list.h"
 
 #include "base/platform.h"
+#include "exact/nearest.h"
 
 #define FIRST_CAPACITY 64
 

@@ -2,8 +2,8 @@
 /*
  * All hits of one ray, gathered from leaves in any order and with repetitions, then put in the order of the hit rule.
  */
-#ifndef MLRT_HIT_LIST_H
-#define MLRT_HIT_LIST_H
+#ifndef MLRT_EXACT_HIT_LIST_H
+#define MLRT_EXACT_HIT_LIST_H
 
 #include "exact/nearest.h"
 

@@ -3,8 +3,8 @@
  * The hit rule as traversal uses it: which rays can hit at all, and what the nearest hit so far becomes when a triangle
  * is offered. The decisions are predicate.h's; what is here saves most of them by floats around t.
  */
-#ifndef MLRT_HIT_H
-#define MLRT_HIT_H
+#ifndef MLRT_EXACT_NEAREST_H
+#define MLRT_EXACT_NEAREST_H
 
 #include <math.h>
 

@@ -2,10 +2,10 @@
 /*
  * Points just off a triangle, on a side that is certain.
  */
-#ifndef MLRT_OFFSET_H
-#define MLRT_OFFSET_H
+#ifndef MLRT_EXACT_OFFSET_H
+#define MLRT_EXACT_OFFSET_H
 
-#include "mlrta/kdtree.h"
+#include "exact/triangle.h"
 
 /*
  * A point near (1 - u - v) a + u b + v c, strictly on the side of the normal (side = +1) or the other (-1). 0 if there

@@ -53,9 +53,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/platform.h"
 #include "exact/dyadic.h"
 #include "exact/grid.h"
-#include "base/platform.h"
 #include "exact/rounding.h"
 
 #define SIGN_ERROR  (10 * MLRT_UNIT_ROUNDOFF)

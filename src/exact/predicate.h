@@ -10,13 +10,13 @@
  * (mlrt_triangle_has_area), unless a function says that it copes with less. `counters`, if not NULL, learn of decisions
  * that went to exact arithmetic.
  */
-#ifndef MLRT_PREDICATE_H
-#define MLRT_PREDICATE_H
+#ifndef MLRT_EXACT_PREDICATE_H
+#define MLRT_EXACT_PREDICATE_H
 
 #include <math.h>
 #include <stdint.h>
 
-#include "mlrta/kdtree.h"
+#include "exact/triangle.h"
 
 /* A ray whose numbers have been checked (nearest.h). */
 struct mlrt_ray_segment {

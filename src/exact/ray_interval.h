@@ -6,11 +6,12 @@
  * is x r with a relative error under 3 * 2^-53 (1 + 2^-50), so [x r (1 - 2^-50), x r (1 + 2^-50)] contains it, and a
  * node is left out only if its interval is surely empty or surely behind the nearest hit.
  */
-#ifndef MLRT_RAY_INTERVAL_H
-#define MLRT_RAY_INTERVAL_H
+#ifndef MLRT_EXACT_RAY_INTERVAL_H
+#define MLRT_EXACT_RAY_INTERVAL_H
 
 #include <math.h>
 
+#include "base/platform.h"
 #include "exact/predicate.h"
 
 #define MLRT_INTERVAL_SLACK 0x1p-50

@@ -2,13 +2,15 @@
 /*
  * Doubles rounded to floats in a known direction: how bounds stay bounds.
  */
-#ifndef MLRT_ROUNDING_H
-#define MLRT_ROUNDING_H
+#ifndef MLRT_EXACT_ROUNDING_H
+#define MLRT_EXACT_ROUNDING_H
 
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
+
+#include "mlrt.h"
 
 /* The largest float below a. a may be infinite; -inf stays. */
 static inline float mlrt_next_down(float a)

@@ -32,6 +32,17 @@
  * With D > W, a ray is surely inside if no edge function, in D's sign, is less than its bound 12 u s(e), and surely
  * outside if one is less than minus that: D is the sum of the three, so another one has D's sign.
  */
+#ifndef MLRT_HITS_CLOSE_CALLS_H
+#define MLRT_HITS_CLOSE_CALLS_H
+
+#include <float.h>
+
+#include "hits/outcome.h"
+#include "hits/sink.h"
+#include "hits/undecided.h"
+#include "job/stop.h"
+#include "simd/doubles.h"
+#include "simd/simd.h"
 
 #define CLOSE_ERROR    (12 * MLRT_UNIT_ROUNDOFF)
 #define DOUBLE_LANES   ((1u << DW) - 1)
@@ -353,3 +364,5 @@ static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_
     return MLRT_LIKELY(!left) ? nearer
                               : nearer | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
 }
+
+#endif

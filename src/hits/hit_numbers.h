@@ -35,6 +35,17 @@
  * A packet that hits more than FEW_TRIANGLES works that out for each lane; with 3 in place of 2 nothing is gained, as
  * more of them are new.
  */
+#ifndef MLRT_HITS_HIT_NUMBERS_H
+#define MLRT_HITS_HIT_NUMBERS_H
+
+#include <math.h>
+#include <string.h>
+
+#include "hits/hit_terms.h"
+#include "hits/outcome.h"
+#include "hits/sink.h"
+#include "simd/doubles.h"
+#include "simd/simd.h"
 
 #define FEW_TRIANGLES 2
 
@@ -388,3 +399,5 @@ static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet
     }
     if (hit != 0xFFFF) report_misses(hit, values);
 }
+
+#endif

@@ -3,10 +3,10 @@
  * What rays that hit one triangle share of t, u and v, in double, as a worker keeps it: the next packets hit the same
  * triangles, if they are large. hit_numbers.h has the formulas.
  */
-#ifndef MLRT_HIT_TERMS_H
-#define MLRT_HIT_TERMS_H
+#ifndef MLRT_HITS_HIT_TERMS_H
+#define MLRT_HITS_HIT_TERMS_H
 
-#include "mlrta/kdtree.h"
+#include "exact/triangle.h"
 
 /* The judge has hits whose D is so many times smaller than its size, or more: this bounds the error of t. */
 #define MLRT_GREATEST_D_SIZE 0x1p12

@@ -2,6 +2,12 @@
 /*
  * A triangle and the rays of a packet, before and after a float filter has looked at them.
  */
+#ifndef MLRT_HITS_OUTCOME_H
+#define MLRT_HITS_OUTCOME_H
+
+#include "hits/triangle_filter.h"
+#include "rays/packet.h"
+#include "simd/simd.h"
 
 /* What a float filter has to say: lanes that are nearer, and what is left of the others. */
 struct outcome {
@@ -44,3 +50,5 @@ MLRT_INLINE uint32_t lanes_of_triangle(const struct mlrt_packet *packet, uint32_
     }
     return lanes;
 }
+
+#endif

@@ -4,8 +4,10 @@
  */
 #include "hits/results.h"
 
+#include "hits/sink.h"
 #include "run/trace_ray.h"
 #include "simd/sixteen.h"
+#include "trace/ray_tile.h"
 
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                             mlrt_counters *counters)

@@ -3,10 +3,11 @@
  * What comes after the search: rays that have to be traced one by one, and results of packets and of whole rectangles
  * on their way to frame and callback.
  */
-#ifndef MLRT_RESULTS_H
-#define MLRT_RESULTS_H
+#ifndef MLRT_HITS_RESULTS_H
+#define MLRT_HITS_RESULTS_H
 
-#include "trace/ray_tile.h"
+#include "job/job.h"
+#include "rays/rectangle.h"
 
 /* The rays of a block. `lanes` are those that exist. */
 static inline void mlrt_get_packet(const struct mlrt_job *job, const struct mlrt_rectangle *block, uint32_t lanes,

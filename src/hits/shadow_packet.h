@@ -3,6 +3,19 @@
  * The rays from what a packet hit to a light, a vector of doubles at a time: what shadow_ray.h says of one ray, step by
  * step, to the same bits. Where its conditions do not hold shadow_ray.c makes the ray.
  */
+#ifndef MLRT_HITS_SHADOW_PACKET_H
+#define MLRT_HITS_SHADOW_PACKET_H
+
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "hits/hit_numbers.h"
+#include "hits/outcome.h"
+#include "hits/shadow_ray.h"
+#include "rays/fetch_block.h"
+#include "simd/doubles.h"
+#include "simd/simd.h"
 
 #if !MLRT_COUNTING
 /* Of the rays of a vector: of the triangle that they hit, and what lies between it, their origin and the light. */
@@ -126,4 +139,6 @@ static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, con
     packet->has_skip = 1;
     return hit & ~facing;
 }
+#endif
+
 #endif

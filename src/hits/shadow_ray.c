@@ -9,6 +9,7 @@
 
 #include "exact/nearest.h"
 #include "exact/offset.h"
+#include "hits/sink.h"
 #include "run/trace_ray.h"
 
 static double dot(const double a[3], const double b[3])

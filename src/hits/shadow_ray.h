@@ -31,11 +31,10 @@
  * ITS PLACE. t is off by 3.1 * 2^-34 (P + t E) / |D|, which moves the point along the ray by less than 3.1 * 2^-34 (P +
  * t E) E / |D|: 2^-18 (P + t E) at most, and far less unless the ray nearly lies in the plane.
  */
-#ifndef MLRT_SHADOW_H
-#define MLRT_SHADOW_H
+#ifndef MLRT_HITS_SHADOW_RAY_H
+#define MLRT_HITS_SHADOW_RAY_H
 
 #include "job/job.h"
-#include "trace/ray_tile.h"
 
 /* The conditions above. */
 #define MLRT_SHADOW_NORMAL   0x1p-16

@@ -10,6 +10,7 @@
 
 #include "base/structs.h"
 #include "simd/quad.h"
+#include "scene/masks.h"
 
 size_t mlrt_channel_size(enum mlrt_channel channel)
 {

@@ -2,12 +2,12 @@
 /*
  * Results on their way out: to the caller's frame, to the buffer of a tile callback, or to both.
  */
-#ifndef MLRT_OUTPUT_H
-#define MLRT_OUTPUT_H
+#ifndef MLRT_HITS_SINK_H
+#define MLRT_HITS_SINK_H
 
-#include "rays/packet.h"
 #include "exact/predicate.h"
-#include "scene/masks.h"
+#include "rays/packet.h"
+#include "scene/tree.h"
 
 enum mlrt_channel {
     MLRT_CHANNEL_T,

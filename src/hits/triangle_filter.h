@@ -47,6 +47,10 @@
  * lose 2^-149, less than 2^-83 / D'. The lower end is kept of hits only, and is finite: along some axis |d_k| >= 2^-60,
  * and a hit is no farther than 2^61, so t <= 2^121. (The upper one may be infinite.)
  */
+#ifndef MLRT_HITS_TRIANGLE_FILTER_H
+#define MLRT_HITS_TRIANGLE_FILTER_H
+
+#include "simd/simd.h"
 
 #if MLRT_GUESS
 #define EDGE_BOUND     0.0f
@@ -150,3 +154,5 @@ MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm c
     bound_distance(least_n, greatest_n, size, test->plane_bound, &verdict);
     return verdict;
 }
+
+#endif

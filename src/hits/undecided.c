@@ -5,7 +5,6 @@
 
 #include "exact/nearest.h"
 #include "hits/sink.h"
-#include "rays/packet.h"
 #include "job/stop.h"
 #include "simd/sixteen.h"
 

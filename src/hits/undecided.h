@@ -3,11 +3,10 @@
  * What is left of close calls: exact ties in one plane, and then the judge, ray by ray (nearest.h). Compiled once, for all
  * instruction sets: `counters` are NULL but for kernels that count. close_calls.h decides what it can before.
  */
-#ifndef MLRT_UNDECIDED_H
-#define MLRT_UNDECIDED_H
+#ifndef MLRT_HITS_UNDECIDED_H
+#define MLRT_HITS_UNDECIDED_H
 
 #include "job/job.h"
-#include "base/platform.h"
 
 /* Empties what a worker remembers of planes and pairs, of which there is room for 1 << bits. */
 void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker);

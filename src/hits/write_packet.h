@@ -3,8 +3,15 @@
  * The results of a packet on their way out: its triangles are turned into ids and numbers a vector at a time. Where
  * they go is sink.h's.
  */
+#ifndef MLRT_HITS_WRITE_PACKET_H
+#define MLRT_HITS_WRITE_PACKET_H
 
 #include "hits/hit_numbers.h"
+#include "hits/outcome.h"
+#include "hits/sink.h"
+#include "job/job.h"
+#include "rays/rectangle.h"
+#include "simd/simd.h"
 
 /* The ids of the lanes whose triangles are of a mesh. `is_first`: other lanes get those of misses; else they stay.
  * Returns the lanes. */
@@ -61,3 +68,5 @@ static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
         write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
     }
 }
+
+#endif

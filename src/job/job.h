@@ -2,14 +2,13 @@
 /*
  * What one instruction set provides: a function that traces one tile of a picture of rays.
  */
-#ifndef MLRT_KERNELS_H
-#define MLRT_KERNELS_H
+#ifndef MLRT_JOB_JOB_H
+#define MLRT_JOB_JOB_H
 
-#include "trace/bundle.h"
 #include "hits/hit_terms.h"
 #include "hits/sink.h"
 #include "rays/source.h"
-#include "base/tuning.h"
+#include "trace/bundle.h"
 
 /* Lights whose shadows a picture may have: one bit each. */
 #define MLRT_LIGHT_LIMIT 8

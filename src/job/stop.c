@@ -5,7 +5,6 @@
  */
 #include "job/stop.h"
 
-#include "base/platform.h"
 #include "base/progress.h"
 
 int mlrt_is_stopped(struct mlrt_worker *worker, double pixels)

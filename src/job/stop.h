@@ -2,8 +2,8 @@
 /*
  * A worker looks up in the middle of an item: the host is told how far the call has come, and may end it.
  */
-#ifndef MLRT_STOP_H
-#define MLRT_STOP_H
+#ifndef MLRT_JOB_STOP_H
+#define MLRT_JOB_STOP_H
 
 #include "job/job.h"
 

@@ -6,7 +6,6 @@
 
 #include <math.h>
 
-#include "rays/packet.h"
 #include "exact/rounding.h"
 #include "rays/source.h"
 

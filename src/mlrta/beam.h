@@ -11,10 +11,10 @@
  * Based on: Reshetov et al. 2005, section 4.1, requirement (3): a rectangle on any axis-aligned plane, and common
  * signs.
  */
-#ifndef MLRT_BEAM_H
-#define MLRT_BEAM_H
+#ifndef MLRT_MLRTA_BEAM_H
+#define MLRT_MLRTA_BEAM_H
 
-#include "mlrta/kdtree.h"
+#include "exact/triangle.h"
 
 struct mlrt_beam {
     float origin_lo[3];

@@ -11,6 +11,11 @@
  * Based on: Reshetov et al. 2005, section 3.3: direct culling puts the planes of the beam against the box, inverse
  * culling the planes of the box against the beam.
  */
+#ifndef MLRT_MLRTA_BEAM_CULLING_H
+#define MLRT_MLRTA_BEAM_CULLING_H
+
+#include "mlrta/beam.h"
+#include "mlrta/interval_traversal.h"
 
 enum { NEAR_CHILD = 1, FAR_CHILD = 2, BOTH_CHILDREN = 3 };
 
@@ -112,3 +117,5 @@ MLRT_INLINE int clip_to_region(const struct mlrt_beam *beam, struct mlrt_box *bo
     }
     return 1;
 }
+
+#endif

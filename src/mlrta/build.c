@@ -14,10 +14,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "scene/clip.h"
-#include "mlrta/check.h"
+#include "base/progress.h"
 #include "exact/predicate.h"
+#include "mlrta/check.h"
+#include "mlrta/kdtree.h"
 #include "mlrta/split.h"
+#include "scene/clip.h"
 
 /* ---- settings ------------------------------------------------------------------------------------------------ */
 

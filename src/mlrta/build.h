@@ -2,11 +2,11 @@
 /*
  * Builds the nodes and leaf entries of a tree over triangles that are already in it.
  */
-#ifndef MLRT_KDTREE_BUILD_H
-#define MLRT_KDTREE_BUILD_H
+#ifndef MLRT_MLRTA_BUILD_H
+#define MLRT_MLRTA_BUILD_H
 
-#include "mlrta/kdtree.h"
 #include "base/progress.h"
+#include "scene/tree.h"
 
 /*
  * On entry: tree->triangles and triangle_count are set, options is checked (or NULL), the floating-point environment is

@@ -5,12 +5,13 @@
  */
 #include "mlrta/check.h"
 
-#include "exact/check_point.h"
-
 #include <math.h>
 #include <string.h>
 
+#include "base/progress.h"
+#include "exact/check_point.h"
 #include "exact/predicate.h"
+#include "mlrta/kdtree.h"
 
 /* A node to visit, with its cell. */
 struct visit {

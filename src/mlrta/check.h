@@ -2,11 +2,11 @@
 /*
  * Looks over a finished tree: its statistics, and whether it keeps the invariants of kdtree.h.
  */
-#ifndef MLRT_KDTREE_CHECK_H
-#define MLRT_KDTREE_CHECK_H
+#ifndef MLRT_MLRTA_CHECK_H
+#define MLRT_MLRTA_CHECK_H
 
-#include "mlrta/kdtree.h"
 #include "base/progress.h"
+#include "scene/tree.h"
 
 /*
  * Sets what follows from nodes, references and bounds: float_safe, and in info depth, the counts of nodes and

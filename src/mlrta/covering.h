@@ -13,6 +13,14 @@
  *
  * Based on: Reshetov et al. 2005, section 4.1 (a leaf with an object that every possible ray hits ends the search).
  */
+#ifndef MLRT_MLRTA_COVERING_H
+#define MLRT_MLRTA_COVERING_H
+
+#include <math.h>
+
+#include "base/platform.h"
+#include "exact/rounding.h"
+#include "mlrta/beam.h"
 
 /* What a triangle is at the corners of a beam. Index 3 of value and bound is the determinant D. */
 struct corner_terms {
@@ -138,3 +146,5 @@ static void end_region_at_cover(const struct corner_terms *cover, struct mlrt_be
         }
     }
 }
+
+#endif

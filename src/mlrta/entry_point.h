@@ -13,6 +13,17 @@
  *
  * Based on: Reshetov et al. 2005, section 4.1.
  */
+#ifndef MLRT_MLRTA_ENTRY_POINT_H
+#define MLRT_MLRTA_ENTRY_POINT_H
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "mlrta/beam.h"
+#include "mlrta/beam_culling.h"
+#include "mlrta/covering.h"
+#include "mlrta/interval_traversal.h"
+#include "mlrta/outline.h"
 
 /* Triangles of a leaf that are tried as covers: in larger leaves one triangle rarely covers a beam. */
 #define COVER_TRIAL_LIMIT 8
@@ -210,3 +221,5 @@ static int find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, s
     return list->count == 1 && *cover != MLRT_NONE && job->whole_tiles && beam->is_unlimited ? BEAM_IS_COVERED
                                                                                              : BEAM_ENTERS;
 }
+
+#endif

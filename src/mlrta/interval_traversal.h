@@ -12,6 +12,18 @@
  *
  * Based on: Reshetov et al. 2005, section 4.3.
  */
+#ifndef MLRT_MLRTA_INTERVAL_TRAVERSAL_H
+#define MLRT_MLRTA_INTERVAL_TRAVERSAL_H
+
+#include <math.h>
+
+#include "base/counters.h"
+#include "mlrta/kdtree.h"
+#include "mlrta/outline.h"
+#include "mlrta/packet_filter.h"
+#include "mlrta/ray_group.h"
+#include "mlrta/triangle_setup.h"
+#include "rays/extremes.h"
 
 /* A node, and a box that contains all that matters of its cell. */
 struct entry_point {
@@ -184,3 +196,5 @@ static void traverse_interval(const struct mlrt_job *job, const struct entry_lis
         traverse_list(job, list, &group, packet, worker);
     }
 }
+
+#endif

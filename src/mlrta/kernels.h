@@ -2,7 +2,11 @@
 /*
  * All kernels for the kd-tree, likewise (trace/kernels.h).
  */
-#include "trace/shared.h"
+#ifndef MLRT_MLRTA_KERNELS_H
+#define MLRT_MLRTA_KERNELS_H
+
+#include "base/counters.h"
+#include "job/job.h"
 
 #include "mlrta/outline.h"
 #include "mlrta/ray_group.h"
@@ -16,3 +20,5 @@
 #include "mlrta/levels.h"
 
 const struct mlrt_kernels KERNELS = {.trace_tile = trace_tile, .counts = MLRT_COUNTING, .picture = &mlrt_plain_picture};
+
+#endif

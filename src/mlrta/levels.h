@@ -8,6 +8,19 @@
  *
  * Based on: Reshetov et al. 2005, section 4.2.
  */
+#ifndef MLRT_MLRTA_LEVELS_H
+#define MLRT_MLRTA_LEVELS_H
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "hits/results.h"
+#include "hits/shadow_ray.h"
+#include "mlrta/beam.h"
+#include "mlrta/entry_point.h"
+#include "mlrta/interval_traversal.h"
+#include "mlrta/masked_traversal.h"
+#include "mlrta/triangle_setup.h"
 
 /* Traces the active rays of a packet. */
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
@@ -147,3 +160,5 @@ static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
         trace_blocks(job, worker, tile, &root);
     }
 }
+
+#endif

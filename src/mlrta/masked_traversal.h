@@ -8,6 +8,16 @@
  * Based on: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing",
  * Eurographics 2001.
  */
+#ifndef MLRT_MLRTA_MASKED_TRAVERSAL_H
+#define MLRT_MLRTA_MASKED_TRAVERSAL_H
+
+#include "base/counters.h"
+#include "mlrta/kdtree.h"
+#include "mlrta/packet_filter.h"
+#include "mlrta/ray_group.h"
+#include "mlrta/triangle_setup.h"
+#include "rays/extremes.h"
+#include "simd/simd.h"
 
 /* Vectors that hold the four lanes of a 2x2 packet, or the one vector that holds them and others. */
 #define PACKET2_VECTORS (VW < 4 ? 4 / VW : 1)
@@ -175,3 +185,5 @@ static void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *pack
         }
     }
 }
+
+#endif

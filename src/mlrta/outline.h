@@ -10,6 +10,15 @@
  *
  * Groups are narrow (ray_group.h), so no ray of one has a main component of 0.
  */
+#ifndef MLRT_MLRTA_OUTLINE_H
+#define MLRT_MLRTA_OUTLINE_H
+
+#include <math.h>
+
+#include "job/job.h"
+#include "mlrta/covering.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
 
 /* An axis and its sign in one number. */
 MLRT_INLINE uint32_t axis_code(int axis, int negative)
@@ -71,3 +80,5 @@ MLRT_INLINE uint32_t overlapping_lanes(const struct ray_slopes *slopes, const st
     }
     return lanes;
 }
+
+#endif

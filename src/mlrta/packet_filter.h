@@ -3,6 +3,16 @@
  * A packet against one triangle, as triangle_filter.h has it: rays of one origin by the triangle's set-up, others lane
  * by lane.
  */
+#ifndef MLRT_MLRTA_PACKET_FILTER_H
+#define MLRT_MLRTA_PACKET_FILTER_H
+
+#include "base/counters.h"
+#include "hits/close_calls.h"
+#include "hits/outcome.h"
+#include "hits/triangle_filter.h"
+#include "mlrta/ray_group.h"
+#include "scene/masks.h"
+#include "simd/simd.h"
 
 /* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
 struct triangle_terms {
@@ -146,3 +156,5 @@ static uint32_t test_triangle_from_anywhere(const struct mlrt_tree *tree, uint32
 {
     return test_triangle(tree, number, NULL, group, lanes, packet, worker);
 }
+
+#endif

@@ -6,6 +6,15 @@
  * A group has common signs: d_k >= 0 for all its rays, or d_k < 0 for all. And it is narrow: traced as one, it visits
  * all that lies between its rays. What is left over forms further groups.
  */
+#ifndef MLRT_MLRTA_RAY_GROUP_H
+#define MLRT_MLRTA_RAY_GROUP_H
+
+#include <math.h>
+
+#include "mlrta/outline.h"
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
 
 /* Directions of a group differ by at most this share of their length. Chosen on the shadow rays of conference, where
  * blocks on silhouettes are wide: 4600 ms without a limit, 500 ms at 0.1, 230 ms at 0.05, no further gain below. */
@@ -211,3 +220,5 @@ MLRT_INLINE uint32_t touched_lanes(const struct ray_group *group, const struct m
     if (outline->least_depth > farthest * group->axis[group->axis_code & 3].reach * (1 + SLOPE_SLACK)) return 0;
     return overlapping_lanes(&group->slopes, outline) & group->lanes;
 }
+
+#endif

@@ -10,8 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "scene/clip.h"
 #include "base/platform.h"
+#include "base/progress.h"
+#include "scene/clip.h"
 
 uint32_t mlrt_float_key(float x)
 {

@@ -11,11 +11,11 @@
  *
  * A reference whose box is flat in an axis is called planar there. It goes to one side of a plane that it lies in.
  */
-#ifndef MLRT_SPLIT_H
-#define MLRT_SPLIT_H
+#ifndef MLRT_MLRTA_SPLIT_H
+#define MLRT_MLRTA_SPLIT_H
 
-#include "mlrta/kdtree.h"
 #include "base/progress.h"
+#include "exact/triangle.h"
 
 /* A triangle in a cell: `box` holds the part of it that lies in the cell, and is in the cell. */
 struct mlrt_reference {

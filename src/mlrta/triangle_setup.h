@@ -3,6 +3,16 @@
  * What packets with a common origin share about a triangle: where it is seen from there, and the terms of its edge
  * functions. A worker keeps a small table of both for the packets of the neighbourhood.
  */
+#ifndef MLRT_MLRTA_TRIANGLE_SETUP_H
+#define MLRT_MLRTA_TRIANGLE_SETUP_H
+
+#include <math.h>
+#include <string.h>
+
+#include "hits/triangle_filter.h"
+#include "mlrta/outline.h"
+#include "mlrta/ray_group.h"
+#include "rays/extremes.h"
 
 static void forget_setups(const float apex[3], struct mlrt_worker *worker)
 {
@@ -66,3 +76,5 @@ MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float 
     setup->in_plane = !MLRT_GUESS && MLRT_UNLIKELY(fabsf(setup->distance) <= setup->distance_bound) &&
                       mlrt_side_of_plane(triangle, apex) == 0;
 }
+
+#endif

@@ -19,8 +19,8 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "rays/packet.h"
 #include "exact/rounding.h"
+#include "mlrta/beam.h"
 
 #define PIXEL_LIMIT (1u << 23)
 

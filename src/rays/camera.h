@@ -2,11 +2,11 @@
 /*
  * The camera: the one formula that makes a pixel's ray (rule R7), and the beam around a tile of such rays.
  */
-#ifndef MLRT_CAMERA_H
-#define MLRT_CAMERA_H
+#ifndef MLRT_RAYS_CAMERA_H
+#define MLRT_RAYS_CAMERA_H
 
-#include "mlrta/beam.h"
 #include "mlrt.h"
+#include "mlrta/beam.h"
 
 /* A checked camera. Pixels are counted from the crop's first. */
 struct mlrt_view {

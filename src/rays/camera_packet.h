@@ -2,6 +2,13 @@
 /*
  * The rays of a camera's block: the formula of camera.h, a vector of pixels at a time, to the same bits.
  */
+#ifndef MLRT_RAYS_CAMERA_PACKET_H
+#define MLRT_RAYS_CAMERA_PACKET_H
+
+#include <string.h>
+
+#include "rays/check_packet.h"
+#include "simd/simd.h"
 
 static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t lanes,
                                struct mlrt_packet *packet)
@@ -26,3 +33,5 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
     packet->active = mlrt_are_float_safe(view->eye) ? valid & checked.safe : 0;
     packet->single = valid & ~packet->active;
 }
+
+#endif

@@ -3,6 +3,13 @@
  * What nearest.h's mlrt_make_segment and source.h's mlrt_is_safe_ray say of one ray, for the rays of a packet as a source
  * gave them (mlrt_fetch_packet), a vector at a time.
  */
+#ifndef MLRT_RAYS_CHECK_PACKET_H
+#define MLRT_RAYS_CHECK_PACKET_H
+
+#include <math.h>
+
+#include "rays/source.h"
+#include "simd/simd.h"
 
 /* What there is to know of vectors, a lane each. */
 struct checked_vectors {
@@ -146,3 +153,5 @@ MLRT_INLINE vi numbers_in_mesh(const struct known_mesh *mesh, vi triangle)
     const vi number = i_sub(triangle, i_set1(0u - mesh->range.first));
     return i_select(i_lt(triangle, i_set1(mesh->range.count)), number, i_set1(MLRT_NONE));
 }
+
+#endif

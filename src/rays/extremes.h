@@ -4,6 +4,13 @@
  * quotients are moved apart, as shares of themselves, to be safe from rounding: those of reciprocals
  * (interval_traversal.h, trace/single.h) and of slopes (mlrta/outline.h, trace/hulls.h).
  */
+#ifndef MLRT_RAYS_EXTREMES_H
+#define MLRT_RAYS_EXTREMES_H
+
+#include <math.h>
+
+#include "rays/packet.h"
+#include "simd/simd.h"
 
 #define RECIPROCAL_SLACK 0x1p-21f
 
@@ -38,3 +45,5 @@ struct extremes {
 };
 
 #define NO_EXTREMES ((struct extremes){v_set1(INFINITY), v_set1(INFINITY)})
+
+#endif

@@ -2,6 +2,12 @@
 /*
  * The rays of a picture's blocks.
  */
+#ifndef MLRT_RAYS_FETCH_BLOCK_H
+#define MLRT_RAYS_FETCH_BLOCK_H
+
+#include "rays/camera_packet.h"
+#include "rays/check_packet.h"
+#include "rays/rectangle.h"
 
 /*
  * The rays of a block of any source, in two steps. Who makes many packets should take the first step for all of them:
@@ -24,3 +30,5 @@ static void check_block(const struct mlrt_source *source, uint32_t lanes, struct
     if (packet->has_skip) mlrt_number_skips(source->tree, packet);
     check_packet(lanes, packet);
 }
+
+#endif

@@ -10,12 +10,11 @@
  * boxes that is asked in their units (units.h). Other rays that can hit something are `single`, and go through the
  * tree one by one in double.
  */
-#ifndef MLRT_PACKET_H
-#define MLRT_PACKET_H
+#ifndef MLRT_RAYS_PACKET_H
+#define MLRT_RAYS_PACKET_H
 
 #include <stdint.h>
 
-#include "mlrta/kdtree.h"
 #include "base/platform.h"
 
 #define MLRT_PACKET_RAYS 16

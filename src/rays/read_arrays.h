@@ -3,6 +3,14 @@
  * The rays of a tile out of the caller's arrays, whatever their strides: a whole block a vector at a time. Blocks at the
  * end of a list, and those of which rows do not share elements evenly, are read by source.c.
  */
+#ifndef MLRT_RAYS_READ_ARRAYS_H
+#define MLRT_RAYS_READ_ARRAYS_H
+
+#include <math.h>
+#include <string.h>
+
+#include "rays/check_packet.h"
+#include "simd/simd.h"
 
 /* How the elements of a block lie: neighbours of a row, and rows, in bytes apart. Elements of twelve bytes with nothing
  * between them are packed; behind some others a word follows that is an element of another array. */
@@ -183,3 +191,5 @@ static void read_whole_block(const struct array_reader *reader, uint32_t x, uint
     packet->has_skip = reader->skip.data != NULL;
     if (packet->has_skip) read_skips(&reader->skip, origin, source->tree, known, packet);
 }
+
+#endif

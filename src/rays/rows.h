@@ -3,8 +3,8 @@
  * Rows of pixels in a list of rays whose caller did not say how long they are. Squares of neighbours are faster than
  * pieces of rows.
  */
-#ifndef MLRT_ROWS_H
-#define MLRT_ROWS_H
+#ifndef MLRT_RAYS_ROWS_H
+#define MLRT_RAYS_ROWS_H
 
 #include "rays/source.h"
 

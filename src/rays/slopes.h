@@ -2,8 +2,10 @@
 /*
  * What slopes as seen from an apex are held against, by the kernels and by who makes cells for them.
  */
-#ifndef MLRT_SLOPES_H
-#define MLRT_SLOPES_H
+#ifndef MLRT_RAYS_SLOPES_H
+#define MLRT_RAYS_SLOPES_H
+
+#include "mlrt.h"
 
 /* Slopes are moved apart by this part of themselves: more than what roundings change (trace/hulls.h,
  * trace/outline.h, mlrta/outline.h). */

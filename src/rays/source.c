@@ -11,8 +11,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "exact/nearest.h"
 #include "base/structs.h"
+#include "exact/nearest.h"
 #include "simd/quad.h"
 
 /* ---- checking ---- */

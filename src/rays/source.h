@@ -6,12 +6,13 @@
  * A plain list is a picture four rays wide: so 16 neighbours in the list are a block, and a tile of n x n is 4 n of
  * them.
  */
-#ifndef MLRT_SOURCE_H
-#define MLRT_SOURCE_H
+#ifndef MLRT_RAYS_SOURCE_H
+#define MLRT_RAYS_SOURCE_H
 
+#include "exact/predicate.h"
 #include "rays/camera.h"
 #include "rays/packet.h"
-#include "exact/predicate.h"
+#include "scene/tree.h"
 
 enum mlrt_source_kind {
     MLRT_SOURCE_CAMERA,

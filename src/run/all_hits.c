@@ -7,11 +7,12 @@
 #include <math.h>
 
 #include "base/counters.h"
-#include "base/memory.h"
-#include "hits/sink.h"
 #include "base/progress.h"
+#include "base/run_options.h"
 #include "base/scheduler.h"
 #include "base/structs.h"
+#include "exact/hit_list.h"
+#include "hits/sink.h"
 #include "run/trace_ray.h"
 
 #define ITEM_RAYS 256

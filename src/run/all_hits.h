@@ -2,8 +2,8 @@
 /*
  * All hits of rays, into the caller's arrays.
  */
-#ifndef MLRT_ALL_HITS_H
-#define MLRT_ALL_HITS_H
+#ifndef MLRT_RUN_ALL_HITS_H
+#define MLRT_RUN_ALL_HITS_H
 
 #include "base/run_options.h"
 #include "rays/source.h"

@@ -2,8 +2,8 @@
 /*
  * Which processor gets which kernels.
  */
-#ifndef MLRT_DISPATCH_H
-#define MLRT_DISPATCH_H
+#ifndef MLRT_RUN_DISPATCH_H
+#define MLRT_RUN_DISPATCH_H
 
 #include "job/job.h"
 

@@ -10,7 +10,10 @@
 #include "run/trace_ray.h"
 
 #include "bvh/ray.h"
+#include "exact/hit_list.h"
+#include "exact/nearest.h"
 #include "exact/ray_interval.h"
+#include "mlrta/kdtree.h"
 
 /* The part of the ray inside the closed box, or a little more. 0 if there is surely none. */
 static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciprocal[3], const struct mlrt_box *box,

@@ -2,10 +2,9 @@
 /*
  * One ray through the tree, the textbook way: what every other path must match.
  */
-#ifndef MLRT_TRACE_RAY_H
-#define MLRT_TRACE_RAY_H
+#ifndef MLRT_RUN_TRACE_RAY_H
+#define MLRT_RUN_TRACE_RAY_H
 
-#include "exact/nearest.h"
 #include "exact/hit_list.h"
 
 /*

@@ -9,11 +9,12 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "base/memory.h"
 #include "base/progress.h"
+#include "base/run_options.h"
 #include "base/scheduler.h"
-#include "trace/ray_tile.h"
+#include "hits/sink.h"
 #include "hits/undecided.h"
+#include "rays/rectangle.h"
 #include "simd/sixteen.h"
 
 struct run {

@@ -2,11 +2,11 @@
 /*
  * From a job to its results: tiles, workers, counters.
  */
-#ifndef MLRT_RENDER_H
-#define MLRT_RENDER_H
+#ifndef MLRT_RUN_WORKERS_H
+#define MLRT_RUN_WORKERS_H
 
-#include "job/job.h"
 #include "base/run_options.h"
+#include "job/job.h"
 
 /*
  * Runs a job. Its source, sinks, method and tile sizes are set; without counters job->kernels do not count. Each item

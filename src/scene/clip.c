@@ -35,11 +35,11 @@
  */
 #include "scene/clip.h"
 
-#include "base/platform.h"
-#include "exact/rounding.h"
-
 #include <math.h>
 #include <string.h>
+
+#include "base/platform.h"
+#include "exact/rounding.h"
 
 #define MARGIN 0x1p-47
 

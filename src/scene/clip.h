@@ -6,10 +6,10 @@
  * box. They are as tight as double arithmetic shows, rounded outward to float. Coordinates are finite; any magnitude
  * will do.
  */
-#ifndef MLRT_CLIP_H
-#define MLRT_CLIP_H
+#ifndef MLRT_SCENE_CLIP_H
+#define MLRT_SCENE_CLIP_H
 
-#include "mlrta/kdtree.h"
+#include "exact/triangle.h"
 
 /* Two boxes, below and above a plane, and which of the two the triangle can touch. */
 struct mlrt_halves {

@@ -2,10 +2,10 @@
 /*
  * Masks: a ray sees the triangles whose mask has a bit in common with its own. Nobody asks here who has all bits.
  */
-#ifndef MLRT_VISIBILITY_H
-#define MLRT_VISIBILITY_H
+#ifndef MLRT_SCENE_MASKS_H
+#define MLRT_SCENE_MASKS_H
 
-#include "mlrta/kdtree.h"
+#include "scene/tree.h"
 
 #define MLRT_MASK_ALL 0xFFFFFFFFu
 

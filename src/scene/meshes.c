@@ -6,6 +6,8 @@
 
 #include <string.h>
 
+#include "base/host.h"
+#include "base/progress.h"
 #include "base/structs.h"
 #include "scene/masks.h"
 

@@ -2,12 +2,12 @@
 /*
  * The caller's meshes: checked, and copied into a tree.
  */
-#ifndef MLRT_MESHES_H
-#define MLRT_MESHES_H
+#ifndef MLRT_SCENE_MESHES_H
+#define MLRT_SCENE_MESHES_H
 
 #include "base/host.h"
-#include "mlrta/kdtree.h"
 #include "base/progress.h"
+#include "scene/tree.h"
 
 #define MLRT_TRIANGLE_LIMIT ((1u << 30) - 1) /* leaves count in 30 bits */
 

@@ -2,8 +2,10 @@
 /*
  * Vectors of three in double, DW lanes of each: the products that determinants consist of (predicate.c).
  */
-#ifndef MLRT_KERNELS_DOUBLES_H
-#define MLRT_KERNELS_DOUBLES_H
+#ifndef MLRT_SIMD_DOUBLES_H
+#define MLRT_SIMD_DOUBLES_H
+
+#include "simd/simd.h"
 
 MLRT_INLINE void cross_product_of_doubles(const vd a[3], const vd b[3], vd cross[3])
 {

@@ -127,7 +127,7 @@ MLRT_INLINE f4 f4_gather(const float *p, size_t step)
 {
     return _mm_setr_ps(p[0], p[step], p[2 * step], p[3 * step]);
 }
-/* Words of elements, for simd_*.h: four that lie side by side; two of two; one of each of two in two rows. */
+/* Words of elements, for vocabularies: four that lie side by side; two of two; one of each of two in two rows. */
 MLRT_INLINE __m128 quad_at(const unsigned char *p)
 {
     return _mm_loadu_ps((const float *)(const void *)p);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The vocabulary of the kernels, one lane wide and in plain C: what every other simd_*.h must mean lane by lane.
+ * The vocabulary of the kernels, one lane wide and in plain C: what every other header of a vocabulary must mean lane by lane.
  *
  *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to
  * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN;

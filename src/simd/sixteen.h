@@ -2,10 +2,12 @@
 /*
  * Sixteen words: numbers of triangles, one for each ray of a packet, or each cell.
  */
-#ifndef MLRT_WORDS_H
-#define MLRT_WORDS_H
+#ifndef MLRT_SIMD_SIXTEEN_H
+#define MLRT_SIMD_SIXTEEN_H
 
 #include <stdint.h>
+
+#include "mlrt.h"
 
 /* Which of them are `word`: bit per place. */
 uint32_t mlrt_same_words(const uint32_t words[16], uint32_t word);

@@ -11,14 +11,14 @@
  * Along a ray, distances are measured in depth from its origin: tau = t |d_main|. That is not negative for hits, and a
  * nearer hit has the smaller tau.
  */
-#ifndef MLRT_BUNDLE_H
-#define MLRT_BUNDLE_H
+#ifndef MLRT_TRACE_BUNDLE_H
+#define MLRT_TRACE_BUNDLE_H
 
 #include <math.h>
 
+#include "base/tuning.h"
 #include "bvh/node.h"
 #include "rays/packet.h"
-#include "base/tuning.h"
 
 #define MLRT_BUNDLE_PACKETS 16
 

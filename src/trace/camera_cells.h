@@ -2,6 +2,15 @@
 /*
  * A camera's packets, or tiles of them, as a bundle of which no ray is made: the rectangle of the slopes of each.
  */
+#ifndef MLRT_TRACE_CAMERA_CELLS_H
+#define MLRT_TRACE_CAMERA_CELLS_H
+
+#include <math.h>
+
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
+#include "trace/ray_tile.h"
 
 /* The columns or rows of a camera's pixels that cells begin and end with; 0 for what is beyond `length`. */
 MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
@@ -159,3 +168,5 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
     begin_cells(all, bundle);
     return 1;
 }
+
+#endif

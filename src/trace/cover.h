@@ -26,6 +26,22 @@
  *
  * Based on: Reshetov et al. 2005, section 4.1 (an object that every possible ray hits ends the search).
  */
+#ifndef MLRT_TRACE_COVER_H
+#define MLRT_TRACE_COVER_H
+
+#include <math.h>
+
+#include "hits/close_calls.h"
+#include "hits/triangle_filter.h"
+#include "job/stop.h"
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
+#include "trace/hulls.h"
+#include "trace/leaf.h"
+#include "trace/make_rays.h"
+#include "trace/pair_line.h"
+#include "trace/units.h"
 
 /* One triangle as the packets of a vector meet it. */
 struct triangle_of_packets {
@@ -472,3 +488,5 @@ static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struc
     return bundle->has_places ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
                               : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
 }
+
+#endif

@@ -27,6 +27,18 @@
  *
  * Based on, for frusta against boxes: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
  */
+#ifndef MLRT_TRACE_HULLS_H
+#define MLRT_TRACE_HULLS_H
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "bvh/unit.h"
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
+#include "trace/ray_tile.h"
 
 #define PLACE_ERROR (4 * 0x1p-24f)
 #define PLACE_FLOOR 0x1p-140f
@@ -832,3 +844,5 @@ MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint3
     }
     return met & bundle->tile->packets[place].active;
 }
+
+#endif

@@ -29,6 +29,21 @@
  * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
  * Architecture", 2012 (the way from packets to single rays).
  */
+#ifndef MLRT_TRACE_LANES_H
+#define MLRT_TRACE_LANES_H
+
+#include <float.h>
+#include <math.h>
+
+#include "base/counters.h"
+#include "hits/outcome.h"
+#include "hits/results.h"
+#include "hits/triangle_filter.h"
+#include "rays/check_packet.h"
+#include "rays/extremes.h"
+#include "simd/simd.h"
+#include "trace/single.h"
+#include "trace/units.h"
 
 /* So many lanes, or fewer, go one by one. */
 #define FEW_LANES 4
@@ -543,3 +558,5 @@ static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes
     take_scaled_hits(&scaled, carried);
     if (lanes & ~carried) mlrt_trace_single_rays(job, lanes & ~carried, packet, COUNTERS(worker));
 }
+
+#endif

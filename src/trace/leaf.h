@@ -45,6 +45,26 @@
  * that mirrors triangles, and so the sign of N is that of the side of the plane that the waist is on, not the other one. With
  * N > 0 only D > 0 and edge functions that are not negative are hits. docs/accuracy.md, "Bundles", has all of this as lemmas.
  */
+#ifndef MLRT_TRACE_LEAF_H
+#define MLRT_TRACE_LEAF_H
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "hits/close_calls.h"
+#include "hits/triangle_filter.h"
+#include "hits/undecided.h"
+#include "job/stop.h"
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "scene/masks.h"
+#include "simd/simd.h"
+#include "trace/hulls.h"
+#include "trace/outline.h"
+#include "trace/pair_line.h"
 
 #if MLRT_GUESS
 #define EDGE_ERROR     0.0f
@@ -820,3 +840,5 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     bundle->tests[place] += mlrt_count_bits(triangles & ~met);
     return changed;
 }
+
+#endif

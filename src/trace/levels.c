@@ -5,10 +5,11 @@
 #include "trace/levels.h"
 
 #include "hits/results.h"
-#include "trace/shade.h"
+#include "hits/sink.h"
 #include "job/stop.h"
-#include "trace/make_rays.h"
 #include "simd/sixteen.h"
+#include "trace/make_rays.h"
+#include "trace/shade.h"
 
 /* A list of rays is a picture four rays wide: its tiles are one packet wide. */
 static int is_list(const struct mlrt_source *source)

@@ -8,10 +8,11 @@
  * All of this decides and hands on: what looks at rays, cells and triangles is in the kernels, once per instruction
  * set.
  */
-#ifndef MLRT_LEVELS_H
-#define MLRT_LEVELS_H
+#ifndef MLRT_TRACE_LEVELS_H
+#define MLRT_TRACE_LEVELS_H
 
-#include "trace/ray_tile.h"
+#include "job/job.h"
+#include "rays/rectangle.h"
 
 /* Traces a part of a picture that starts at multiples of 4. */
 void mlrt_trace_levels(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);

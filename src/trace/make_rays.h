@@ -2,8 +2,8 @@
 /*
  * The rays of a tile's packets: making them, and finishing what kernels leave.
  */
-#ifndef MLRT_TILE_PACKETS_H
-#define MLRT_TILE_PACKETS_H
+#ifndef MLRT_TRACE_MAKE_RAYS_H
+#define MLRT_TRACE_MAKE_RAYS_H
 
 #include "trace/ray_tile.h"
 

@@ -21,6 +21,15 @@
  * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, and so p_j / z less than 2^122: infinite ends would be none
  * once they are moved, and a comparison with what is no number leaves a triangle out.
  */
+#ifndef MLRT_TRACE_OUTLINE_H
+#define MLRT_TRACE_OUTLINE_H
+
+#include <math.h>
+
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
 
 /* What is nearer to the waist is no fan. */
 #define LEAST_FAN_DEPTH 0x1p-60f
@@ -152,3 +161,5 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, const st
     }
     return met & among;
 }
+
+#endif

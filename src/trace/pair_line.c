@@ -32,8 +32,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "bvh/unit.h"
-#include "exact/predicate.h"
 #include "hits/undecided.h"
 
 #define HEIGHT_ERROR (10 * MLRT_UNIT_ROUNDOFF)

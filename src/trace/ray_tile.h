@@ -1,41 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the tile method works on: rectangles of a picture, and a tile of sixteen packets.
+ * What the tile method works on: a tile of sixteen packets.
  */
-#ifndef MLRT_TILE_H
-#define MLRT_TILE_H
-
-#include <math.h>
-#include <string.h>
+#ifndef MLRT_TRACE_RAY_TILE_H
+#define MLRT_TRACE_RAY_TILE_H
 
 #include "job/job.h"
-#include "base/tuning.h"
+#include "rays/rectangle.h"
 
 #define MLRT_CELL_COUNT MLRT_BUNDLE_PACKETS
-
-/* A part of a picture, or of a tile. */
-struct mlrt_rectangle {
-    uint32_t x;
-    uint32_t y;
-    uint32_t width;
-    uint32_t height;
-};
-
-/* The piece of `whole` that starts at (x, y) relative to it and has at most this side. */
-MLRT_INLINE struct mlrt_rectangle mlrt_cut_piece(const struct mlrt_rectangle *whole, uint32_t x, uint32_t y,
-                                                 uint32_t side)
-{
-    return (struct mlrt_rectangle){whole->x + x, whole->y + y, whole->width - x < side ? whole->width - x : side,
-                                   whole->height - y < side ? whole->height - y : side};
-}
-
-/* Lanes of a block that exist: in the last row of a list some may not. */
-MLRT_INLINE uint32_t mlrt_existing_lanes(const struct mlrt_source *source, const struct mlrt_rectangle *block)
-{
-    const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
-    const uint64_t past = (uint64_t)(block->y + block->height - 1) * source->width + block->x + block->width;
-    return MLRT_LIKELY(past <= source->count) ? lanes : mlrt_lanes_of_list(source, block->x, block->y, lanes);
-}
 
 /* A tile of sixteen packets: the rays of a bundle, made when they are needed. */
 struct mlrt_ray_tile {

@@ -2,6 +2,13 @@
 /*
  * The rays of a tile's packets, for any source.
  */
+#ifndef MLRT_TRACE_READ_TILE_H
+#define MLRT_TRACE_READ_TILE_H
+
+#include "rays/check_packet.h"
+#include "rays/fetch_block.h"
+#include "rays/read_arrays.h"
+#include "trace/ray_tile.h"
 
 /* Those that exist are active; nothing is checked. */
 static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
@@ -25,3 +32,5 @@ static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile 
         packet->single = 0;
     }
 }
+
+#endif

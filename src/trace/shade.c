@@ -9,8 +9,9 @@
 
 #include "hits/results.h"
 #include "hits/shadow_ray.h"
-#include "trace/make_rays.h"
+#include "hits/sink.h"
 #include "simd/sixteen.h"
+#include "trace/make_rays.h"
 
 static uint32_t lanes_with_hit(const struct mlrt_packet *packet)
 {

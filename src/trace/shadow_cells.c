@@ -16,14 +16,12 @@
  * + 2.1 z) 2.1 / D < 2^-26 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more. Where D is less, bounds are wide,
  * and rays are better.
  */
-#include "hits/shadow_ray.h"
-
 #include <math.h>
 #include <string.h>
 
-#include "trace/bundle.h"
-#include "simd/quad.h"
+#include "hits/shadow_ray.h"
 #include "rays/slopes.h"
+#include "simd/quad.h"
 
 /* The least D, and what places are off by: per z / D, and per what else there is. */
 #define LEAST_STEEPNESS 0x1p-5f

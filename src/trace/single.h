@@ -43,6 +43,20 @@
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
  * Rid of Packets", 2008 (one ray, wide nodes).
  */
+#ifndef MLRT_TRACE_SINGLE_H
+#define MLRT_TRACE_SINGLE_H
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "hits/triangle_filter.h"
+#include "hits/undecided.h"
+#include "rays/extremes.h"
+#include "run/trace_ray.h"
+#include "simd/simd.h"
+#include "trace/units.h"
 
 /*
  * Of PLANE_BOUND's 2^-20 m F G, and of its floor, so that this is not denormal, which would take a hundred cycles. It
@@ -407,4 +421,6 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
     trace_single(job, &reciprocals, 0, 0, rays, &worker);
     return rays->triangle[0];
 }
+#endif
+
 #endif

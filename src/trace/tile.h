@@ -11,6 +11,23 @@
  * Based on: Reshetov et al. 2005 (one traversal for all rays of a tile); I. Wald, S. Boulos, P. Shirley, "Ray Tracing
  * Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007 (frusta against boxes).
  */
+#ifndef MLRT_TRACE_TILE_H
+#define MLRT_TRACE_TILE_H
+
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "rays/check_packet.h"
+#include "simd/simd.h"
+#include "simd/sixteen.h"
+#include "trace/cover.h"
+#include "trace/hulls.h"
+#include "trace/lanes.h"
+#include "trace/leaf.h"
+#include "trace/outline.h"
+#include "trace/single.h"
+#include "trace/units.h"
 
 /* A child that is still to be opened. */
 struct pending_box {
@@ -546,3 +563,5 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
     }
     trace_packets_by_lanes(job, worker, tile, alone);
 }
+
+#endif

@@ -5,6 +5,20 @@
  * its greatest component is 1 .. 2; so t has one, too. What the filters leave undecided is decided with the rays as
  * they were given.
  */
+#ifndef MLRT_TRACE_UNITS_H
+#define MLRT_TRACE_UNITS_H
+
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "bvh/unit.h"
+#include "exact/ray_interval.h"
+#include "exact/rounding.h"
+#include "hits/close_calls.h"
+#include "hits/undecided.h"
+#include "rays/check_packet.h"
+#include "simd/simd.h"
 
 MLRT_INLINE float power_of_two(uint32_t exponent_bits)
 {
@@ -195,3 +209,5 @@ static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, con
     hear_nearest(scaled, 1u << lane, (uint32_t)changed << lane);
     return changed;
 }
+
+#endif
