@@ -24,6 +24,7 @@
 #   make check-abi       exported names, layouts and types against tests/abi; size and needs of the shared object
 #   make update-abi      writes tests/abi anew, after a change that is meant
 #   make check-header    mlrt.h alone, in every C and C++ that there is
+#   make check-layers  what includes what in src: no circle, no arrow upward, each header compiles alone
 #   make check-lemmas    the bounds of bundles (docs/accuracy.md), proven by Gappa if it is installed
 #   make check-tables    the tables of README.md and docs/ are what docs/data says
 #   make check-copies    three copies of the library in one process
@@ -104,7 +105,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 
 .PHONY: all library examples docs demo reproduce format clean
 .PHONY: deps deps-study deps-docs deps-bindings
-.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn test-wheel test-trimesh
+.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
 .SECONDARY:
@@ -384,6 +385,9 @@ check-churn: $(BUILD)/tests/test_churn
 
 check-header:
 	@CC='$(CC)' sh tests/check_header.sh
+
+check-layers:
+	@python3 tests/check_layers.py $(CC)
 
 check-lemmas:
 	@if ! command -v gappa >/dev/null; then echo "check-lemmas: no gappa: nothing proven"; \
