@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The step of many lanes in double between the float filters and the judge of one ray (src/kernels/close_calls.h): its
+ * The step of many lanes in double between the float filters and the judge of one ray (src/hits/close_calls.h): its
  * answers are the judge's, in every instruction set, and its bounds of t are bounds.
  */
 #include "support.h"
@@ -11,11 +11,11 @@
 
 #include "close/close.h"
 #include "hard_scenes.h"
-#include "hit.h"
+#include "exact/nearest.h"
 #include "hostile_rays.h"
-#include "progress.h"
-#include "stop.h"
-#include "undecided.h"
+#include "base/progress.h"
+#include "job/stop.h"
+#include "hits/undecided.h"
 
 static uint32_t lanes_left; /* to the judge, since the last time that this was 0 */
 
