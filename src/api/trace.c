@@ -13,7 +13,7 @@
 #include "exact/nearest.h"
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
@@ -101,6 +101,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     }
 
     job->tree = tree;
+    job->trace_segment = mlrt_trace_segment;
     job->any = options->query == MLRT_QUERY_ANY;
     job->method = resolve_method(options->method, tree);
     if (job->method == MLRT_METHOD_DEFAULT) return MLRT_ERROR_UNSUPPORTED;

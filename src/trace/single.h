@@ -54,8 +54,9 @@
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
 #include "rays/extremes.h"
-#include "run/trace_ray.h"
+#include "scene/masks.h"
 #include "simd/simd.h"
+#include "trace/bundle.h"
 #include "trace/units.h"
 
 /*
@@ -407,7 +408,7 @@ static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray
             packet.lo[lane] = packet.hi[lane] = packet.hi[0];
         }
         if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) {
-            return mlrt_trace_segment(job->tree, segment, skip, job->any, NULL);
+            return job->trace_segment(job->tree, segment, skip, job->any, NULL);
         }
         worker.scaled = &scaled;
         rays = &scaled.rays;
