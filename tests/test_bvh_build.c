@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whole hierarchies of boxes: every one must keep the invariants of bvh.h (mlrt_check_bvh), whatever the triangles are,
+ * Whole hierarchies of boxes: every one must keep the invariants of bvh/node.h (mlrt_check_bvh), whatever the triangles are,
  * and be the same for any number of threads.
  */
 #include <setjmp.h>
@@ -14,8 +14,9 @@
 #include <float.h>
 #include <math.h>
 
-#include "bvh_build.h"
-#include "bvh_check.h"
+#include "bvh/build.h"
+#include "bvh/check.h"
+#include "bvh/node.h"
 #include "support.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */

@@ -12,9 +12,11 @@
 #include <string.h>
 #include <sys/mman.h>
 
-#include "bvh_check.h"
+#include "bvh/check.h"
 #include "forged_files.h"
-#include "kdtree_check.h"
+#include "mlrta/check.h"
+#include "bvh/node.h"
+#include "mlrta/kdtree.h"
 #include "support.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */

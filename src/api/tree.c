@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Trees as the caller sees them: building one, what it will need and what it took, and its end.
+ */
+#include <string.h>
+
+#include "api/save.h"
+#include "base/host.h"
+#include "base/platform.h"
+#include "base/progress.h"
+#include "base/structs.h"
+#include "bvh/build.h"
+#include "mlrta/build.h"
+#include "mlrta/kdtree.h"
+#include "scene/meshes.h"
+
+/* ---- options ---- */
+
+/*
+ * A call that builds: what it is to build, and its options and host, checked, in whatever version they came. The
+ * options of both builders begin with the same fields, up to memory_limit.
+ */
+struct call {
+    uint32_t structure; /* MLRT_STRUCTURE_* */
+    union {
+        mlrt_tree_options tree;
+        mlrt_kdtree_options kdtree;
+    } options;
+    struct mlrt_voice voice;
+};
+
+/* What both have lies where `take_options` and `build_tree` read it, whichever it is. */
+#define SAME_PLACE(field) (offsetof(mlrt_tree_options, field) == offsetof(mlrt_kdtree_options, field))
+typedef char options_begin_alike[SAME_PLACE(preset) && SAME_PLACE(traversal_cost) && SAME_PLACE(intersection_cost) &&
+                                         SAME_PLACE(message) && SAME_PLACE(message_size) && SAME_PLACE(host) &&
+                                         SAME_PLACE(memory_limit)
+                                     ? 1
+                                     : -1];
+
+/* The name of an option that is out of its range; NULL if none is. */
+static MLRT_NOINLINE const char *find_wrong_option(const struct call *call)
+{
+    const int is_kdtree = call->structure == MLRT_STRUCTURE_KDTREE;
+    const mlrt_tree_options *both = &call->options.tree;
+    const mlrt_kdtree_options *kdtree = &call->options.kdtree;
+    if (both->preset < 0 || both->preset > (is_kdtree ? MLRT_KDTREE_TUNED : MLRT_TREE_BEST)) return "preset";
+    if (!(both->traversal_cost >= 0 && both->traversal_cost <= 1e6f)) return "traversal_cost";
+    if (!(both->intersection_cost >= 0 && both->intersection_cost <= 1e6f)) return "intersection_cost";
+    if (is_kdtree && kdtree->max_depth > MLRT_DEPTH_LIMIT) return "max_depth";
+    if (is_kdtree && kdtree->rules_off & ~31u) return "rules_off";
+    return NULL;
+}
+
+static MLRT_NOINLINE int32_t take_options(const void *given, uint32_t structure, struct call *call)
+{
+    const size_t size = structure == MLRT_STRUCTURE_KDTREE ? sizeof call->options.kdtree : sizeof call->options.tree;
+    memset(call, 0, sizeof *call);
+    call->structure = structure;
+    if (given) {
+        const int32_t status = mlrt_take_struct(given, size, &call->options, size);
+        if (status != MLRT_OK) return status;
+    }
+    call->voice.message = call->options.tree.message;
+    call->voice.message_size = call->options.tree.message_size;
+    mlrt_begin_message(&call->voice);
+    const int32_t status = mlrt_take_host(call->options.tree.host, &call->voice.host);
+    if (status != MLRT_OK) return status;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const char *wrong = find_wrong_option(call);
+    mlrt_leave_fp_environment(environment);
+    if (!wrong) return MLRT_OK;
+    mlrt_explain(&call->voice, "options.%s is out of its range", wrong);
+    return MLRT_ERROR_ARGUMENT;
+}
+
+/* ---- building ---- */
+
+static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call, struct mlrt_tree *tree)
+{
+    const int is_kdtree = call->structure == MLRT_STRUCTURE_KDTREE;
+    struct mlrt_progress progress;
+    int32_t status = mlrt_check_meshes(meshes, mesh_count, &tree->triangle_count);
+    if (status != MLRT_OK) return status;
+    const double work = MLRT_COPY_WORK + (is_kdtree ? MLRT_KDTREE_WORK : MLRT_BVH_WORK);
+    mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
+    status = mlrt_copy_meshes(meshes, mesh_count, &call->voice, &progress, tree);
+    if (status == MLRT_OK) {
+        status = is_kdtree ? mlrt_build_nodes(tree, &call->options.kdtree, &progress)
+                           : mlrt_build_bvh(tree, &call->options.tree, &progress);
+    }
+    return mlrt_end_progress(&progress, status);
+}
+
+struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_memory *memory)
+{
+    struct mlrt_memory own = *memory;
+    struct mlrt_tree *tree = mlrt_allocate_zeroed(&own, 1, sizeof *tree);
+    if (tree) tree->memory = own;
+    return tree;
+}
+
+static void tell_result(const struct mlrt_voice *voice, const mlrt_tree_info *info)
+{
+    const uint64_t left_out = info->non_finite_count + info->zero_area_count;
+    if (!voice->host.log) return;
+    if (left_out) {
+        mlrt_log(voice, MLRT_LOG_WARNING, "%.0f triangles can never be hit: %.0f are not finite, %.0f have no area",
+                 (double)left_out, (double)info->non_finite_count, (double)info->zero_area_count);
+    }
+    mlrt_log(voice, MLRT_LOG_INFO, "tree of %.0f triangles: %.0f bytes, %.0f at most, in %.3f s",
+             (double)info->triangle_count, (double)info->memory_size, (double)info->peak_memory_size,
+             info->build_seconds);
+}
+
+static void tell_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
+{
+    const uint64_t limit = call->options.tree.memory_limit;
+    if (status == MLRT_ERROR_OUT_OF_MEMORY && limit) {
+        mlrt_explain(&call->voice, "out of memory: %.0f bytes held, limit %.0f", (double)memory->held_size,
+                     (double)limit);
+    } else if (status == MLRT_ERROR_CANCELLED) {
+        mlrt_log(&call->voice, MLRT_LOG_INFO, "stopped by the host");
+    } else if (status != MLRT_ERROR_INDEX_RANGE) {
+        mlrt_explain(&call->voice, "%s", mlrt_status_string(status));
+    }
+}
+
+static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call,
+                                        mlrt_tree **tree)
+{
+    const double start = mlrt_seconds_now();
+    const struct mlrt_memory memory = mlrt_host_memory(&call->voice.host, call->options.tree.memory_limit);
+    struct mlrt_tree *made = mlrt_allocate_tree(&memory);
+    const int32_t status = made ? fill_tree(meshes, mesh_count, call, made) : MLRT_ERROR_OUT_OF_MEMORY;
+    if (status != MLRT_OK) {
+        tell_failure(call, made ? &made->memory : &memory, status);
+        mlrt_destroy_tree(made);
+        return status;
+    }
+    made->structure = call->structure;
+    made->info.struct_size = sizeof made->info;
+    made->info.structure = call->structure;
+    made->info.triangle_count = made->triangle_count;
+    made->info.memory_size = made->memory.held_size;
+    made->info.peak_memory_size = made->memory.peak_size;
+    made->info.build_seconds = mlrt_seconds_now() - start;
+    made->memory.limit_size = 0;
+    tell_result(&call->voice, &made->info);
+    *tree = made;
+    return MLRT_OK;
+}
+
+static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
+                     mlrt_tree **tree)
+{
+    if (!tree) return MLRT_ERROR_ARGUMENT;
+    *tree = NULL;
+    struct call call;
+    int32_t status = take_options(options, structure, &call);
+    if (status != MLRT_OK) return status;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = build_tree(meshes, mesh_count, &call, tree);
+    mlrt_leave_fp_environment(environment);
+    return status;
+}
+
+MLRT_API int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
+                                 mlrt_tree **tree)
+{
+    return build(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, tree);
+}
+
+MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
+                                   mlrt_tree **tree)
+{
+    return build(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, tree);
+}
+
+/* ---- the finished tree ---- */
+
+MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
+{
+    if (!tree) return;
+    mlrt_return_arrays(tree);
+    mlrt_free_meshes(tree);
+    mlrt_free_bvh(tree);
+    mlrt_free(&tree->memory, tree->nodes, tree->node_count, sizeof *tree->nodes);
+    mlrt_free(&tree->memory, tree->references, tree->reference_count, sizeof *tree->references);
+    struct mlrt_memory memory = tree->memory;
+    mlrt_free(&memory, tree, 1, sizeof *tree);
+}
+
+MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
+{
+    if (!tree || !info) return MLRT_ERROR_ARGUMENT;
+    const int32_t status = mlrt_check_result_size(info, sizeof *info, sizeof *info);
+    if (status == MLRT_OK) mlrt_give_struct(&tree->info, sizeof tree->info, info);
+    return status;
+}
+
+/* ---- memory, before ---- */
+
+static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_count, int have_masks, size_t mesh_count,
+                                  mlrt_memory_estimate *estimate)
+{
+    const uint64_t size = sizeof(struct mlrt_triangle) + (have_masks ? sizeof(uint32_t) : 0);
+    const uint64_t always = sizeof(struct mlrt_tree) + triangle_count * size + mesh_count * 3 * sizeof(uint32_t);
+    const struct mlrt_demand demand = call->structure == MLRT_STRUCTURE_KDTREE
+                                          ? mlrt_foresee_nodes(&call->options.kdtree, triangle_count)
+                                          : mlrt_foresee_bvh(&call->options.tree, triangle_count);
+    estimate->memory_size = always + demand.held_size;
+    estimate->peak_memory_size = always + demand.peak_size;
+}
+
+static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
+                               mlrt_memory_estimate *estimate)
+{
+    if (!estimate) return MLRT_ERROR_ARGUMENT;
+    mlrt_memory_estimate own;
+    struct call call;
+    uint32_t triangle_count;
+    int32_t status =
+        mlrt_check_result_size(estimate, MLRT_SIZE_UP_TO(mlrt_memory_estimate, peak_memory_size), sizeof own);
+    if (status == MLRT_OK) status = take_options(options, structure, &call);
+    if (status == MLRT_OK) status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
+    if (status != MLRT_OK) return status;
+    memset(&own, 0, sizeof own);
+    const uint64_t environment = mlrt_enter_fp_environment();
+    foresee(&call, triangle_count, mlrt_have_masks(meshes, mesh_count), mesh_count, &own);
+    mlrt_leave_fp_environment(environment);
+    mlrt_give_struct(&own, sizeof own, estimate);
+    return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
+                                    mlrt_memory_estimate *estimate)
+{
+    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, estimate);
+}
+
+MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
+                                      mlrt_memory_estimate *estimate)
+{
+    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, estimate);
+}
