@@ -399,7 +399,7 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
 static int finish_bundle(int has_places)
 {
     bundle.has_places = has_places;
-    bundle.is_apex = !has_places;
+    bundle.is_apex = !has_places && find_apex(&bundle, bundle.apex);
     const uint32_t fit = bound_from_anywhere(&bundle, 0), active = tile.packets[0].active;
     if ((fit & active) != active || !hulls_fit(&bundle, 1)) return 0;
     assert_int_equal(bundle.apexes, !has_places);
