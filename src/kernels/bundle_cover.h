@@ -358,8 +358,7 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 
 /*
  * Packets without rays that end before the triangle that they pass (../shadow_cells.c), and so before another one that they
- * come to later, or that lies in its plane. They may come to that plane beside the triangle: what a line without an error
- * says, of rays that hit it, does not hold for them.
+ * come to later, or that lies in its plane.
  */
 static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                   struct mlrt_bundle *bundle, uint32_t number, uint32_t places, int v,
@@ -376,7 +375,7 @@ static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, st
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, skip, worker, bundle->cache);
         if (line->kind == MLRT_ONE_PLANE) {
             behind |= same;
-        } else if (line->kind == MLRT_LINE && line->error > 0) {
+        } else if (line->kind == MLRT_LINE) {
             struct order_of_packets order;
             find_order(hulls, line, v, of, &order);
             behind |= same & m_bits(order.farther);
