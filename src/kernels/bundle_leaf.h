@@ -611,6 +611,16 @@ struct plane_of_rays {
     vm begun;    /* after the ray begins */
 };
 
+/* Makes a triangle the nearest hit of lanes. */
+MLRT_INLINE void keep_plane(const struct plane_of_rays *plane, uint32_t number, vm hit, struct bundle_vector *of)
+{
+    of->least_n = v_select(hit, plane->least_n, of->least_n);
+    of->greatest_n = v_select(hit, plane->greatest_n, of->greatest_n);
+    of->least_d = v_select(hit, plane->least_d, of->least_d);
+    of->greatest_d = v_select(hit, plane->greatest_d, of->greatest_d);
+    of->triangle = i_select(hit, i_set1(number), of->triangle);
+}
+
 /*
  * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
  * returns the lanes that are left undecided. Quotients of bounds are compared as products: rounding is monotone, so that if one
@@ -648,11 +658,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     if (!has_places) open = m_andnot(open, v_lt(plane->greatest_d, v_set1(0)));
     uint32_t undecided = m_bits(open);
     if (MLRT_GUESS) hit = m_and(m_and(candidates, m_and(nearer, plane->begun)), v_gt(size, v_set1(0))), undecided = 0;
-    of->least_n = v_select(hit, plane->least_n, of->least_n);
-    of->greatest_n = v_select(hit, plane->greatest_n, of->greatest_n);
-    of->least_d = v_select(hit, plane->least_d, of->least_d);
-    of->greatest_d = v_select(hit, plane->greatest_d, of->greatest_d);
-    of->triangle = i_select(hit, i_set1(leaf->numbers[triangle]), of->triangle);
+    keep_plane(plane, leaf->numbers[triangle], hit, of);
     return undecided;
 }
 
@@ -664,10 +670,14 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
     const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
     const vf bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
     vf f = v_set1(line->constant), d = v_set1(line->normal[0]);
-    for (int i = 0; i < (bundle->has_places ? MLRT_RAY_TERMS : 2); ++i) {
-        const vf term = v_load(rays->term[i] + v);
-        f = v_mul_add(v_set1(line->coefficient[i]), term, f);
-        if (i < 2) d = v_mul_add(v_set1(line->normal[1 + i]), term, d);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        const vf slope = v_load(rays->term[i] + v);
+        f = v_mul_add(v_set1(line->coefficient[i]), slope, f);
+        d = v_mul_add(v_set1(line->normal[1 + i]), slope, d);
+    }
+    for (int i = 2; bundle->has_places && i < MLRT_RAY_TERMS; ++i) {
+        f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
     }
     const vf signed_f = v_flip(f, d);
     const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * reach));
@@ -681,22 +691,25 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
  */
 static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                            struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
-                                           vm inside, const struct plane_of_rays *plane, int v)
+                                           vm inside, const struct plane_of_rays *plane, int v,
+                                           struct bundle_vector *of)
 {
-    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    MLRT_ALIGNED(64) uint32_t nearest_of[VW];
+    const vi nearest_hits = of->triangle;
     uint32_t left = lanes;
     if (mlrt_is_stopped_in_step(worker)) return 0;
+    i_store(nearest_of, nearest_hits);
     while (lanes) {
-        const uint32_t nearest = packet->triangle[(uint32_t)v + mlrt_lowest_bit(lanes)];
-        const vi triangle = i_load(packet->triangle + v);
-        const uint32_t same = lanes & m_bits(i_eq(triangle, i_set1(nearest)));
+        const uint32_t nearest = nearest_of[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & m_bits(i_eq(nearest_hits, i_set1(nearest)));
         lanes &= ~same;
         if (nearest == MLRT_NONE) continue;
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
-        if (line->kind == MLRT_ONE_PLANE) {
-            left &= ~(mlrt_settle_tie(number, nearest, same << v, m_bits(inside) << v, packet) >> v);
+        if (line->kind == MLRT_ONE_PLANE) { /* as mlrt_settle_tie */
+            const uint32_t tied = number > nearest ? same : same & m_bits(inside);
+            if (number < nearest) of->triangle = i_select(m_from_bits(tied), i_set1(number), of->triangle);
+            left &= ~tied;
         } else if (line->kind == MLRT_LINE) {
-            struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
             vm above, below;
             find_line_sides(line, bundle, place, v, &above, &below);
             const vm these = m_and(m_from_bits(same), plane->certain), backward = m_and(these, plane->backward);
@@ -704,44 +717,33 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
             const vm farther = m_or(m_and(above, forward), m_and(below, backward));
             const vm before = m_or(m_and(below, forward), m_and(above, backward));
             const vm nearer = m_and(before, m_and(inside, plane->begun));
-            vf lo, hi;
-            find_quotients(plane->least_n, plane->greatest_n, plane->least_d, plane->greatest_d, &lo, &hi);
-            v_store(rays->lo + v, v_select(nearer, lo, v_load(rays->lo + v)));
-            v_store(rays->hi + v, v_select(nearer, hi, v_load(rays->hi + v)));
-            i_store(packet->triangle + v, i_select(nearer, i_set1(number), triangle));
+            keep_plane(plane, number, nearer, of);
             left &= ~m_bits(m_or(farther, nearer));
         }
     }
     return left;
 }
 
-/* Hands lanes of a vector to who knows: the line of two planes, then undecided.h. Returns those that are hit nearer than
- * before. */
+/* Hands lanes of a vector to who knows (undecided.h). Returns those that are hit nearer than before. */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                   struct mlrt_bundle *bundle, uint32_t place, uint32_t number,
-                                                  uint32_t lanes, vm inside, const struct plane_of_rays *plane, int v)
+                                                  uint32_t lanes, uint32_t inside)
 {
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     struct mlrt_packet *packet = &bundle->tile->packets[place];
-    uint32_t left = lanes, changed = 0;
     if (job->any) { /* of lanes without a hit */
         for (int i = 0; i < MLRT_PACKET_RAYS; i += VW) {
             v_store(packet->lo + i, v_load(packet->t_max + i));
             v_store(packet->hi + i, v_load(packet->t_max + i));
         }
     } else {
-        const vi before = i_load(packet->triangle + v);
-        left = settle_lanes(job, worker, bundle, place, number, lanes, inside, plane, v);
-        changed = (~m_bits(i_eq(before, i_load(packet->triangle + v))) & ALL_LANES) << v;
-        if (!left) return changed;
         set_packet_distances(rays, packet);
     }
-    const uint32_t nearer =
-        decide_lanes(job->tree, number, left << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
+    const uint32_t nearer = decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     for (uint32_t those = job->any ? 0 : nearer; those; those &= those - 1) {
         set_lane_depths(packet, mlrt_lowest_bit(those), rays);
     }
-    return changed | nearer;
+    return nearer;
 }
 
 /* Tests a vector of a packet's rays against triangles of a leaf, by their edge functions. Returns the lanes whose nearest
@@ -779,10 +781,17 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
-        struct plane_of_rays where = plane; /* a copy, so that it may stay in registers */
-        if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
+        uint32_t left = undecided;
+        if (!job->any) { /* copies, so that the others may stay in registers */
+            struct plane_of_rays where = plane;
+            struct bundle_vector now = of;
+            if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
+            left = settle_lanes(job, worker, bundle, place, number, undecided, inside, &where, v, &now);
+            of = now;
+        }
+        if (MLRT_LIKELY(!left)) continue;
         decided |= store_bundle_vector(&of, v, rays, packet);
-        decided |= decide_bundle_lanes(job, worker, bundle, place, number, undecided, inside, &where, v);
+        decided |= decide_bundle_lanes(job, worker, bundle, place, number, left << v, m_bits(inside) << v);
         load_bundle_vector(rays, packet, has_places, v, &of);
     }
     return decided | store_bundle_vector(&of, v, rays, packet);
