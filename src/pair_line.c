@@ -72,7 +72,7 @@ struct plane_from_waist {
 
 /* Sets it; 0 if the triangle is odd. */
 static int set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
-                                struct plane_from_waist *plane)
+                                int may_be_odd, struct plane_from_waist *plane)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[number];
     const double unit = tree->bvh.unit;
@@ -86,7 +86,8 @@ static int set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_
         MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
             corner[i] = triangle->v[i][axis] * scale;
-            is_usual &= (fabs(corner[i]) <= MLRT_SAFE_MAX) & ((double)(float)corner[i] == corner[i]);
+            if (may_be_odd)
+                is_usual &= (fabs(corner[i]) <= MLRT_SAFE_MAX) & ((double)(float)corner[i] == corner[i]);
         }
         to[k] = corner[0] - (k == 0 ? w * waist->sign : w);
         ab[k] = corner[1] - corner[0];
@@ -151,8 +152,9 @@ MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct
     line->kind = MLRT_ONE_PLANE;
     if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
     line->kind = MLRT_NO_LINE;
-    if (!set_plane_from_waist(tree, &cache->waist, first, &plane_1)) return;
-    if (!set_plane_from_waist(tree, &cache->waist, second, &plane_2)) return;
+    const int may_be_odd = !mlrt_has_usual_triangles(tree);
+    if (!set_plane_from_waist(tree, &cache->waist, first, may_be_odd, &plane_1)) return;
+    if (!set_plane_from_waist(tree, &cache->waist, second, may_be_odd, &plane_2)) return;
     if (set_line(&plane_1, &plane_2, line)) {
         line->kind = MLRT_LINE;
     } else if (mlrt_have_one_plane(tree, first, second, worker)) {

@@ -291,6 +291,30 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
     return settled;
 }
 
+/* N of DW lanes and a plane, or with `at_end` N - t_max D, and what its error is relative to. */
+MLRT_INLINE vd find_height(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end, uint32_t lane,
+                           vd *size)
+{
+    vd n = d_set1(0), d = n, n_size = n, d_size = n;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd normal = d_set1(plane->normal[k]), normal_size = d_set1(plane->size[k]);
+        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        const vd to = d_sub(d_set1(plane->point[k]), origin);
+        n = d_add(n, d_mul(to, normal));
+        n_size = d_add(n_size, d_mul(d_abs(to), normal_size));
+        if (!at_end) continue;
+        const vd direction = d_load(packet->direction[k] + lane);
+        d = d_add(d, d_mul(direction, normal));
+        d_size = d_add(d_size, d_mul(d_abs(direction), normal_size));
+    }
+    *size = n_size;
+    if (!at_end) return n;
+    const vd t_max = d_load(packet->t_max + lane);
+    *size = d_add(n_size, d_mul(t_max, d_size));
+    return d_sub(n, d_mul(t_max, d));
+}
+
 /*
  * Rays of a packet that surely do not come to a plane, by the sign of N - t D where they begin, at t = 0, or end, in
  * double: those that leave it, or end before it. `sign` is that of D.
@@ -299,33 +323,12 @@ MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlr
                                 double sign)
 {
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
-    vd n = d_set1(0), n_size = n;
     uint32_t apart = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        if (lane == 0 || !packet->has_apex) {
-            n = n_size = d_set1(0);
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-                const vd to = d_sub(d_set1(plane->point[k]), origin);
-                n = d_add(n, d_mul(to, d_set1(plane->normal[k])));
-                n_size = d_add(n_size, d_mul(d_abs(to), d_set1(plane->size[k])));
-            }
-        }
-        vd height = n, size = n_size;
-        if (at_end) {
-            const vd t_max = d_load(packet->t_max + lane);
-            vd d = d_set1(0), d_size = d;
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                const vd direction = d_load(packet->direction[k] + lane);
-                d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
-                d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
-            }
-            height = d_sub(n, d_mul(t_max, d));
-            size = d_add(n_size, d_mul(t_max, d_size));
-        }
+        vd size;
+        const vd height = find_height(plane, packet, at_end, lane, &size);
         apart |= d_gt(d_flip(height, signs), d_mul(size, error)) << lane;
+        if (packet->has_apex && !at_end) return apart ? 0xFFFF : 0;
     }
     return apart;
 }

@@ -662,25 +662,33 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     return undecided;
 }
 
-/* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle (pair_line.c). */
+/* F of a vector of rays (pair_line.c), and in *bound what it may be off by. */
+MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
+                                int v, vf *bound)
+{
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
+    vf f = v_set1(line->constant);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
+    for (int i = 2; bundle->has_places && i < MLRT_RAY_TERMS; ++i) {
+        f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
+    }
+    *bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
+    return f;
+}
+
+/* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle. */
 MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
                                  int v, vm *above, vm *below)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
-    const vf bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
-    vf f = v_set1(line->constant), d = v_set1(line->normal[0]);
+    vf bound, d = v_set1(line->normal[0]);
+    const vf f = find_line_values(line, bundle, place, v, &bound);
     MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        const vf slope = v_load(rays->term[i] + v);
-        f = v_mul_add(v_set1(line->coefficient[i]), slope, f);
-        d = v_mul_add(v_set1(line->normal[1 + i]), slope, d);
-    }
-    for (int i = 2; bundle->has_places && i < MLRT_RAY_TERMS; ++i) {
-        f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
-    }
+    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), v_load(rays->term[i] + v), d);
     const vf signed_f = v_flip(f, d);
-    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * reach));
+    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * bundle->hulls.reach[place]));
     *above = m_and(sure, v_gt(signed_f, bound));
     *below = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
 }
