@@ -70,34 +70,29 @@ struct plane_from_waist {
     double n_size;
 };
 
-/* Sets it; 0 if the triangle is odd. */
-static int set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
-                                int may_be_odd, struct plane_from_waist *plane)
+static void set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
+                                 struct plane_from_waist *plane)
 {
     const struct mlrt_triangle *triangle = &tree->triangles[number];
-    const double unit = tree->bvh.unit;
     double to[3], ab[3], ac[3];
-    int is_usual = 1;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int axis = (waist->main_axis + k) % 3;
-        const double scale = k == 0 ? unit * waist->sign : unit, w = waist->point[axis];
-        double corner[3];
-        MLRT_UNROLL
-        for (int i = 0; i < 3; ++i) {
-            corner[i] = triangle->v[i][axis] * scale;
-            if (may_be_odd)
-                is_usual &= (fabs(corner[i]) <= MLRT_SAFE_MAX) & ((double)(float)corner[i] == corner[i]);
-        }
-        to[k] = corner[0] - (k == 0 ? w * waist->sign : w);
-        ab[k] = corner[1] - corner[0];
-        ac[k] = corner[2] - corner[0];
+        const double sign = k == 0 ? (double)waist->sign : 1, scale = sign * tree->bvh.unit;
+        const double a = triangle->v[0][axis] * scale;
+        to[k] = a - sign * waist->point[axis];
+        ab[k] = triangle->v[1][axis] * scale - a;
+        ac[k] = triangle->v[2][axis] * scale - a;
     }
     cross_with_sizes(ab, ac, plane->normal, plane->size);
     plane->n = to[0] * plane->normal[0] + to[1] * plane->normal[1] + to[2] * plane->normal[2];
-    plane->n_size =
-        fabs(to[0]) * plane->size[0] + fabs(to[1]) * plane->size[1] + fabs(to[2]) * plane->size[2];
-    return is_usual;
+    plane->n_size = fabs(to[0]) * plane->size[0] + fabs(to[1]) * plane->size[1] + fabs(to[2]) * plane->size[2];
+}
+
+static int is_odd(const struct mlrt_tree *tree, uint32_t number)
+{
+    struct mlrt_triangle triangle;
+    return !mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &triangle);
 }
 
 /* As the size of edge functions: of terms 1, and slopes of at most a half. */
@@ -152,9 +147,9 @@ MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct
     line->kind = MLRT_ONE_PLANE;
     if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
     line->kind = MLRT_NO_LINE;
-    const int may_be_odd = !mlrt_has_usual_triangles(tree);
-    if (!set_plane_from_waist(tree, &cache->waist, first, may_be_odd, &plane_1)) return;
-    if (!set_plane_from_waist(tree, &cache->waist, second, may_be_odd, &plane_2)) return;
+    if (!mlrt_has_usual_triangles(tree) && (is_odd(tree, first) || is_odd(tree, second))) return;
+    set_plane_from_waist(tree, &cache->waist, first, &plane_1);
+    set_plane_from_waist(tree, &cache->waist, second, &plane_2);
     if (set_line(&plane_1, &plane_2, line)) {
         line->kind = MLRT_LINE;
     } else if (mlrt_have_one_plane(tree, first, second, worker)) {

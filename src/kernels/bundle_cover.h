@@ -295,23 +295,24 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
 MLRT_INLINE vd find_height(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end, uint32_t lane,
                            vd *size)
 {
-    vd n = d_set1(0), d = n, n_size = n, d_size = n;
+    vd n = d_set1(0), d = n, d_size = n;
+    *size = n;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const vd normal = d_set1(plane->normal[k]), normal_size = d_set1(plane->size[k]);
         const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
         const vd to = d_sub(d_set1(plane->point[k]), origin);
-        n = d_add(n, d_mul(to, normal));
-        n_size = d_add(n_size, d_mul(d_abs(to), normal_size));
-        if (!at_end) continue;
-        const vd direction = d_load(packet->direction[k] + lane);
-        d = d_add(d, d_mul(direction, normal));
-        d_size = d_add(d_size, d_mul(d_abs(direction), normal_size));
+        n = d_add(n, d_mul(to, d_set1(plane->normal[k])));
+        *size = d_add(*size, d_mul(d_abs(to), d_set1(plane->size[k])));
     }
-    *size = n_size;
     if (!at_end) return n;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd direction = d_load(packet->direction[k] + lane);
+        d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
+        d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
+    }
     const vd t_max = d_load(packet->t_max + lane);
-    *size = d_add(n_size, d_mul(t_max, d_size));
+    *size = d_add(*size, d_mul(t_max, d_size));
     return d_sub(n, d_mul(t_max, d));
 }
 

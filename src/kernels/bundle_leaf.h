@@ -732,13 +732,15 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
     return left;
 }
 
-/* Hands lanes of a vector to who knows (undecided.h). Returns those that are hit nearer than before. */
+/* Hands lanes of a vector to who knows (undecided.h), with the nearest hits so far. Returns those that have another one than
+ * the packet knew of. */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                   struct mlrt_bundle *bundle, uint32_t place, uint32_t number,
-                                                  uint32_t lanes, uint32_t inside)
+                                                  uint32_t lanes, vm inside, int v, struct bundle_vector *of)
 {
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const uint32_t changed = store_bundle_vector(of, v, rays, packet);
     if (job->any) { /* of lanes without a hit */
         for (int i = 0; i < MLRT_PACKET_RAYS; i += VW) {
             v_store(packet->lo + i, v_load(packet->t_max + i));
@@ -747,11 +749,13 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     } else {
         set_packet_distances(rays, packet);
     }
-    const uint32_t nearer = decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
+    const uint32_t nearer =
+        decide_lanes(job->tree, number, lanes << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
     for (uint32_t those = job->any ? 0 : nearer; those; those &= those - 1) {
         set_lane_depths(packet, mlrt_lowest_bit(those), rays);
     }
-    return nearer;
+    load_bundle_vector(rays, packet, 1, v, of);
+    return changed | nearer;
 }
 
 /* Tests a vector of a packet's rays against triangles of a leaf, by their edge functions. Returns the lanes whose nearest
@@ -789,18 +793,13 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
+        struct plane_of_rays where = plane; /* copies, so that the others may stay in registers */
+        struct bundle_vector now = of;
+        if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
         uint32_t left = undecided;
-        if (!job->any) { /* copies, so that the others may stay in registers */
-            struct plane_of_rays where = plane;
-            struct bundle_vector now = of;
-            if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
-            left = settle_lanes(job, worker, bundle, place, number, undecided, inside, &where, v, &now);
-            of = now;
-        }
-        if (MLRT_LIKELY(!left)) continue;
-        decided |= store_bundle_vector(&of, v, rays, packet);
-        decided |= decide_bundle_lanes(job, worker, bundle, place, number, left << v, m_bits(inside) << v);
-        load_bundle_vector(rays, packet, has_places, v, &of);
+        if (!job->any) left = settle_lanes(job, worker, bundle, place, number, left, inside, &where, v, &now);
+        if (left) decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, inside, v, &now);
+        of = now;
     }
     return decided | store_bundle_vector(&of, v, rays, packet);
 }
