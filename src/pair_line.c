@@ -16,10 +16,10 @@
  *
  * THE LINE, u = 2^-24. Let S = |C_z| + (|C_j| + |C_l|) / 2, at least 2^-20 G, G = |g_z| + |g_j| + |g_l|, and S', G' the same of
  * the errors. F / S is what the edge functions of bundle_leaf.h are, with coefficients that have 1 rounding of u instead of 6:
- * but for S' and G' it is off by less than 8.1 u R + (12.1 u X + E) R rho, rho = G / S, and edge functions have the bound 14 u R +
+ * but for S' and G' it is off by less than 8.001 u R + (6.1 u X + 1.01 E) R rho, rho = G / S, and edge functions have the bound 14 u R +
  * (13 u X + 4 u R A + floor) R rho. As |s| <= R / 2, S' makes F / S off by R S' / S more, and G' by X R G' / S. The first
  * is added 14 / 6 times to 14 u R, the second 13 / 6 times to 13 u X R rho: twice as much as it has to be.
- * docs/accuracy.md, "Bundles", L20.
+ * docs/accuracy.md, "Bundles", has this as a lemma.
  *
  * RANGE. Corners that are usual are at most 2^60 and multiples of 2^-149. So n is 0 or within 2^-298 .. 2^124, V within
  * 2^-447 .. 2^187, C within 2^-745 .. 2^313, and nothing overflows or underflows.

@@ -17,8 +17,8 @@
  *
  * BEGINS AND ENDS. Rays begin on surfaces, and end on them. Where D has one certain sign over the hull, say 1, a ray does not
  * hit the triangle if N < 0, as t < 0, or if N > t_max D. Both are told in double, lane by lane, with the determinants and
- * sizes of close_calls.h. N - t_max D has one rounding more for the product and one for the difference: with those of N and
- * D no more than 10.01 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is told.
+ * sizes of close_calls.h. N - t_max D has no more than 9 roundings (8 of N, or
+ * 7 of D and the product, and the difference), so 9.001 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is told.
  *
  * Rays that a light's cell stands for end before the plane of the triangle that they pass, S, on the light's side (../shadow.h).
  * The hull has the direction to a point of S, and D of S one sign over it (find_order), so all rays go towards S, and end at a
