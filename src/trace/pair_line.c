@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * WHAT IS COMPUTED. A ray meets the planes of triangles 1 and 2 at t_1 = N_1 / D_1 and t_2 = N_2 / D_2. With V_i = n_i . (a_i -
+ * w), N at the waist, and the terms of a ray of a bundle (leaf.h), what is left of
+ *
+ *     N_1 D_2 - N_2 D_1 = F = (D_1 D_2) (t_1 - t_2)
+ *
+ * is C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z, where C = V_1 n_2 - V_2 n_1 and g = n_2 x n_1: an edge function, of
+ * the line that both planes have in common. Where the planes are close to each other C and g cancel, so they are made in
+ * double.
+ *
+ * ERRORS OF DOUBLES, v = 2^-53. A component of n has 4 roundings, relative to its size, the sum of the magnitudes of its two
+ * products; V has 8, relative to s(V), the sum of |a_k - w_k| times size k. So C_k is off by less than 14.001 v of T_k = s(V_1)
+ * size_2k + s(V_2) size_1k, and g_k by less than 10.001 v of U_k, its four sizes multiplied so. As computed, T_k and U_k lack at
+ * most 14 roundings. DOUBLE_ERROR, 16 v, is a bound for both.
+ *
+ * THE LINE, u = 2^-24. Let S = |C_z| + (|C_j| + |C_l|) / 2, at least 2^-20 G, G = |g_z| + |g_j| + |g_l|, and S', G' the same of
+ * the errors. F / S is what the edge functions of leaf.h are, with coefficients that have 1 rounding of u instead of 6:
+ * but for S' and G' it is off by less than 8.001 u R + (6.1 u X + 1.01 E) R rho, rho = G / S, and edge functions have the bound 14 u R +
+ * (13 u X + 4 u R A + floor) R rho. As |s| <= R / 2, S' makes F / S off by R S' / S more, and G' by X R G' / S. The first
+ * is added 14 / 6 times to 14 u R, the second 13 / 6 times to 13 u X R rho: twice as much as it has to be.
+ * docs/accuracy.md, "Bundles", has this as a lemma.
+ *
+ * RANGE. Corners that are usual are at most 2^60 and multiples of 2^-149. So n is 0 or within 2^-298 .. 2^124, V within
+ * 2^-447 .. 2^187, C within 2^-745 .. 2^313, and nothing overflows or underflows.
+ */
+#include "trace/pair_line.h"
+
+#include <math.h>
+
+#include "bvh/unit.h"
+#include "hits/undecided.h"
+
+#define DOUBLE_ERROR (16 * MLRT_UNIT_ROUNDOFF)
+
+/* Lines of which C is off by more than this many u are none. */
+#define MOST_DOUBT 64
+
+/* Of edge functions: leaf.h. */
+#define EDGE_ERROR (14 * 0x1p-24)
+
+/* A cross product and its size, component by component. */
+static inline void cross_with_sizes(const double p[3], const double q[3], double cross[3], double size[3])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
+        cross[k] = r - s;
+        size[k] = fabs(r) + fabs(s);
+    }
+}
+
+void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane)
+{
+    double ab[3], ac[3];
+    for (int k = 0; k < 3; ++k) {
+        plane->point[k] = triangle->v[0][k];
+        ab[k] = triangle->v[1][k] - plane->point[k];
+        ac[k] = triangle->v[2][k] - plane->point[k];
+    }
+    cross_with_sizes(ab, ac, plane->normal, plane->size);
+}
+
+/* A plane by axis from the main one on, in the signs of the waist. */
+struct plane_from_waist {
+    double normal[3];
+    double size[3];
+    double n; /* V */
+    double n_size;
+};
+
+static void set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
+                                 struct plane_from_waist *plane)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    double to[3], ab[3], ac[3];
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int axis = (waist->main_axis + k) % 3;
+        const double sign = k == 0 ? (double)waist->sign : 1, scale = sign * tree->bvh.unit;
+        const double a = triangle->v[0][axis] * scale;
+        to[k] = a - sign * waist->point[axis];
+        ab[k] = triangle->v[1][axis] * scale - a;
+        ac[k] = triangle->v[2][axis] * scale - a;
+    }
+    cross_with_sizes(ab, ac, plane->normal, plane->size);
+    plane->n = to[0] * plane->normal[0] + to[1] * plane->normal[1] + to[2] * plane->normal[2];
+    plane->n_size = fabs(to[0]) * plane->size[0] + fabs(to[1]) * plane->size[1] + fabs(to[2]) * plane->size[2];
+}
+
+static int is_odd(const struct mlrt_tree *tree, uint32_t number)
+{
+    struct mlrt_triangle triangle;
+    return !mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &triangle);
+}
+
+/* As the size of edge functions: of terms 1, and slopes of at most a half. */
+static inline double weigh(const double a[3])
+{
+    return fabs(a[0]) + 0.5 * (fabs(a[1]) + fabs(a[2]));
+}
+
+static inline double sum_of_magnitudes(const double a[3])
+{
+    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
+}
+
+/* Sets the line of two planes; 0 if it is too uncertain. */
+static int set_line(const struct plane_from_waist *first, const struct plane_from_waist *second,
+                    struct mlrt_pair_line *line)
+{
+    double moment[3], along[3], moment_size[3], along_size[3];
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        moment[k] = first->n * second->normal[k] - second->n * first->normal[k];
+        moment_size[k] = first->n_size * second->size[k] + second->n_size * first->size[k];
+        along[k] = second->normal[i] * first->normal[j] - second->normal[j] * first->normal[i];
+        along_size[k] = second->size[i] * first->size[j] + second->size[j] * first->size[i];
+    }
+    const double length = sum_of_magnitudes(along), all = fmax(weigh(moment), 0x1p-20 * length), scale = 1 / all;
+    const double doubt = DOUBLE_ERROR * (0x1p24 / 6);
+    const double moment_doubt = 1 + doubt * weigh(moment_size) * scale;
+    line->constant = (float)(moment[0] * scale);
+    line->coefficient[MLRT_SLOPE_J] = (float)(moment[1] * scale);
+    line->coefficient[MLRT_SLOPE_L] = (float)(moment[2] * scale);
+    line->coefficient[MLRT_PLACE_J] = (float)(-along[2] * scale);
+    line->coefficient[MLRT_PLACE_L] = (float)(along[1] * scale);
+    line->coefficient[MLRT_MOMENT] = (float)(along[0] * scale);
+    line->error = (float)(EDGE_ERROR * moment_doubt);
+    line->steepness = (float)((length + doubt * sum_of_magnitudes(along_size)) * scale * (1 + 0x1p-22));
+    const double normal_scale = 1 / weigh(second->size);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) line->normal[k] = (float)(second->normal[k] * normal_scale);
+    return moment_doubt <= MOST_DOUBT;
+}
+
+MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache,
+                                      uint32_t first, uint32_t second, struct mlrt_worker *worker,
+                                      struct mlrt_pair_line *line)
+{
+    struct plane_from_waist plane_1, plane_2;
+    line->waist_count = cache->waist_count;
+    line->first = first;
+    line->second = second;
+    line->kind = MLRT_ONE_PLANE;
+    if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
+    line->kind = MLRT_NO_LINE;
+    if (!mlrt_has_usual_triangles(tree) && (is_odd(tree, first) || is_odd(tree, second))) return;
+    set_plane_from_waist(tree, &cache->waist, first, &plane_1);
+    set_plane_from_waist(tree, &cache->waist, second, &plane_2);
+    if (set_line(&plane_1, &plane_2, line)) {
+        line->kind = MLRT_LINE;
+    } else if (mlrt_have_one_plane(tree, first, second, worker)) {
+        line->kind = MLRT_ONE_PLANE;
+    }
+}
