@@ -853,8 +853,7 @@ static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_ra
     static struct edge_values edges;
     static const uint32_t number = 7;
     leaf.numbers = &number;
-    *of = (struct bundle_vector){.least_n = INFINITY, .greatest_n = INFINITY, .least_d = 1, .greatest_d = 1};
-    of->triangle = MLRT_NONE;
+    *of = (struct bundle_vector){.nearest = {INFINITY, INFINITY, 1, 1, MLRT_NONE}};
     for (int i = 0; i < 2; i++) of->slope[i] = tile.rays[0].term[i][0];
     for (int i = 0; i < 3; i++) of->to_waist[i] = has_places ? tile.rays[0].to_waist[i][0] : 0;
     find_edges(&leaf, has_places, &edges);
@@ -864,7 +863,7 @@ static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_ra
     if (has_places) inside = m_or(inside, v_lt(greatest, -bound)), may = m_or(may, v_le(greatest, bound));
     const uint32_t undecided =
         test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, may, inside, of, plane);
-    return of->triangle == number ? 1 : undecided ? 0 : -1;
+    return of->nearest.triangle == number ? 1 : undecided ? 0 : -1;
 }
 
 /* Decisions about a ray, also where edges, D or N hardly differ from 0. */
@@ -913,10 +912,10 @@ static double ends_over(const float *input, int is_distance, int has_places)
     set_up_triangle(input);
     const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.reach[0], has_places ? bundle.hulls.away[0] : 0, 0};
     (void)test_ray(has_places, &of, &plane);
-    of.least_n = of.greatest_n = INFINITY;
-    of.triangle = MLRT_NONE;
+    of.nearest.least_n = of.nearest.greatest_n = INFINITY;
+    of.nearest.triangle = MLRT_NONE;
     test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, 1, 0xFFFFFFFFu, &of, &plane);
-    if (of.triangle == MLRT_NONE) return -1;
+    if (of.nearest.triangle == MLRT_NONE) return -1;
     if (is_distance) {
         find_n(0);
     } else {
@@ -924,7 +923,9 @@ static double ends_over(const float *input, int is_distance, int has_places)
     }
     mpf_abs(truth, truth);
     set_scale(divisors[NORMAL_DIVISOR], is_distance ? 1 : tile.rays[0].pace[0]);
-    return fabs(is_distance ? place_between(of.least_n, of.greatest_n) : place_between(of.least_d, of.greatest_d));
+    const struct nearest_hits *hit = &of.nearest;
+    return fabs(is_distance ? place_between(hit->least_n, hit->greatest_n)
+                            : place_between(hit->least_d, hit->greatest_d));
 }
 
 static double attack_d(const float *input)
@@ -1046,15 +1047,17 @@ static double attack_apart(const float *input)
     mlrt_set_plane(&triangles[0], &plane);
     set_scale(1, 1);
     for (int at_end = 0; at_end < 2; at_end++) {
-        double size;
-        const double height = find_height(&plane, &tile.packets[0], at_end, 0, &size);
+        struct measured_lanes n, height;
+        measure_n(&plane, &tile.packets[0], 0, &n);
+        height = n;
+        if (at_end) measure_end(&plane, &tile.packets[0], 0, &n, &height);
         find_d(0);
         mpf_set_d(other, at_end ? tile.packets[0].t_max[0] : 0);
         mpf_mul(other, other, truth);
         find_n(0);
         mpf_sub(truth, truth, other);
         turn_back(1);
-        worst = fmax(worst, fabs(error_over(height, CLOSE_ERROR * size)));
+        worst = fmax(worst, fabs(error_over(height.value, CLOSE_ERROR * height.size)));
         for (int sign = -1; sign < 2; sign += 2) {
             const int apart = (int)find_apart(&plane, &tile.packets[0], at_end, sign) & 1;
             if (apart && mpf_sgn(truth) * sign * (at_end ? 1 : -1) <= 0) return INFINITY;

@@ -308,29 +308,40 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
     return settled;
 }
 
-/* N of DW lanes and a plane, or with `at_end` N - t_max D, and what its error is relative to. */
-MLRT_INLINE vd find_height(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end, uint32_t lane,
-                           vd *size)
+/* A number of DW lanes, and what its error is relative to. */
+struct measured_lanes {
+    vd value;
+    vd size;
+};
+
+/* N of a plane. */
+MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                           struct measured_lanes *n)
 {
-    vd n = d_set1(0), d = n, d_size = n;
-    *size = n;
+    n->value = n->size = d_set1(0);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
         const vd to = d_sub(d_set1(plane->point[k]), origin);
-        n = d_add(n, d_mul(to, d_set1(plane->normal[k])));
-        *size = d_add(*size, d_mul(d_abs(to), d_set1(plane->size[k])));
+        n->value = d_add(n->value, d_mul(to, d_set1(plane->normal[k])));
+        n->size = d_add(n->size, d_mul(d_abs(to), d_set1(plane->size[k])));
     }
-    if (!at_end) return n;
+}
+
+/* N - t_max D. */
+MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                             const struct measured_lanes *n, struct measured_lanes *height)
+{
+    const vd t_max = d_load(packet->t_max + lane);
+    vd d = d_set1(0), d_size = d;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vd direction = d_load(packet->direction[k] + lane);
         d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
         d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
     }
-    const vd t_max = d_load(packet->t_max + lane);
-    *size = d_add(*size, d_mul(t_max, d_size));
-    return d_sub(n, d_mul(t_max, d));
+    height->value = d_sub(n->value, d_mul(t_max, d));
+    height->size = d_add(n->size, d_mul(t_max, d_size));
 }
 
 /*
@@ -341,12 +352,13 @@ MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlr
                                 double sign)
 {
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
+    struct measured_lanes n;
     uint32_t apart = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        vd size;
-        const vd height = find_height(plane, packet, at_end, lane, &size);
-        apart |= d_gt(d_flip(height, signs), d_mul(size, error)) << lane;
-        if (packet->has_apex && !at_end) return apart ? 0xFFFF : 0;
+        if (lane == 0 || !packet->has_apex) measure_n(plane, packet, lane, &n);
+        struct measured_lanes height = n;
+        if (at_end) measure_end(plane, packet, lane, &n, &height);
+        apart |= d_gt(d_flip(height.value, signs), d_mul(height.size, error)) << lane;
     }
     return apart;
 }
