@@ -1185,7 +1185,9 @@ static double lines_over(const float *input, int has_places)
     const int side = mpf_sgn(truth) * mpf_sgn(second.d);
     if ((above && side <= 0) || (below && side >= 0)) return INFINITY;
     const float f = find_line_values(&line, &bundle, 0, 0, &bound);
-    return fabs(error_over(f, bound));
+    /* S as computed, of which F is divided, may differ from S by so much of itself. */
+    const double doubt = fmax(line.error / (14 * 0x1p-24) - 1, 0) * (6 * 0x1p-24) + 0x1p-44;
+    return fmax(fabs(error_over(f, bound)) - doubt * fabs(error_over(0, bound)), 0);
 }
 
 static double attack_line(const float *input)

@@ -14,8 +14,8 @@
  * size_2k + s(V_2) size_1k, and g_k by less than 10.001 v of U_k, its four sizes multiplied so. As computed, T_k and U_k lack at
  * most 14 roundings. DOUBLE_ERROR, 16 v, is a bound for both.
  *
- * THE LINE, u = 2^-24. Let S = |C_z| + (|C_j| + |C_l|) / 2, at least 2^-20 G, G = |g_z| + |g_j| + |g_l|, and S', G' the same of
- * the errors. F / S is what the edge functions of leaf.h are, with coefficients that have 1 rounding of u instead of 6:
+ * THE LINE, u = 2^-24. As computed, let S = |C_z| + (|C_j| + |C_l|) / 2, at least 2^-20 G, G = |g_z| + |g_j| + |g_l|; and S', G' the
+ * same of the errors. F / S is what the edge functions of leaf.h are, with coefficients that have 1 rounding of u instead of 6:
  * but for S' and G' it is off by less than 8.001 u R + (6.1 u X + 1.01 E) R rho, rho = G / S, and edge functions have the bound 14 u R +
  * (13 u X + 4 u R A + floor) R rho. As |s| <= R / 2, S' makes F / S off by R S' / S more, and G' by X R G' / S. The first
  * is added 14 / 6 times to 14 u R, the second 13 / 6 times to 13 u X R rho: twice as much as it has to be.
