@@ -359,8 +359,8 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
         cache->children[place] = child;
     }
     struct hull_outline whole;
-    outline_whole(bundle, has_places, &whole);
-    *seen = triangles_met(leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
+    outline_whole(bundle, &whole);
+    *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
     if (*seen & ~leaf->ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->ready, leaf);
     if (MLRT_UNLIKELY(leaf->doubtful != 0) && !has_places) {
         settle_signs(job->tree, &bundle->waist, leaf);

@@ -163,8 +163,8 @@ MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const st
                                       uint32_t place, int has_places, uint32_t seen)
 {
     struct hull_outline hull;
-    outline_packet(bundle, place, has_places, &hull);
-    const uint32_t met = triangles_met(leaf, &hull, has_places, seen);
+    outline_packet(bundle, place, &hull);
+    const uint32_t met = triangles_met(bundle, leaf, &hull, has_places, seen);
     return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
 }
 
