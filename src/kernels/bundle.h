@@ -272,8 +272,8 @@ MLRT_INLINE int starts_at_waist(const struct mlrt_bundle *bundle, struct mlrt_pa
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         apex[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][0];
-        if (apex[k] * bundle->unit != bundle->waist.point[k] || bundle->waist.point[k] / bundle->unit != apex[k])
-            return 0;
+        if (apex[k] * bundle->unit != bundle->waist.point[k]) return 0;
+        if (MLRT_UNLIKELY(bundle->unit != 1) && bundle->waist.point[k] / bundle->unit != apex[k]) return 0;
     }
     for (int v = 0; !packet->has_apex && v < MLRT_PACKET_RAYS; v += VW) {
         MLRT_UNROLL

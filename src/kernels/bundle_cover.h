@@ -8,8 +8,9 @@
  * the same doubled bounds. At depth z = N / D a ray at x + s z meets the plane, N = n . (a - w) - n_j x_j - n_l x_l. A place
  * as computed is off by no more than blur (bundle.h), and |n_j|, |n_l| <= 2 in units of its size: so N over the hull is off
  * by DISTANCE_ERROR F + 4 blur, and twice that is taken, which pays for the roundings of middle and radius. D has W as
- * there. z lies between the least and the greatest of the quotients of these ends, whatever their signs; each quotient has
- * one rounding, and is moved by SLOPE_SLACK of itself.
+ * there. Where D has one certain sign, which is made 1, z lies between the quotients of the ends of N, each by that end of D
+ * which makes it the least or the greatest, as the sign of N says; each quotient has one rounding, and is moved by SLOPE_SLACK
+ * of itself.
  *
  * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
  * first, the line of their planes does (../pair_line.c): an edge function, which is bounded over the hull as those of
@@ -76,8 +77,8 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
     const vf least_n = v_sub(n, room), greatest_n = v_add(n, room);
     const vf from = v_sub(v_select(backward, v_sub(zero, of->greatest_d), of->least_d), width);
     const vf to = v_add(v_select(backward, v_sub(zero, of->least_d), of->greatest_d), width);
-    const vf near = v_min(v_div(least_n, from), v_div(least_n, to));
-    const vf far = v_max(v_div(greatest_n, from), v_div(greatest_n, to));
+    const vf near = v_div(least_n, v_select(v_gt(least_n, zero), to, from));
+    const vf far = v_div(greatest_n, v_select(v_gt(greatest_n, zero), from, to));
     const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
     of->near = v_sub(near, v_mul_add(v_abs(near), slack, floor));
     of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
