@@ -454,7 +454,7 @@ struct edge_values {
     MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* without places the first is that of all */
-    uint32_t of_vector[PACKET_VECTORS]; /* triangles that some ray of each is not surely outside of */
+    uint32_t of_vector[PACKET_VECTORS];                /* triangles that some ray of each is not surely outside of */
 };
 
 /*

@@ -112,23 +112,23 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
     leaf->fans |= m_bits(is_fan) << v;
 }
 
-/* Do rays with these slopes and places see what is between `from` and `to`? Fans from the waist have nothing to be added. */
-MLRT_INLINE vm sees_outline(const struct mlrt_waist *waist, int side, vf from, vf to, vf weight, vm is_fan, int are_fans,
-                            const vf slope[2], const vf place[2], int has_places)
+/* Between which slopes, or places, rays of a hull see triangles: fans from the waist have nothing to be added. */
+MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf weight, vm is_fan, int are_fans,
+                                   const vf slope[2], const vf place[2], int has_places, vf ends[2])
 {
-    vf lower = slope[0], upper = slope[1], reach = v_set1(0);
+    vf reach = v_set1(0);
+    ends[0] = slope[0], ends[1] = slope[1];
     if (has_places) reach = greatest_place(place[0], place[1]);
     if (MLRT_UNLIKELY(!are_fans)) {
-        lower = v_select(is_fan, lower, has_places ? place[0] : v_set1(0));
-        upper = v_select(is_fan, upper, has_places ? place[1] : v_set1(0));
+        ends[0] = v_select(is_fan, ends[0], has_places ? place[0] : v_set1(0));
+        ends[1] = v_select(is_fan, ends[1], has_places ? place[1] : v_set1(0));
         reach = v_select(is_fan, reach, greatest_turn(waist, side, slope[0], slope[1]));
     }
     if (has_places || !are_fans) {
         const vf room = v_mul(reach, weight);
-        lower = v_sub(lower, room);
-        upper = v_add(upper, room);
+        ends[0] = v_sub(ends[0], room);
+        ends[1] = v_add(ends[1], room);
     }
-    return m_and(v_le(from, upper), v_ge(to, lower));
 }
 
 /* Triangles of a leaf that rays of a hull may hit, by where they are seen. Mostly there are only fans. */
@@ -146,9 +146,11 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struc
         for (int i = 0; i < 2; ++i) {
             const vf slope[2] = {v_set1(hull->slope_lo[i]), v_set1(hull->slope_hi[i])};
             const vf place[2] = {v_set1(hull->place_lo[i]), v_set1(hull->place_hi[i])};
-            may = m_and(may, sees_outline(&bundle->waist, i, v_load(leaf->outline_lo[i] + v),
-                                          v_load(leaf->outline_hi[i] + v), v_load(leaf->weight + v), is_fan, are_fans,
-                                          slope, place, has_places));
+            vf ends[2];
+            find_outline_ends(&bundle->waist, i, v_load(leaf->weight + v), is_fan, are_fans, slope, place, has_places,
+                              ends);
+            may = m_and(may, m_and(v_le(v_load(leaf->outline_lo[i] + v), ends[1]),
+                                   v_ge(v_load(leaf->outline_hi[i] + v), ends[0])));
         }
         met |= m_bits(may) << v;
     }
@@ -167,9 +169,11 @@ MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const stru
     for (int i = 0; i < 2; ++i) {
         const vf slope[2] = {v_load(hulls->slope[i].lo + v), v_load(hulls->slope[i].hi + v)};
         const vf place[2] = {v_load(hulls->place[i].lo + v), v_load(hulls->place[i].hi + v)};
-        may = m_and(may, sees_outline(&bundle->waist, i, v_set1(leaf->outline_lo[i][triangle]),
-                                      v_set1(leaf->outline_hi[i][triangle]), v_set1(leaf->weight[triangle]),
-                                      m_from_bits(0), is_fan, slope, place, has_places));
+        vf ends[2];
+        find_outline_ends(&bundle->waist, i, v_set1(leaf->weight[triangle]), m_from_bits(0), is_fan, slope, place,
+                          has_places, ends);
+        may = m_and(may, m_and(v_le(v_set1(leaf->outline_lo[i][triangle]), ends[1]),
+                               v_ge(v_set1(leaf->outline_hi[i][triangle]), ends[0])));
     }
     return m_bits(may);
 }
