@@ -24,11 +24,13 @@
 #   make check-abi       exported names, layouts and types against tests/abi; size and needs of the shared object
 #   make update-abi      writes tests/abi anew, after a change that is meant
 #   make check-header    mlrt.h alone, in every C and C++ that there is
+#   make check-layers  what includes what in src: no circle, no arrow upward, each header compiles alone
 #   make check-lemmas    the bounds of bundles (docs/accuracy.md), proven by Gappa if it is installed
 #   make check-tables    the tables of README.md and docs/ are what docs/data says
 #   make check-copies    three copies of the library in one process
 #   make check-churn     10,000 trees and pools made and destroyed under valgrind
 #   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
+#   make dist            the sources of the last commit, the amalgamation and their checksums, in build/dist
 #   make test-amalgamation  compiles it by gcc and clang: golden numbers, exported names, nothing fused
 #   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers from
 #                        emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)
@@ -65,9 +67,10 @@ SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-fr
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object per instruction set, and some that count (dispatch.c).
-ISAS        := scalar $(if $(IS_X86),sse avx2 avx512)
-KERNELS     := kdtree $(if $(IS_X86),sse avx2 avx512,scalar)
+# One object per instruction set, and some that count (run/dispatch.c).
+ALL_ISAS    := scalar sse avx2 avx512
+ISAS        := $(if $(IS_X86),$(ALL_ISAS),scalar)
+KERNELS     := $(if $(IS_X86),sse avx2 avx512,scalar)
 COUNTING_KERNELS := scalar
 ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
@@ -77,8 +80,9 @@ ifneq ($(filter %-mingw32,$(TARGET)),)
 ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>/dev/null && echo $(UNALIGNED))
 ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(wildcard src/*.c)) \
-                   $(KERNELS:%=$(BUILD)/obj/kernels/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/kernels/%_counting.o)
+SOURCES := $(wildcard src/*/*.c)
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c),$(SOURCES))) \
+                   $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
 # What is installed is looked at when it is needed, so that `make deps demo` works in one go.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -102,7 +106,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 
 .PHONY: all library examples docs demo reproduce format clean
 .PHONY: deps deps-study deps-docs deps-bindings
-.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn test-wheel test-trimesh
+.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
 .SECONDARY:
@@ -119,11 +123,11 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 # are for the tests with SAN.
 INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
-$(BUILD)/obj/kernels/%_counting.o: src/kernels/%.c
+$(BUILD)/obj/trace/%_counting.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) -DMLRT_COUNTING=1 $(ISA_FLAGS_$*) -c $< -o $@
 
-$(BUILD)/obj/kernels/%.o: src/kernels/%.c
+$(BUILD)/obj/trace/%.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
@@ -198,9 +202,10 @@ $(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BU
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-$(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+# With the shared object, as Embree is one, and the build of another commit that it may be compared with.
+$(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.so
 	@mkdir -p $(@D)
-	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
+	$(Q)$(LINK) $(filter %.o,$^) -L$(BUILD) -lmlrt -Wl,-rpath,'$$ORIGIN/..' $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
 
 # ---- dependencies --------------------------------------------------------------------------------------------------
 
@@ -383,6 +388,9 @@ check-churn: $(BUILD)/tests/test_churn
 check-header:
 	@CC='$(CC)' sh tests/check_header.sh
 
+check-layers:
+	@python3 tests/check_layers.py $(CC)
+
 check-lemmas:
 	@if ! command -v gappa >/dev/null; then echo "check-lemmas: no gappa: nothing proven"; \
 	else for lemma in tests/lemmas/*.g; do gappa $$lemma || { echo "check-lemmas: $$lemma: not proven"; exit 1; }; done; \
@@ -390,14 +398,26 @@ check-lemmas:
 
 # ---- one file, other machines --------------------------------------------------------------------------------------
 
-.PHONY: amalgamation test-amalgamation test-cross deps-cross
+.PHONY: amalgamation dist test-amalgamation test-cross deps-cross
 
 ONE_FILE := $(BUILD)/amalgamation
 
 amalgamation: $(ONE_FILE)/mlrt.c
 
-$(ONE_FILE)/mlrt.c: src/amalgamate.py include/mlrt.h $(wildcard src/*.[ch] src/kernels/*.[ch])
+$(ONE_FILE)/mlrt.c: src/amalgamate.py include/mlrt.h $(wildcard src/*/*.[ch])
 	$(Q)python3 src/amalgamate.py $(@D)
+
+DIST := $(BUILD)/dist
+AMALGAMATED := mlrt-$(VERSION)-amalgamation
+
+# The same bytes from the same commit.
+dist: amalgamation
+	$(Q)rm -rf $(DIST) && mkdir -p $(DIST)/$(AMALGAMATED)
+	$(Q)git archive --prefix=mlrt-$(VERSION)/ HEAD | gzip -n9 >$(DIST)/mlrt-$(VERSION).tar.gz
+	$(Q)cp $(ONE_FILE)/mlrt.c $(ONE_FILE)/mlrt.h LICENSE $(DIST)/$(AMALGAMATED)
+	$(Q)tar -C $(DIST) -c --sort=name --owner=0 --group=0 --numeric-owner --mtime=@$$(git log -1 --format=%ct) $(AMALGAMATED) | \
+	    gzip -n9 >$(DIST)/$(AMALGAMATED).tar.gz && rm -r $(DIST)/$(AMALGAMATED)
+	$(Q)cd $(DIST) && sha256sum *.tar.gz >SHA256SUMS && cat SHA256SUMS
 
 X86_32_FLAGS = $(if $(filter i386% i486% i586% i686%,$1),-msse2 -mfpmath=sse)
 
@@ -483,7 +503,7 @@ test-install: library
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
-	clang-format -i include/*.h src/*.[ch] src/kernels/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
+	clang-format -i include/*.h src/*/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
 	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
 
 clean:

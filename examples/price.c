@@ -5,7 +5,7 @@
  *     price                          compares with the library of `make GUESS=1`, found in build/guess
  *
  * Both libraries are loaded into this process and take turns on the same pictures, so that a machine that slows down
- * does so for both. Without exactness the decisions are the float filter's best guess (src/platform.h); culling is the
+ * does so for both. Without exactness the decisions are the float filter's best guess (src/base/platform.h); culling is the
  * same. Shown are medians, and how many pixels the guess gets wrong.
  *
  * The worst cases are pictures made of nothing but doubt: every ray through a vertex, every ray along an axis in a

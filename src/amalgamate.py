@@ -26,13 +26,15 @@ Kernel = collections.namedtuple("Kernel", "name file condition target counting")
 
 # As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
 KERNELS = [
-    Kernel("kdtree", "kdtree.c", None, None, False),
-    Kernel("counting", "scalar.c", None, None, True),
-    Kernel("scalar", "scalar.c", "!MLRT_HAVE_SSE", None, False),
-    Kernel("sse", "sse.c", "MLRT_HAVE_SSE", None, False),
-    Kernel("avx2", "avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
-    Kernel("avx512", "avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
+    Kernel("kdtree", "mlrta/kernels.c", None, None, False),
+    Kernel("counting", "trace/scalar.c", None, None, True),
+    Kernel("scalar", "trace/scalar.c", "!MLRT_HAVE_SSE", None, False),
+    Kernel("sse", "trace/sse.c", "MLRT_HAVE_SSE", None, False),
+    Kernel("avx2", "trace/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
+    Kernel("avx512", "trace/avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
 ]
+
+CHOSEN = "simd/simd.h"  # the vocabulary that a kernel's unit includes first
 
 COUNTING = "counters.h"  # its macros differ between kernels that count and those that do not
 COUNTING_MACROS = ["COUNT", "COUNTERS", "MLRT_COUNTING"]
@@ -130,11 +132,19 @@ def without_guard(text, path):
 
 
 def find_header(name, includer):
-    for folder in (os.path.dirname(includer), SOURCE, INCLUDE):
+    for folder in (SOURCE, INCLUDE):
         path = os.path.join(folder, name)
         if os.path.exists(path):
             return path
     sys.exit(f"{includer}: no {name}")
+
+
+def uses_words(path):
+    """Is a header compiled once per instruction set: is it of a vocabulary, or does it include the chosen one?"""
+    if os.path.dirname(path) == os.path.join(SOURCE, "simd"):
+        return os.path.basename(path) != "sixteen.h"
+    includes = re.findall(r'^#include "(\w+/.*)"', read(path), re.M)
+    return any(file == CHOSEN or uses_words(os.path.join(SOURCE, file)) for file in includes if file != "simd/quad.h")
 
 
 class Text:
@@ -163,10 +173,12 @@ class Text:
             if system:
                 self.system.append("immintrin.h" if system[1] in INTRINSICS else system[1])
             elif local:
+                if local[1] == CHOSEN:
+                    continue
                 header = find_header(local[1], path)
                 if not is_own(header):
                     # quad.h includes one of two headers, by the processor: they stay between its #if and #endif.
-                    if os.path.basename(path) == "quad.h" and local[1].startswith("kernels/"):
+                    if os.path.basename(path) == "quad.h" and local[1].startswith("simd/"):
                         lines.append(self.paste(header, is_own, seen))
                     else:
                         self.share(header)
@@ -387,14 +399,15 @@ def kernel_section(kernel, text):
 def amalgamate():
     parts = Text()
     sections = []  # name, text, kernel or None
-    for file in sorted(os.listdir(SOURCE)):
-        if file.endswith(".c"):
-            text = parts.paste(os.path.join(SOURCE, file), lambda path: False, set())
-            sections.append((file[:-2], text, None))
+    kernel_files = {kernel.file for kernel in KERNELS}
+    for folder in sorted(os.listdir(SOURCE)):
+        for file in sorted(os.listdir(os.path.join(SOURCE, folder)) if os.path.isdir(os.path.join(SOURCE, folder)) else []):
+            if file.endswith(".c") and f"{folder}/{file}" not in kernel_files:
+                text = parts.paste(os.path.join(SOURCE, folder, file), lambda path: False, set())
+                sections.append((f"{folder}_{file[:-2]}", text, None))
     for kernel in KERNELS:
-        path = os.path.join(SOURCE, "kernels", kernel.file)
-        is_own = lambda path: os.path.basename(os.path.dirname(path)) == "kernels" or path.endswith(COUNTING)
-        sections.append((kernel.name, parts.paste(path, is_own, set()), kernel))
+        is_own = lambda path: uses_words(path) or path.endswith(COUNTING)
+        sections.append((kernel.name, parts.paste(os.path.join(SOURCE, kernel.file), is_own, set()), kernel))
 
     shared = "".join(parts.shared)
     result = [HEAD, system_includes(parts.system), BEFORE_ALL, made_static(shared)]

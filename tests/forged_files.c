@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hash.h"
+#include "base/hash.h"
 #include "support.h"
 
 unsigned char *allocate_file(size_t size, void **block)

@@ -10,7 +10,7 @@
 
 #include "mlrt.h"
 
-/* Where things are in a file, as the head of src/save.c has it. */
+/* Where things are in a file, as the head of src/api/save.c has it. */
 enum {
     FILE_BYTE_ORDER = 8,
     FILE_VERSION = 12,

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "kdtree.h"
+#include "exact/triangle.h"
 
 size_t search_effort = 1;
 

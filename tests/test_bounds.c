@@ -20,11 +20,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "camera.c"
-#include "clip.c"
-#include "trace_ray.c"
+#include "rays/camera.c"
+#include "mlrta/view_beam.c"
+#include "scene/clip.c"
+#include "mlrta/ray.c"
 
-#include "kernels/simd_scalar.h"
+#include "simd/scalar.h"
 
 /* What the filter divided by: the sizes that its terms are scaled by, which true values must be scaled by too. */
 static int divisor_count;
@@ -46,17 +47,17 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define v_div   remembering_divide
 #define f4_div  remembering_divide_four
 #define KERNELS bounds_kernels_kdtree
-#include "kernels/kdtree_body.h"
+#include "mlrta/kernels.h"
 #undef KERNELS
 #define KERNELS   bounds_kernels
 #define axis_code bundle_axis_code /* ray_group.h has one too */
-#include "kernels/bvh_body.h"
+#include "trace/kernels.h"
 #undef axis_code
 #undef v_div
 #undef f4_div
 
 #define certain_sign judge_certain_sign /* covering.h has one too */
-#include "predicate.c"
+#include "exact/predicate.c"
 #undef certain_sign
 
 /* ---- numbers without rounding ------------------------------------------------------------------------------------ */
@@ -1546,8 +1547,10 @@ static void stacks_hold_what_waits(void **state)
         bundle.hulls.term[side].hi[0] = 0.01f;
     }
     begin_cells(1, &bundle);
-    worker.bundle_caches[0].leaves = leaves;
-    worker.bundle_caches[0].bits = 1;
+    static struct mlrt_bundle_cache caches[2];
+    caches[0].leaves = leaves;
+    caches[0].bits = 1;
+    worker.bundle_caches = caches;
     worker.mask = MLRT_MASK_ALL;
     trace_cells(&job, &worker, 0, &bundle);
     assert_true(bundle.closed == 1 && bundle.going == 1 && bundle.hulls.cover[0] == MLRT_NONE);

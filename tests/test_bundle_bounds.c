@@ -14,7 +14,7 @@
 #include "search.h"
 
 /* The kernels, one lane wide; they multiply and add with one rounding or two. */
-#include "kernels/simd_scalar.h"
+#include "simd/scalar.h"
 
 static int is_fused;
 static int divisor_count;
@@ -42,7 +42,7 @@ static float remembering_divide(float a, float b)
 #define v_div     remembering_divide
 #define KERNELS   bundle_bounds_kernels
 #define PICTURE   bundle_bounds_picture
-#include "kernels/bvh_body.h"
+#include "trace/kernels.h"
 #undef v_mul_add
 #undef v_mul_sub
 #undef v_div

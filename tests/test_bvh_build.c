@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whole hierarchies of boxes: every one must keep the invariants of bvh.h (mlrt_check_bvh), whatever the triangles are,
+ * Whole hierarchies of boxes: every one must keep the invariants of bvh/node.h (mlrt_check_bvh), whatever the triangles are,
  * and be the same for any number of threads.
  */
 #include <setjmp.h>
@@ -14,8 +14,9 @@
 #include <float.h>
 #include <math.h>
 
-#include "bvh_build.h"
-#include "bvh_check.h"
+#include "bvh/build.h"
+#include "bvh/check.h"
+#include "bvh/node.h"
 #include "support.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
@@ -232,7 +233,8 @@ static void check_scaled(float scale, float unit)
     soup_add_random(&soup, &random, 1000, 1, 0.1f);
     move_soup(&soup, scale, offset);
     struct mlrt_tree tree = build_with(triangles_of(&soup), (uint32_t)soup.count, NULL);
-    if (tree.bvh.unit != unit) fail_msg("times %a: unit %a, not %a", (double)scale, (double)tree.bvh.unit, (double)unit);
+    if (tree.bvh.unit != unit)
+        fail_msg("times %a: unit %a, not %a", (double)scale, (double)tree.bvh.unit, (double)unit);
     free_hierarchy(&tree);
     check_soup(&soup);
 }

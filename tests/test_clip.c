@@ -13,7 +13,7 @@
 #include <gmp.h>
 #include <math.h>
 
-#include "clip.h"
+#include "scene/clip.h"
 
 /* ---- random cases -------------------------------------------------------------------------------------------- */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The step of many lanes in double between the float filters and the judge of one ray (src/kernels/close_calls.h): its
+ * The step of many lanes in double between the float filters and the judge of one ray (src/hits/close_calls.h): its
  * answers are the judge's, in every instruction set, and its bounds of t are bounds.
  */
 #include "support.h"
@@ -11,11 +11,11 @@
 
 #include "close/close.h"
 #include "hard_scenes.h"
-#include "hit.h"
+#include "exact/nearest.h"
 #include "hostile_rays.h"
-#include "progress.h"
-#include "stop.h"
-#include "undecided.h"
+#include "base/progress.h"
+#include "job/stop.h"
+#include "hits/undecided.h"
 
 static uint32_t lanes_left; /* to the judge, since the last time that this was 0 */
 
@@ -129,7 +129,7 @@ static uint32_t offer(decide_function *decide, struct bench *bench, const struct
         if (!(lanes >> lane & 1)) continue;
         was_none |= (uint32_t)(packet->triangle[lane] == MLRT_NONE) << lane;
         if (is_inside(bench, tree, number, lane)) inside |= 1u << lane;
-        if (mlrt_offer_triangle(tree, &bench->rays[lane], number, &expected[lane], NULL)) hit |= 1u << lane;
+        if (mlrt_offer_triangle(tree->triangles, &bench->rays[lane], number, &expected[lane], NULL)) hit |= 1u << lane;
     }
     if (!lanes) return 0;
     inside &= draw_bits(random);
@@ -502,9 +502,9 @@ static void a_render_is_stopped_within_an_item(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sheets_that_nearly_coincide),         cmocka_unit_test(hostile_rays_in_hard_scenes),
-        cmocka_unit_test(what_double_decides_is_not_judged),   cmocka_unit_test(ends_of_rays_at_walls),
-        cmocka_unit_test(planes_are_asked_for_once),
-        cmocka_unit_test(close_calls_are_stopped),             cmocka_unit_test(a_render_is_stopped_within_an_item)};
+        cmocka_unit_test(sheets_that_nearly_coincide),       cmocka_unit_test(hostile_rays_in_hard_scenes),
+        cmocka_unit_test(what_double_decides_is_not_judged), cmocka_unit_test(ends_of_rays_at_walls),
+        cmocka_unit_test(planes_are_asked_for_once),         cmocka_unit_test(close_calls_are_stopped),
+        cmocka_unit_test(a_render_is_stopped_within_an_item)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dispatch.h"
+#include "run/dispatch.h"
 #include "support.h"
 
 enum { WIDTH = 44, HEIGHT = 36, COUNT = WIDTH * HEIGHT };

@@ -5,7 +5,7 @@
  *
  * grid.c is included: its integers are also checked by themselves.
  */
-#include "grid.c"
+#include "exact/grid.c"
 
 #include <math.h>
 #include <stddef.h>

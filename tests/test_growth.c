@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "structs.h"
+#include "base/structs.h"
 #include "support.h"
 
 /* A struct with room behind it, as a newer version would have. */

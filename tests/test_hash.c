@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "hash.h"
+#include "base/hash.h"
 
 static uint64_t hash_of(const void *words, size_t count)
 {

@@ -14,8 +14,9 @@
 #include <float.h>
 #include <math.h>
 
-#include "kdtree_build.h"
-#include "kdtree_check.h"
+#include "mlrta/build.h"
+#include "mlrta/check.h"
+#include "mlrta/kdtree.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a point light sees of cells that one triangle covers (src/shadow_cells.c), against the shadow rays of such
+ * What a point light sees of cells that one triangle covers (src/trace/shadow_cells.c), against the shadow rays of such
  * cells: their slopes and depths lie within the bounds, and cells that are dark have none. By a search for the worst
  * input, and in sixteen cells at once.
  *
@@ -16,8 +16,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hit.h"
-#include "shadow.h"
+#include "exact/nearest.h"
+#include "hits/shadow_ray.h"
+#include "trace/ray_tile.h"
+#include "trace/shadow_cells.h"
 
 /*
  * No more of the slack than this may be used, or a constant is not what it was: searches a hundred times as long find
@@ -56,7 +58,7 @@ struct place {
     double x[3];           /* relative to the light */
     double z;              /* in units of the direction */
     double z_by_steepness; /* over direction . normal, whose greatest component is 1 */
-    double reach;          /* the greatest |p_k| of shadow.h */
+    double reach;          /* the greatest |p_k| of hits/shadow_ray.h */
 };
 
 /* Where a ray of this direction from the eye hits the plane of a cell's cover. Returns 0 if nowhere. */

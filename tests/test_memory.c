@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "memory.h"
+#include "base/memory.h"
 
 static void test_blocks_are_aligned_to_64(void **state)
 {

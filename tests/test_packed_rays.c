@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rays of one origin, or one direction, in packed arrays without limits, which are read in one go
- * (kernels/packed_rays.h): with a ray here and there that does not belong, of which the others of its block must not
+ * (read_arrays.h): with a ray here and there that does not belong, of which the others of its block must not
  * notice anything. And what is kept of the
  * triangles that they hit (hit_terms.h), where places are taken and origins change.
  */
@@ -9,11 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dispatch.h"
-#include "kernels.h"
-#include "source.h"
+#include "run/dispatch.h"
+#include "job/job.h"
+#include "rays/source.h"
 #include "support.h"
-#include "tile.h"
+#include "trace/ray_tile.h"
+#include "scene/masks.h"
 
 enum { WIDTH = 23, HEIGHT = 21, COUNT = WIDTH * HEIGHT };
 
@@ -461,7 +462,8 @@ static void compare_lanes(const char *what, uint32_t place, uint32_t lanes, cons
 }
 
 /* Rays as they were read, unchecked. Lanes that do not exist hold anything. */
-static void compare_packets(uint32_t place, uint32_t lanes, const struct mlrt_packet *one, const struct mlrt_packet *other)
+static void compare_packets(uint32_t place, uint32_t lanes, const struct mlrt_packet *one,
+                            const struct mlrt_packet *other)
 {
     static const char *const components[] = {"x", "y", "z"};
     assert_int_equal(one->active, lanes);

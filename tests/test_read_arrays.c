@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays as tiles read them out of arrays (kernels/read_arrays.h) against the same words taken one by one: elements packed, in
+ * Rays as tiles read them out of arrays (read_arrays.h) against the same words taken one by one: elements packed, in
  * structs where another array's word follows, or apart; one origin for several rays; skips of several meshes. Every array
  * ends with its memory, and what is behind that must not be touched.
  */
 #include <string.h>
 
-#include "dispatch.h"
-#include "source.h"
+#include "run/dispatch.h"
+#include "rays/source.h"
 #include "support.h"
-#include "tile.h"
+#include "trace/ray_tile.h"
+#include "scene/masks.h"
 
 /* Where arrays are in a struct, in words; APART: they have one of their own, with a stride of so many more words; NONE. */
 enum { NONE = -1, APART = -2 };

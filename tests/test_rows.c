@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "rows.h"
+#include "rays/rows.h"
 #include "support.h"
 
 struct list {

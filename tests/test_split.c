@@ -12,7 +12,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "split.h"
+#include "mlrta/split.h"
 
 static const struct mlrt_box UNIT_BOX = {{0, 0, 0}, {1, 1, 1}};
 static const struct mlrt_cost_model MODEL = {1, 1, 0.9};

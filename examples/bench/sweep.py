@@ -4,7 +4,7 @@
 
     sweep.py [--scene NAME|FILE]... [--views FILE.json] [--kinds primary,shadow] [--rounds 15] [--lives 3] [--jobs N]
 
-builds the bench program once for every setting of src/tuning.h listed here (in build/sweep/), and prints CSV: scene, kind, setting,
+builds the bench program once for every setting of src/base/tuning.h listed here (in build/sweep/), and prints CSV: scene, kind, setting,
 and its rate over that of the settings as they are. A few programs with a scene each are there at once and take turns, run by run, the
 settings as they are first. What counts is the median over the rounds of how much faster a setting was than the settings as they
 are in the same round: so what else happens on a machine, for longer than a round, happens to all. As a program may be slow all its

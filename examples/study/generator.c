@@ -4,7 +4,8 @@
 
 #include "common/steady_math.h"
 #include "common/view.h"
-#include "kdtree.h"
+#include "mlrta/kdtree.h"
+#include "scene/tree.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef VECTOR_H
 #define VECTOR_H
 
-#include "platform.h"
+#include "base/platform.h"
 
 MLRT_INLINE void subtract_float(const float a[3], const float b[3], float difference[3])
 {

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "kernels/simd_avx512.h"
+#include "simd/avx512.h"
 #define DECIDE_CLOSE decide_close_avx512
 #include "body.h"

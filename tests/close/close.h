@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * decide_lanes of src/kernels/close_calls.h in each instruction set, one object for each. What it leaves to the judge
+ * decide_lanes of src/hits/close_calls.h in each instruction set, one object for each. What it leaves to the judge
  * comes to decide_rest, which test_close_calls.c has.
  */
 #ifndef CLOSE_H
 #define CLOSE_H
 
-#include "kernels.h"
+#include "job/job.h"
 
 typedef uint32_t decide_function(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                                  struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "kernels/simd_scalar.h"
+#include "simd/scalar.h"
 #define DECIDE_CLOSE decide_close_scalar
 #include "body.h"

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "kernels/simd_sse.h"
+#include "simd/sse.h"
 #define DECIDE_CLOSE decide_close_sse
 #include "body.h"

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "kernels/simd_avx2.h"
+#include "simd/avx2.h"
 #define RUN_WORDS run_words_avx2
 #include "body.h"

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "kernels/simd_avx512.h"
+#include "simd/avx512.h"
 #define RUN_WORDS run_words_avx512
 #include "body.h"

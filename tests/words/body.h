@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "packet.h"
+#include "rays/packet.h"
 #include "words.h"
 
 static void put_mask(struct word_output *out, int word, int v, vm mask)

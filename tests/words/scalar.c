@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "kernels/simd_scalar.h"
+#include "simd/scalar.h"
 #define RUN_WORDS run_words_scalar
 #include "body.h"

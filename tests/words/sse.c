@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "kernels/simd_sse.h"
+#include "simd/sse.h"
 #define RUN_WORDS run_words_sse
 #include "body.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Every word of a vocabulary (src/kernels/simd_*.h and quad_*.h) on sixteen lanes: what test_simd.c compares
+ * Every word of a vocabulary (src/simd) on sixteen lanes: what test_simd.c compares
  * among the instruction sets. One object for each, compiled for it.
  */
 #ifndef WORDS_H
@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include "platform.h"
+#include "base/platform.h"
 
 #define WORD_LANES 16
 

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the library says of itself: its version, what it can do here, the sizes of its structs, and what codes mean.
+ */
+#include "mlrt.h"
+#include "run/dispatch.h"
+
+MLRT_API uint32_t mlrt_version(void)
+{
+    return MLRT_VERSION_MAJOR * 10000 + MLRT_VERSION_MINOR * 100 + MLRT_VERSION_PATCH;
+}
+
+MLRT_API const char *mlrt_status_string(int32_t status)
+{
+    static const char *const texts[] = {
+        "ok",
+        "invalid argument",
+        "struct_size is not set or not of any version",
+        "a triangle names a vertex that does not exist",
+        "out of memory",
+        "more triangles, rays or pixels than 32-bit counts allow",
+        "camera of size zero, crop outside of it, numbers that are not finite, or vectors that span no picture",
+        "instruction set not available here, or a method for a structure that the tree does not have",
+        "the system would not start a thread",
+        "stopped by a callback",
+        "not a saved tree, or one that is damaged, of another version, or of other triangles",
+    };
+    const int32_t count = (int32_t)(sizeof texts / sizeof *texts);
+    return status >= 0 && status < count ? texts[status] : "unknown status";
+}
+
+MLRT_API uint64_t mlrt_capabilities(void)
+{
+    uint64_t capabilities = MLRT_CAN_BVH | MLRT_CAN_KDTREE;
+    for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; ++isa) {
+        if (mlrt_select_kernels(isa, MLRT_METHOD_TILE, 0))
+            capabilities |= (uint64_t)MLRT_CAN_SSE << (isa - MLRT_ISA_SSE);
+    }
+    return capabilities;
+}
+
+MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count)
+{
+    static const uint16_t known[MLRT_STRUCT_COUNT] = {
+        [MLRT_STRUCT_HOST] = sizeof(mlrt_host),
+        [MLRT_STRUCT_MESH] = sizeof(mlrt_mesh),
+        [MLRT_STRUCT_BUILD_OPTIONS] = sizeof(mlrt_build_options),
+        [MLRT_STRUCT_TREE_INFO] = sizeof(mlrt_tree_info),
+        [MLRT_STRUCT_MEMORY_ESTIMATE] = sizeof(mlrt_memory_estimate),
+        [MLRT_STRUCT_LOAD_OPTIONS] = sizeof(mlrt_load_options),
+        [MLRT_STRUCT_POOL_OPTIONS] = sizeof(mlrt_pool_options),
+        [MLRT_STRUCT_COUNTERS] = sizeof(mlrt_counters),
+        [MLRT_STRUCT_TRACE_OPTIONS] = sizeof(mlrt_trace_options),
+        [MLRT_STRUCT_ARRAY] = sizeof(mlrt_array),
+        [MLRT_STRUCT_HITS] = sizeof(mlrt_hits),
+        [MLRT_STRUCT_CONST_ARRAY] = sizeof(mlrt_const_array),
+        [MLRT_STRUCT_RAYS] = sizeof(mlrt_rays),
+        [MLRT_STRUCT_RAY] = sizeof(mlrt_ray),
+        [MLRT_STRUCT_HIT] = sizeof(mlrt_hit),
+        [MLRT_STRUCT_HIT_LISTS] = sizeof(mlrt_hit_lists),
+        [MLRT_STRUCT_CAMERA] = sizeof(mlrt_camera),
+        [MLRT_STRUCT_TILE] = sizeof(mlrt_tile),
+        [MLRT_STRUCT_LIGHT] = sizeof(mlrt_light),
+        [MLRT_STRUCT_POINTS] = sizeof(mlrt_points),
+    };
+    for (uint32_t i = 0; sizes && i < count; ++i) sizes[i] = i < MLRT_STRUCT_COUNT ? known[i] : 0;
+}

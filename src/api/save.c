@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Trees as bytes, to be written to a file and used again: saving, loading, and the hash of a geometry.
+ *
+ * THE FORMAT, version 2
+ *
+ * A file is a header and ten sections, each at a multiple of 64 bytes from the start of the file, in the order below.
+ * What lies between is zero, and so is the end, up to a multiple of 64. Numbers are in the byte order of the machine
+ * that wrote them; floats are those of IEEE 754. Nothing depends on pointers, on the compiler or on when it was
+ * written: the same tree is always the same file.
+ *
+ *     header    struct header: 8 bytes that no other kind of file begins with, byte order, version, the size of the
+ *               file, the hash of the file, the hash of the geometry (at byte 32: a program may look there before it
+ *               loads), counts, the build report, and offset and size of each section
+ *     section   size in bytes               contents
+ *     0         36 triangle_count           triangles: three coordinates each of a, b, c, as they were given
+ *     1          4 mesh_count               ids of the meshes
+ *     2          4 (mesh_count + 1)         number of the first triangle of each mesh, and triangle_count
+ *     3          4 mesh_count               positions of the meshes in the order of their ids
+ *     4          4 mask_count               the mask of each triangle (mask_count = triangle_count), or none
+ *     5          8 node_count               kd-tree: nodes, see kdtree.h
+ *     6          4 reference_count          kd-tree: entries of leaves
+ *     7        448 box_node_count           hierarchy of boxes: nodes in units, see bvh/node.h
+ *     8        144 quad_count + 64          hierarchy of boxes: corners in units, see bvh/unit.h
+ *     9         16 quad_count + 64          hierarchy of boxes: numbers
+ *
+ * Sections 8 and 9 end with 16 elements that may be read and mean nothing. Without box_node_count both are empty.
+ * The unit follows from the triangles.
+ *
+ * Both hashes are those of hash.h over 32-bit words. That of the file is over all of it, with 0 in place of the hash.
+ * That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its mask
+ * (of a mesh without triangles: all bits), then the coordinates of all triangles in order.
+ *
+ * In the build report, bytes and seconds are 0: they are not the tree's but the process's.
+ *
+ * WHAT LOADING CHECKS
+ *
+ * Everything that memory safety and an end of every traversal rest on, after the hash and trusting nothing: sizes and
+ * places of sections follow from the counts and must be these; tables of meshes are ascending; leaves name each
+ * triangle as it is; bounds and the numbers of triangles left out are worked out again; nodes keep all that
+ * mlrt_check_nodes and mlrt_check_boxes look at. So of what the invariants say only one thing is not checked: that
+ * boxes and cells contain what is below them (I3, B3). A triangle can be missed for that, but nothing else: whether a
+ * ray hits a triangle, and where, is decided with the triangle alone.
+ *
+ * Checks look at the tree's own copy, so data that someone changes meanwhile do no harm, unless they are used in place.
+ */
+#include "api/save.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/host.h"
+#include "base/structs.h"
+#include "bvh/check.h"
+#include "bvh/node.h"
+#include "bvh/unit.h"
+#include "exact/predicate.h"
+#include "mlrta/check.h"
+#include "mlrta/kdtree.h"
+#include "scene/masks.h"
+#include "scene/meshes.h"
+
+#define SECTION_ALIGNMENT 64
+
+/* The eighth bit, line ends of two kinds and an end of file tell what treats it as text. */
+static const unsigned char magic[8] = {0x89, 'M', 'L', 'R', 'T', '\r', '\n', 0x1A};
+
+#define BYTE_ORDER_MARK 0x01020304u
+#define FORMAT_VERSION  2
+
+/* What sections consist of so many of. The first is MLRT_STRUCTURE_*, which is never 0 and so stands for "always". */
+enum { STRUCTURES, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, COUNT_COUNT };
+
+#define SECTION_COUNT 10
+
+struct section {
+    uint64_t offset;
+    uint64_t size;
+};
+
+struct header {
+    unsigned char magic[8];
+    uint32_t byte_order;
+    uint32_t version;
+    uint64_t size;
+    uint64_t hash;
+    uint64_t geometry_hash;
+    uint32_t counts[COUNT_COUNT];
+    mlrt_tree_info info; /* struct_size, memory_size, peak_memory_size and build_seconds are 0 */
+    struct section sections[SECTION_COUNT];
+};
+
+/* The format is this struct: no compiler may add to it, and if mlrt_tree_info grows, the version must. */
+typedef char header_is_packed[sizeof(struct header) == 72 + 136 + 160 ? 1 : -1];
+
+/* The sections in their order. */
+static const struct {
+    uint16_t array;   /* where in struct mlrt_tree the pointer is */
+    uint16_t element; /* bytes for each of what is counted */
+    uint8_t more;     /* bytes besides */
+    uint8_t count;
+    uint8_t needs; /* what there must be, or the section is empty and the pointer NULL */
+} kinds[SECTION_COUNT] = {
+    {offsetof(struct mlrt_tree, triangles), sizeof(struct mlrt_triangle), 0, TRIANGLES, STRUCTURES},
+    {offsetof(struct mlrt_tree, mesh_ids), 4, 0, MESHES, STRUCTURES},
+    {offsetof(struct mlrt_tree, mesh_first), 4, 4, MESHES, STRUCTURES},
+    {offsetof(struct mlrt_tree, mesh_by_id), 4, 0, MESHES, STRUCTURES},
+    {offsetof(struct mlrt_tree, masks), 4, 0, MASKS, MASKS},
+    {offsetof(struct mlrt_tree, nodes), sizeof(struct mlrt_node), 0, NODES, NODES},
+    {offsetof(struct mlrt_tree, references), 4, 0, REFERENCES, NODES},
+    {offsetof(struct mlrt_tree, bvh.nodes), sizeof(struct mlrt_bvh_node), 0, BOX_NODES, BOX_NODES},
+    {offsetof(struct mlrt_tree, bvh.corners), 144, 64, QUADS, BOX_NODES},
+    {offsetof(struct mlrt_tree, bvh.numbers), 16, 64, QUADS, BOX_NODES},
+};
+
+/* A tree's pointer to what is in a section: all pointers look alike here. */
+static void *get_array(const struct mlrt_tree *tree, int i)
+{
+    void *array;
+    memcpy(&array, (const unsigned char *)tree + kinds[i].array, sizeof array);
+    return array;
+}
+
+static void set_array(struct mlrt_tree *tree, int i, const void *array)
+{
+    memcpy((unsigned char *)tree + kinds[i].array, &array, sizeof array);
+}
+
+/* Where the sections lie, by the counts of the header. Returns the size of the file. Nothing comes near 2^64. */
+static uint64_t lay_out(const struct header *header, struct section sections[SECTION_COUNT])
+{
+    uint64_t end = sizeof *header;
+    for (int i = 0; i < SECTION_COUNT; ++i) {
+        const uint64_t size = header->counts[kinds[i].count] * (uint64_t)kinds[i].element + kinds[i].more;
+        sections[i].offset = (end + SECTION_ALIGNMENT - 1) / SECTION_ALIGNMENT * SECTION_ALIGNMENT;
+        sections[i].size = header->counts[kinds[i].needs] ? size : 0;
+        end = sections[i].offset + sections[i].size;
+    }
+    return (end + SECTION_ALIGNMENT - 1) / SECTION_ALIGNMENT * SECTION_ALIGNMENT;
+}
+
+/* Of everything: the header, with its hash as 0, and what follows it in `data`. */
+static uint64_t hash_file(const struct header *header, const unsigned char *data)
+{
+    struct header without_hash = *header;
+    struct mlrt_hash hash;
+    without_hash.hash = 0;
+    mlrt_start_hash(&hash);
+    mlrt_add_words(&hash, &without_hash, sizeof without_hash / 4);
+    mlrt_add_words(&hash, data + sizeof *header, (size_t)(header->size - sizeof *header) / 4);
+    return mlrt_finish_hash(&hash);
+}
+
+/* ---- the hash of a geometry ---- */
+
+static void add_mesh(struct mlrt_hash *hash, uint32_t id, uint32_t triangle_count, uint32_t mask)
+{
+    const uint32_t words[3] = {id, triangle_count, triangle_count > 0 ? mask : MLRT_MASK_ALL};
+    mlrt_add_words(hash, words, 3);
+}
+
+static uint64_t hash_tree_geometry(const struct mlrt_tree *tree)
+{
+    struct mlrt_hash hash;
+    mlrt_start_hash(&hash);
+    mlrt_add_words(&hash, &tree->mesh_count, 1);
+    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
+        const uint32_t first = tree->mesh_first[i], count = tree->mesh_first[i + 1] - first;
+        add_mesh(&hash, tree->mesh_ids[i], count, tree->masks && count > 0 ? tree->masks[first] : MLRT_MASK_ALL);
+    }
+    mlrt_add_words(&hash, tree->triangles, 9 * (size_t)tree->triangle_count);
+    return mlrt_finish_hash(&hash);
+}
+
+static int32_t add_triangles(const mlrt_mesh *mesh, struct mlrt_hash *hash)
+{
+    struct mlrt_triangle triangle;
+    uint64_t index;
+    for (size_t i = 0; i < mesh->triangle_count; ++i) {
+        if (!mlrt_copy_triangle(mesh, i, &triangle, &index)) return MLRT_ERROR_INDEX_RANGE;
+        mlrt_add_words(hash, &triangle, 9);
+    }
+    return MLRT_OK;
+}
+
+/* Ids as a tree has them: positions if all are 0. */
+static void add_meshes(const mlrt_mesh *meshes, uint32_t mesh_count, struct mlrt_hash *hash)
+{
+    uint32_t any = 0;
+    for (uint32_t i = 0; i < mesh_count; ++i) any |= mlrt_mesh_at(meshes, i).id;
+    mlrt_add_words(hash, &mesh_count, 1);
+    for (uint32_t i = 0; i < mesh_count; ++i) {
+        const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
+        add_mesh(hash, any ? mesh.id : i, (uint32_t)mesh.triangle_count, mesh.mask);
+    }
+}
+
+MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, uint64_t *hash)
+{
+    if (!hash) return MLRT_ERROR_ARGUMENT;
+    *hash = 0;
+    struct mlrt_hash state;
+    uint32_t triangle_count;
+    int32_t status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
+    if (status != MLRT_OK) return status;
+    mlrt_start_hash(&state);
+    add_meshes(meshes, (uint32_t)mesh_count, &state);
+    for (size_t i = 0; i < mesh_count && status == MLRT_OK; ++i) {
+        const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
+        status = add_triangles(&mesh, &state);
+    }
+    if (status == MLRT_OK) *hash = mlrt_finish_hash(&state);
+    return status;
+}
+
+/* ---- saving ---- */
+
+static void make_header(const struct mlrt_tree *tree, struct header *header)
+{
+    *header = (struct header){
+        .byte_order = BYTE_ORDER_MARK,
+        .version = FORMAT_VERSION,
+        .counts = {tree->structures, tree->triangle_count, tree->mesh_count, tree->masks ? tree->triangle_count : 0,
+                   tree->node_count, tree->reference_count, tree->bvh.node_count, tree->bvh.quad_count},
+        .info = tree->info,
+    };
+    memcpy(header->magic, magic, sizeof magic);
+    header->info.struct_size = 0;
+    header->info.memory_size = header->info.peak_memory_size = 0;
+    header->info.build_seconds = 0;
+    header->size = lay_out(header, header->sections);
+}
+
+static void write_file(const struct mlrt_tree *tree, struct header *header, unsigned char *buffer)
+{
+    size_t end = sizeof *header;
+    for (int i = 0; i < SECTION_COUNT; ++i) {
+        const size_t offset = (size_t)header->sections[i].offset, size = (size_t)header->sections[i].size;
+        memset(buffer + end, 0, offset - end);
+        if (size > 0) memcpy(buffer + offset, get_array(tree, i), size);
+        end = offset + size;
+    }
+    memset(buffer + end, 0, (size_t)header->size - end);
+    header->geometry_hash = hash_tree_geometry(tree);
+    header->hash = hash_file(header, buffer);
+    memcpy(buffer, header, sizeof *header);
+}
+
+MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size)
+{
+    if (!size) return MLRT_ERROR_ARGUMENT;
+    *size = 0;
+    if (!tree) return MLRT_ERROR_ARGUMENT;
+    struct header header;
+    make_header(tree, &header);
+    if (header.size > SIZE_MAX) return MLRT_ERROR_TOO_LARGE;
+    *size = (size_t)header.size;
+    if (!buffer) return MLRT_OK;
+    if (capacity < header.size) return MLRT_ERROR_ARGUMENT;
+    write_file(tree, &header, buffer);
+    return MLRT_OK;
+}
+
+/* ---- loading ---- */
+
+/* Structures come with their arrays, and only they. */
+static int counts_make_sense(const uint32_t counts[COUNT_COUNT])
+{
+    const uint32_t structures = counts[STRUCTURES];
+    if (structures == 0 || structures & ~(uint32_t)(MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH)) return 0;
+    if (counts[TRIANGLES] > MLRT_TRIANGLE_LIMIT || counts[MESHES] > INT32_MAX) return 0;
+    if (counts[MASKS] != 0 && counts[MASKS] != counts[TRIANGLES]) return 0;
+    if (((structures & MLRT_STRUCTURE_KDTREE) != 0) != (counts[NODES] > 0)) return 0;
+    if (counts[REFERENCES] > 0 && counts[NODES] == 0) return 0;
+    if (!(structures & MLRT_STRUCTURE_BVH) && counts[BOX_NODES] > 0) return 0;
+    return (counts[BOX_NODES] > 0) == (counts[QUADS] > 0);
+}
+
+/* What is wrong with a file by its header, as a static string; NULL if nothing is. */
+static const char *check_header(const struct header *header, size_t size)
+{
+    struct section sections[SECTION_COUNT];
+    if (memcmp(header->magic, magic, sizeof magic) != 0) return "not a saved tree";
+    if (header->byte_order != BYTE_ORDER_MARK) return "saved on a machine of another byte order";
+    if (header->version != FORMAT_VERSION) return "of another version of the format";
+    if (header->size != size) return "not as long as it was: cut off, or followed by something";
+    if (!counts_make_sense(header->counts)) return "counts that no tree has";
+    if (lay_out(header, sections) != header->size || memcmp(sections, header->sections, sizeof sections) != 0) {
+        return "sections are not where they have to be";
+    }
+    return NULL;
+}
+
+/*
+ * Makes the contents of the sections the tree's: copies, or the data themselves, where `const` is dropped, as nobody
+ * writes to a tree that is built. Returns 0 if there is no memory.
+ */
+static int take_sections(const struct header *header, const unsigned char *data, struct mlrt_tree *tree)
+{
+    tree->structures = header->counts[STRUCTURES];
+    tree->triangle_count = header->counts[TRIANGLES];
+    tree->mesh_count = header->counts[MESHES];
+    tree->node_count = header->counts[NODES];
+    tree->reference_count = header->counts[REFERENCES];
+    tree->bvh.node_count = header->counts[BOX_NODES];
+    tree->bvh.quad_count = header->counts[QUADS];
+    for (int i = 0; i < SECTION_COUNT; ++i) {
+        const unsigned char *from = data + (size_t)header->sections[i].offset;
+        const size_t size = (size_t)header->sections[i].size;
+        if (header->counts[kinds[i].needs] == 0) continue;
+        if (tree->borrowed) {
+            set_array(tree, i, from);
+            continue;
+        }
+        void *copy = mlrt_allocate(&tree->memory, size, 1);
+        if (!copy) return 0;
+        memcpy(copy, from, size);
+        set_array(tree, i, copy);
+    }
+    return 1;
+}
+
+/* Positions whose ids ascend strictly are all different, and so are the ids. */
+static const char *check_meshes(const struct mlrt_tree *tree)
+{
+    uint32_t first = 0;
+    if (tree->mesh_first[0] != 0) return "meshes are out of order"; // also where there are none
+    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
+        if (tree->mesh_first[i] < first) return "meshes are out of order";
+        first = tree->mesh_first[i];
+        if (tree->mesh_by_id[i] >= tree->mesh_count) return "a position is not that of a mesh";
+        const uint32_t id = tree->mesh_ids[tree->mesh_by_id[i]];
+        if (id == MLRT_NONE || (i > 0 && id <= tree->mesh_ids[tree->mesh_by_id[i - 1]])) {
+            return "ids of meshes are not in order, or not different";
+        }
+    }
+    const uint32_t last = tree->mesh_first[tree->mesh_count];
+    return last == tree->triangle_count && last >= first ? NULL : "meshes have not as many triangles as the tree";
+}
+
+static void extend_box(struct mlrt_box *box, const struct mlrt_triangle *triangle)
+{
+    const float *coordinate = triangle->v[0];
+    for (int i = 0; i < 9; ++i) {
+        const int k = i % 3;
+        if (coordinate[i] < box->lo[k]) box->lo[k] = coordinate[i];
+        if (coordinate[i] > box->hi[k]) box->hi[k] = coordinate[i];
+    }
+}
+
+/* Works out bounds and numbers of triangles left out, compares the report with them, and sets the bounds. */
+static const char *check_report(struct mlrt_tree *tree)
+{
+    uint64_t non_finite_count = 0, zero_area_count = 0;
+    struct mlrt_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint32_t i = 0; i < tree->triangle_count; ++i) {
+        if (!mlrt_triangle_is_finite(&tree->triangles[i])) {
+            ++non_finite_count;
+        } else if (!mlrt_triangle_has_area(&tree->triangles[i])) {
+            ++zero_area_count;
+        } else {
+            extend_box(&box, &tree->triangles[i]);
+        }
+    }
+    const int is_empty = non_finite_count + zero_area_count == tree->triangle_count;
+    if (is_empty) memset(&box, 0, sizeof box);
+    for (int k = 0; k < 3; ++k) {
+        if (tree->info.bounds_min[k] != box.lo[k] || tree->info.bounds_max[k] != box.hi[k]) return "bounds are wrong";
+    }
+    if (tree->info.triangle_count != tree->triangle_count || tree->info.non_finite_count != non_finite_count ||
+        tree->info.zero_area_count != zero_area_count) {
+        return "triangles are miscounted";
+    }
+    if (!is_empty && tree->structures & MLRT_STRUCTURE_BVH && tree->bvh.node_count == 0) {
+        return "there are triangles, but no boxes";
+    }
+    memcpy(tree->bounds.lo, tree->info.bounds_min, sizeof tree->bounds.lo); // zeros have the signs they had
+    memcpy(tree->bounds.hi, tree->info.bounds_max, sizeof tree->bounds.hi);
+    return NULL;
+}
+
+static const char *check_contents(struct mlrt_tree *tree)
+{
+    const char *wrong = check_meshes(tree);
+    if (!wrong) wrong = check_report(tree);
+    if (!wrong && tree->structures & MLRT_STRUCTURE_BVH) {
+        mlrt_set_bvh_unit(tree);
+        mlrt_set_bvh_extent(tree);
+    }
+    if (!wrong && tree->node_count > 0) wrong = mlrt_check_nodes(tree);
+    if (!wrong) wrong = mlrt_check_boxes(tree);
+    return wrong;
+}
+
+/* Fills a tree that is empty but for `borrowed` and its memory. *wrong says why it is MLRT_ERROR_DATA. */
+static MLRT_NOINLINE int32_t take_file(const unsigned char *data, size_t size, uint64_t geometry_hash,
+                                       struct mlrt_tree *tree, const char **wrong)
+{
+    struct header header;
+    *wrong = "not a saved tree";
+    if (size < sizeof header) return MLRT_ERROR_DATA;
+    memcpy(&header, data, sizeof header);
+    *wrong = check_header(&header, size);
+    if (*wrong) return MLRT_ERROR_DATA;
+    *wrong = "of other triangles";
+    if (geometry_hash != 0 && header.geometry_hash != geometry_hash) return MLRT_ERROR_DATA;
+    *wrong = "damaged: its hash is not that of its contents";
+    if (header.hash != hash_file(&header, data)) return MLRT_ERROR_DATA;
+
+    if (!take_sections(&header, data, tree)) return MLRT_ERROR_OUT_OF_MEMORY;
+    tree->info = header.info;
+    *wrong = check_contents(tree);
+    if (*wrong) return MLRT_ERROR_DATA;
+    *wrong = "of other triangles";
+    if (geometry_hash != 0 && hash_tree_geometry(tree) != geometry_hash) return MLRT_ERROR_DATA;
+    mlrt_find_float_safety(tree);
+    tree->info.struct_size = sizeof tree->info;
+    tree->info.memory_size = tree->memory.held_size;
+    tree->info.peak_memory_size = tree->memory.peak_size;
+    tree->info.build_seconds = 0;
+    tree->memory.limit_size = 0;
+    return MLRT_OK;
+}
+
+/* Options and host, checked, in whatever version they came. */
+static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_options *options, struct mlrt_voice *voice)
+{
+    memset(options, 0, sizeof *options);
+    memset(voice, 0, sizeof *voice);
+    if (given) {
+        const int32_t status =
+            mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_load_options, host), options, sizeof *options);
+        if (status != MLRT_OK) return status;
+    }
+    voice->message = options->message;
+    voice->message_size = options->message_size;
+    mlrt_begin_message(voice);
+    if (options->flags & ~(uint32_t)MLRT_LOAD_IN_PLACE) return MLRT_ERROR_ARGUMENT;
+    return mlrt_take_host(options->host, &voice->host);
+}
+
+MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree)
+{
+    if (!tree) return MLRT_ERROR_ARGUMENT;
+    *tree = NULL;
+    if (!data) return MLRT_ERROR_ARGUMENT;
+    mlrt_load_options own;
+    struct mlrt_voice voice;
+    int32_t status = take_load_options(options, &own, &voice);
+    if (status != MLRT_OK) return status;
+    const struct mlrt_memory memory = mlrt_host_memory(&voice.host, own.memory_limit);
+    struct mlrt_tree *made = mlrt_allocate_tree(&memory);
+    const char *wrong = NULL;
+    status = MLRT_ERROR_OUT_OF_MEMORY;
+    if (made) {
+        made->borrowed = own.flags & MLRT_LOAD_IN_PLACE && (uintptr_t)data % SECTION_ALIGNMENT == 0;
+        const uint64_t environment = mlrt_enter_fp_environment();
+        status = take_file(data, size, own.geometry_hash, made, &wrong);
+        mlrt_leave_fp_environment(environment);
+    }
+    if (status != MLRT_OK) {
+        mlrt_explain(&voice, "%s", status == MLRT_ERROR_DATA ? wrong : mlrt_status_string(status));
+        mlrt_destroy_tree(made);
+        return status;
+    }
+    *tree = made;
+    return MLRT_OK;
+}
+
+void mlrt_return_arrays(struct mlrt_tree *tree)
+{
+    for (int i = 0; i < SECTION_COUNT && tree->borrowed; ++i) set_array(tree, i, NULL);
+}

@@ -1,0 +1,624 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The exported functions that trace: each checks its arguments, resolves its options, enters the floating-point
+ * environment of the library, and calls one internal function that does the work.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/host.h"
+#include "base/run_options.h"
+#include "base/structs.h"
+#include "exact/nearest.h"
+#include "exact/offset.h"
+#include "hits/shadow_ray.h"
+#include "job/sink.h"
+#include "rays/rows.h"
+#include "run/all_hits.h"
+#include "run/dispatch.h"
+#include "run/trace_ray.h"
+#include "run/workers.h"
+
+#define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
+
+#define DEFAULT_INITIAL_TILE        128
+#define DEFAULT_INITIAL_TILE_RAYS   32  /* of method ray: tiles are what a call can be stopped between */
+#define DEFAULT_TILE_ROWS           64  /* of the tile method, for arrays with rows */
+#define DEFAULT_TILE_LIST           256 /* and for lists, which are four wide */
+#define DEFAULT_INITIAL_TILE_ARRAYS 32  /* beams of arrays are made by looking at every ray: on one level only */
+#define DEFAULT_MINIMUM_TILE        16
+#define DEFAULT_SPLIT_FACTOR        16
+
+static int is_power_of_two(uint32_t n)
+{
+    return n != 0 && (n & (n - 1)) == 0;
+}
+
+/* The default, or what was given if it is a power of two in lo..hi; 0 if it is not. */
+static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uint32_t hi)
+{
+    if (given == 0) return standard;
+    return is_power_of_two(given) && given >= lo && given <= hi ? given : 0;
+}
+
+/* A method, with the default resolved; MLRT_METHOD_DEFAULT if the tree lacks what the method searches in. */
+static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
+{
+    const int has_boxes = (tree->structures & MLRT_STRUCTURE_BVH) != 0;
+    const int has_kdtree = (tree->structures & MLRT_STRUCTURE_KDTREE) != 0;
+    if (method == MLRT_METHOD_DEFAULT) return has_boxes ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
+    if (method == MLRT_METHOD_TILE) return has_boxes ? method : MLRT_METHOD_DEFAULT;
+    return has_kdtree || method == MLRT_METHOD_RAY ? method : MLRT_METHOD_DEFAULT;
+}
+
+/* The side of the tiles that are shared out among threads. */
+static uint32_t standard_initial_tile(const struct mlrt_job *job)
+{
+    if (job->source.kind == MLRT_SOURCE_CAMERA) {
+        return job->method == MLRT_METHOD_RAY ? DEFAULT_INITIAL_TILE_RAYS : DEFAULT_INITIAL_TILE;
+    }
+    if (job->method != MLRT_METHOD_TILE) return DEFAULT_INITIAL_TILE_ARRAYS;
+    return job->source.width <= 4 ? DEFAULT_TILE_LIST : DEFAULT_TILE_ROWS;
+}
+
+/* What a call was given besides the tree, checked, in whatever version it came. */
+struct call {
+    mlrt_trace_options options;
+    struct mlrt_run_options run;
+};
+
+static int32_t take_options(const mlrt_trace_options *given, struct call *call)
+{
+    memset(call, 0, sizeof *call);
+    if (given) {
+        const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &call->options,
+                                                sizeof call->options);
+        if (status != MLRT_OK) return status;
+    }
+    const mlrt_counters *counters = call->options.counters;
+    call->run.pool = call->options.pool;
+    call->run.counters = call->options.counters;
+    if (counters && mlrt_check_result_size(counters, FIRST_COUNTERS_SIZE, sizeof *counters) != MLRT_OK) {
+        return MLRT_ERROR_STRUCT_SIZE;
+    }
+    if (counters && counters->reserved != 0) return MLRT_ERROR_ARGUMENT;
+    return mlrt_take_host(call->options.host, &call->run.host);
+}
+
+/* Checks options and puts what they say, and the tree, into a job whose source is set. */
+static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
+{
+    if (options->query != MLRT_QUERY_CLOSEST && options->query != MLRT_QUERY_ANY) return MLRT_ERROR_ARGUMENT;
+    if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
+    if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_AVX512) return MLRT_ERROR_ARGUMENT;
+    if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
+    if (options->lights || options->light_count || options->reserved) return MLRT_ERROR_ARGUMENT;
+    if (options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~63u)
+        return MLRT_ERROR_ARGUMENT;
+    if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
+        return MLRT_ERROR_ARGUMENT;
+    }
+
+    job->tree = tree;
+    job->trace_segment = mlrt_trace_segment;
+    job->any = options->query == MLRT_QUERY_ANY;
+    job->method = resolve_method(options->method, tree);
+    if (job->method == MLRT_METHOD_DEFAULT) return MLRT_ERROR_UNSUPPORTED;
+    job->culling = options->culling;
+    job->culling_check = options->culling_check != 0;
+    const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;
+    job->whole_tiles = (shortcuts & MLRT_SHORTCUT_WHOLE_TILES) != 0;
+    job->entry_lists = (shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) != 0;
+    job->shared_setups = (shortcuts & MLRT_SHORTCUT_SHARED_SETUPS) != 0;
+    job->initial_tile_size = resolve_size(options->initial_tile_size, standard_initial_tile(job), 4, 1024);
+    uint32_t standard_minimum =
+        job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_MINIMUM_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
+    if (standard_minimum > job->initial_tile_size) standard_minimum = job->initial_tile_size;
+    job->minimum_tile_size = resolve_size(options->minimum_tile_size, standard_minimum, 4, job->initial_tile_size);
+    if (!job->initial_tile_size || !job->minimum_tile_size) return MLRT_ERROR_ARGUMENT;
+    const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
+    job->split_divisor = split_factor == 4 ? 2 : 4;
+    job->outputs = options->outputs;
+    mlrt_set_masks(tree, options->mask, job->method == MLRT_METHOD_TILE, &job->source);
+    job->kernels = mlrt_select_kernels(options->isa, job->method, options->counters != NULL);
+    return job->kernels ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
+}
+
+/* What a call may write. */
+static uint32_t channels_of(const struct mlrt_job *job)
+{
+    return job->any ? MLRT_CHANNELS_OCCLUDED : MLRT_CHANNELS_CLOSEST;
+}
+
+static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
+                                             const mlrt_hits *hits, struct mlrt_job *job)
+{
+    int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
+    if (status == MLRT_OK && !rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
+    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
+    if (status == MLRT_OK) status = mlrt_make_sink(hits, channels_of(job), job->source.width, 1, &job->frame);
+    job->has_frame = 1;
+    return status;
+}
+
+static int32_t take_rays(const mlrt_rays *given, mlrt_rays *rays)
+{
+    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_rays, skip), rays, sizeof *rays);
+}
+
+static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
+{
+    const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
+    return status == MLRT_OK && hits->reserved != 0 ? MLRT_ERROR_ARGUMENT : status;
+}
+
+/* ---- what cannot be shared; the host's log says so ---- */
+
+/* Results, which have an element each. */
+static int32_t check_results(const mlrt_array *const *arrays, const char *const *names, int count,
+                             const struct call *call)
+{
+    for (int i = 0; i < count; ++i) {
+        if (!arrays[i]->data || arrays[i]->stride != MLRT_STRIDE_ALL) continue;
+        const struct mlrt_voice voice = {.host = call->run.host};
+        mlrt_explain(&voice, "%s: MLRT_STRIDE_ALL in an array with an element for each result", names[i]);
+        return MLRT_ERROR_ARGUMENT;
+    }
+    return MLRT_OK;
+}
+
+static int32_t check_hits(const mlrt_hits *hits, const struct call *call)
+{
+    const mlrt_array *const arrays[] = {&hits->t,        &hits->u,      &hits->v,       &hits->mesh,
+                                        &hits->triangle, &hits->facing, &hits->occluded};
+    static const char *const names[] = {"hits.t",        "hits.u",      "hits.v",       "hits.mesh",
+                                        "hits.triangle", "hits.facing", "hits.occluded"};
+    return check_results(arrays, names, 7, call);
+}
+
+static int32_t check_lists(const mlrt_hit_lists *lists, const struct call *call)
+{
+    const mlrt_array *const arrays[] = {&lists->t,        &lists->u,        &lists->v,
+                                        &lists->mesh,     &lists->triangle, &lists->facing,
+                                        &lists->crossing, &lists->total,    &lists->crossing_total};
+    static const char *const names[] = {"lists.t",        "lists.u",        "lists.v",
+                                        "lists.mesh",     "lists.triangle", "lists.facing",
+                                        "lists.crossing", "lists.total",    "lists.crossing_total"};
+    return check_results(arrays, names, 9, call);
+}
+
+/* Points: of count / rays_per_origin groups of rays. */
+static int32_t check_groups(const mlrt_rays *rays, const struct call *call)
+{
+    if (rays->reserved != 0) return MLRT_ERROR_ARGUMENT;
+    if (rays->rays_per_origin == 0 || rays->count % rays->rays_per_origin == 0) return MLRT_OK;
+    const struct mlrt_voice voice = {.host = call->run.host};
+    mlrt_explain(&voice, "rays.rays_per_origin: %lu does not divide count %.0f", (unsigned long)rays->rays_per_origin,
+                 (double)rays->count);
+    return MLRT_ERROR_ARGUMENT;
+}
+
+/* ---- rays ---- */
+
+MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
+                                   const mlrt_hits *hits)
+{
+    if (!tree || !rays || !hits) return MLRT_ERROR_ARGUMENT;
+    mlrt_rays own_rays;
+    mlrt_hits own_hits;
+    struct call call;
+    int32_t status = take_rays(rays, &own_rays);
+    if (status == MLRT_OK) status = take_hits(hits, &own_hits);
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK) status = check_groups(&own_rays, &call);
+    if (status == MLRT_OK) status = check_hits(&own_hits, &call);
+    if (status != MLRT_OK) return status;
+    struct mlrt_job job = {.callback = NULL};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_packet_job(tree, &own_rays, &call, &own_hits, &job);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+}
+
+static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
+{
+    return ray->t_max == 0 ? INFINITY : ray->t_max;
+}
+
+/* Method `ray`, and all others where they count. */
+static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask,
+                                       uint32_t skip, mlrt_counters *counters, mlrt_hit *hit)
+{
+    struct mlrt_ray_segment segment;
+    uint32_t number = MLRT_NONE;
+    if (counters) ++counters->ray_count;
+    if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment)) {
+        segment.mask = mask;
+        if (counters) ++counters->packet_count;
+        number = mlrt_trace_segment(tree, &segment, skip, any, counters);
+    }
+    hit->occluded = number != MLRT_NONE;
+    if (!any) mlrt_tell_hit(tree, ray, number, hit);
+}
+
+/* Any other method: a list of one ray. The arrays are a struct. */
+static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
+                             mlrt_hit *hit)
+{
+    const uint64_t environment = mlrt_enter_fp_environment(); /* where what is denormal is not 0 */
+    const float t_max = resolve_t_max(ray);
+    mlrt_leave_fp_environment(environment);
+    const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .count = 1,
+                            .origins = {ray->origin, 0},
+                            .directions = {ray->direction, 0},
+                            .t_min = {&ray->t_min, 0},
+                            .t_max = {&t_max, 0},
+                            .skip = {ray->flags & MLRT_RAY_SKIP ? skip : NULL, 0}};
+    uint8_t occluded = 0;
+    mlrt_hits hits = {.struct_size = sizeof hits};
+    if (any) {
+        hits.occluded.data = &occluded;
+    } else {
+        hits.t.data = &hit->t;
+        hits.u.data = &hit->u;
+        hits.v.data = &hit->v;
+        hits.mesh.data = &hit->mesh;
+        hits.triangle.data = &hit->triangle;
+        hits.facing.data = &hit->facing;
+    }
+    mlrt_trace_options alone = *options;
+    alone.host = NULL;
+    const int32_t status = mlrt_trace_packet(tree, &rays, &alone, &hits);
+    if (status == MLRT_OK) hit->occluded = any ? occluded : hit->triangle != MLRT_NONE;
+    return status;
+}
+
+/* With options that are not the default: they are checked as those of all calls are. */
+static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t skip,
+                                                const mlrt_trace_options *options, mlrt_hit *hit)
+{
+    struct call call;
+    struct mlrt_job job = {.callback = NULL};
+    int32_t status = take_options(options, &call);
+    if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
+    if (status != MLRT_OK) return status;
+    const int32_t method = options->method;
+    if (method != MLRT_METHOD_DEFAULT && method != MLRT_METHOD_RAY) {
+        return trace_as_list(tree, ray, options, job.any, hit);
+    }
+    const uint32_t mask = job.source.common_mask;
+    mlrt_counters own = {.struct_size = 0};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    if (job.method != MLRT_METHOD_TILE || !job.kernels->trace_ray ||
+        !job.kernels->trace_ray(tree, ray, job.any, mask, skip, hit)) {
+        trace_by_ray(tree, ray, job.any, mask, skip, options->counters ? &own : NULL, hit);
+    }
+    mlrt_leave_fp_environment(environment);
+    if (options->counters) mlrt_add_counters(options->counters, &own);
+    return MLRT_OK;
+}
+
+/* Is there something to look at in options, besides the query, the mask and the pool? */
+static int has_options(const mlrt_trace_options *of)
+{
+    return (of->method | of->isa | of->culling | (of->query & ~MLRT_QUERY_ANY)) != 0 ||
+           (of->culling_check | of->initial_tile_size | of->minimum_tile_size | of->split_factor | of->outputs |
+            of->shortcuts_off | of->light_count | of->reserved) != 0 ||
+           ((uintptr_t)of->counters | (uintptr_t)of->host | (uintptr_t)of->lights) != 0;
+}
+
+/* All structs are of this version. Of the hit, what the query does not write stays. */
+static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                             mlrt_hit *hit)
+{
+    int any = 0;
+    uint32_t mask = MLRT_MASK_ALL, skip = MLRT_NONE;
+    if (MLRT_UNLIKELY(ray->flags)) {
+        if (ray->flags != MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+        skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
+    }
+    if (options) {
+        if (has_options(options)) return trace_with_options(tree, ray, skip, options, hit);
+        any = options->query;
+        if (options->mask) mask = options->mask;
+    }
+    const struct mlrt_kernels *kernels = mlrt_widest_kernels();
+    const uint64_t environment = mlrt_enter_fp_environment();
+    if (!(tree->structures & MLRT_STRUCTURE_BVH) || !kernels->trace_ray ||
+        !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
+        trace_by_ray(tree, ray, any, mask, skip, NULL, hit);
+    }
+    mlrt_leave_fp_environment(environment);
+    return MLRT_OK;
+}
+
+#define FIRST_RAY_SIZE MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle)
+#define FIRST_HIT_SIZE MLRT_SIZE_UP_TO(mlrt_hit, occluded)
+
+/* Of structs of other versions. */
+static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const mlrt_ray *ray,
+                                                 const mlrt_trace_options *options, mlrt_hit *hit)
+{
+    mlrt_ray own_ray;
+    mlrt_hit own_hit;
+    mlrt_trace_options own_options;
+    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
+    if (status == MLRT_OK) status = mlrt_check_result_size(hit, FIRST_HIT_SIZE, sizeof own_hit);
+    if (status == MLRT_OK && options) {
+        status = mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &own_options,
+                                  sizeof own_options);
+    }
+    if (status != MLRT_OK) return status;
+    memcpy(&own_hit, hit, FIRST_HIT_SIZE);
+    status = trace_one_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
+    if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
+    return status;
+}
+
+MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                                mlrt_hit *hit)
+{
+    if (!tree || !ray || !hit) return MLRT_ERROR_ARGUMENT;
+    if (MLRT_LIKELY(ray->struct_size == sizeof *ray && hit->struct_size == sizeof *hit &&
+                    (!options || options->struct_size == sizeof *options))) {
+        return trace_one_ray(tree, ray, options, hit);
+    }
+    return trace_versioned_ray(tree, ray, options, hit);
+}
+
+static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
+                                           struct mlrt_job *job)
+{
+    const int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
+    return status == MLRT_OK ? resolve_options(tree, &call->options, job) : status;
+}
+
+MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
+                                     const mlrt_hit_lists *lists)
+{
+    if (!tree || !rays || !lists) return MLRT_ERROR_ARGUMENT;
+    mlrt_rays own_rays;
+    mlrt_hit_lists own_lists;
+    struct call call;
+    int32_t status = take_rays(rays, &own_rays);
+    if (status == MLRT_OK) {
+        status = mlrt_take_struct(lists, MLRT_SIZE_UP_TO(mlrt_hit_lists, crossing_total), &own_lists, sizeof own_lists);
+    }
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK) status = check_groups(&own_rays, &call);
+    if (status == MLRT_OK) status = check_lists(&own_lists, &call);
+    if (status != MLRT_OK) return status;
+    struct mlrt_job job = {.callback = NULL};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_list_job(tree, &own_rays, &call, &job);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run) : status;
+}
+
+static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
+{
+    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_camera, t_max), camera, sizeof *camera);
+}
+
+/* Takes the lights out of options: nobody but pictures has any. 0 if they cannot be. */
+static int take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count)
+{
+    *lights = options->lights;
+    *count = options->light_count;
+    options->lights = NULL;
+    options->light_count = 0;
+    return (!*lights || options->query == MLRT_QUERY_CLOSEST) && *count <= MLRT_LIGHT_LIMIT && (*lights || !*count);
+}
+
+/* What is asked about each light: as the job, but whether anything is hit. */
+static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const struct mlrt_job *job,
+                               struct mlrt_job jobs[MLRT_LIGHT_LIMIT])
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        mlrt_light light;
+        const void *given = (const unsigned char *)lights + (size_t)i * lights->struct_size;
+        /* First, so that nothing behind the array is looked at. */
+        if (((const mlrt_light *)given)->struct_size != lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
+        int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_light, position), &light, sizeof light);
+        if (status != MLRT_OK) return status;
+        jobs[i] = *job;
+        jobs[i].any = 1;
+        jobs[i].has_frame = 0;
+        jobs[i].callback = NULL;
+        jobs[i].light_count = 0;
+        status = mlrt_set_light(&light, &jobs[i].source);
+        if (status != MLRT_OK) return status;
+    }
+    return MLRT_OK;
+}
+
+static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_camera *camera, const struct call *call,
+                                             const mlrt_hits *frame, struct mlrt_job *job,
+                                             struct mlrt_job light_jobs[MLRT_LIGHT_LIMIT])
+{
+    mlrt_trace_options options = call->options;
+    const mlrt_light *lights;
+    uint32_t light_count;
+    int32_t status = mlrt_make_view_source(camera, &job->source);
+    if (status == MLRT_OK && !take_lights(&options, &lights, &light_count)) status = MLRT_ERROR_ARGUMENT;
+    if (status == MLRT_OK) status = resolve_options(tree, &options, job);
+    if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
+    if (status != MLRT_OK) return status;
+    if (frame) {
+        status = mlrt_make_sink(frame, channels_of(job) | (light_count ? MLRT_CHANNELS_OCCLUDED : 0), job->source.width,
+                                0, &job->frame);
+        job->has_frame = !mlrt_sink_is_empty(&job->frame);
+    }
+    if (light_count && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
+        job->lights = light_jobs;
+        job->light_count = light_count;
+        job->whole_tiles = 0;
+    }
+    return status;
+}
+
+MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
+                                   const mlrt_hits *frame, mlrt_tile_callback callback, void *user)
+{
+    if (!tree || !camera || (!frame && !callback)) return MLRT_ERROR_ARGUMENT;
+    mlrt_camera own_camera;
+    mlrt_hits own_frame;
+    struct call call;
+    int32_t status = take_camera(camera, &own_camera);
+    if (status == MLRT_OK && frame) status = take_hits(frame, &own_frame);
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK && frame) status = check_hits(&own_frame, &call);
+    if (status != MLRT_OK) return status;
+    struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_render_job(tree, &own_camera, &call, frame ? &own_frame : NULL, &job, light_jobs);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+}
+
+static int can_write_floats(const mlrt_array *array)
+{
+    return !array || !array->data ||
+           ((uintptr_t)array->data % 4 == 0 && array->stride % 4 == 0 && array->row_stride % 4 == 0 &&
+            (array->stride == 0 || array->stride >= 12) && array->stride <= MLRT_STRIDE_LIMIT &&
+            array->row_stride <= MLRT_STRIDE_LIMIT);
+}
+
+static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)
+{
+    const size_t stride = array->stride ? array->stride : 12;
+    const size_t row_stride = array->row_stride ? array->row_stride : width * stride;
+    return (float *)(void *)((unsigned char *)array->data + j * row_stride + i * stride);
+}
+
+static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const mlrt_array *origins,
+                                               const mlrt_array *directions)
+{
+    struct mlrt_view view;
+    const int32_t status = mlrt_make_view(camera, &view);
+    if (status != MLRT_OK) return status;
+    for (uint32_t j = 0; j < view.height; ++j) {
+        for (uint32_t i = 0; i < view.width; ++i) {
+            float p[3];
+            mlrt_view_point(&view, i, j, p);
+            if (origins && origins->data) {
+                memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
+            }
+            if (directions && directions->data) {
+                memcpy(vector_at(directions, view.width, i, j), view.parallel ? camera->direction : p, sizeof p);
+            }
+        }
+    }
+    return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions)
+{
+    if (!camera || !can_write_floats(origins) || !can_write_floats(directions)) return MLRT_ERROR_ARGUMENT;
+    mlrt_camera own;
+    int32_t status = take_camera(camera, &own);
+    if (status != MLRT_OK) return status;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = write_camera_rays(&own, origins, directions);
+    mlrt_leave_fp_environment(environment);
+    return status;
+}
+
+static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                                            const struct call *call, const mlrt_array *occluded, struct mlrt_job *job)
+{
+    const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
+    int32_t status = mlrt_make_light_source(tree, points, light, &job->source);
+    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
+    if (status == MLRT_OK) status = mlrt_make_sink(&hits, MLRT_CHANNELS_OCCLUDED, job->source.width, 1, &job->frame);
+    job->has_frame = 1;
+    return status;
+}
+
+MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                                      const mlrt_trace_options *options, const mlrt_array *occluded)
+{
+    if (!tree || !points || !light || !occluded || !occluded->data) return MLRT_ERROR_ARGUMENT;
+    mlrt_points own_points;
+    mlrt_light own_light;
+    struct call call;
+    int32_t status = mlrt_take_struct(points, MLRT_SIZE_UP_TO(mlrt_points, skip), &own_points, sizeof own_points);
+    if (status == MLRT_OK) {
+        status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
+    }
+    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK) status = check_results(&occluded, &(const char *){"occluded"}, 1, &call);
+    if (status != MLRT_OK) return status;
+    call.options.query = MLRT_QUERY_ANY;
+    struct mlrt_job job = {.callback = NULL};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
+    mlrt_leave_fp_environment(environment);
+    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+}
+
+/* Tells the ray of a light from the hit of another ray. */
+static MLRT_NOINLINE int32_t tell_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number,
+                                             const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
+{
+    struct mlrt_source source;
+    struct mlrt_ray_segment segment, answer;
+    int is_on_side = 0;
+    const int32_t status = mlrt_set_light(light, &source);
+    if (status != MLRT_OK) return status;
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment) ||
+        !mlrt_triangle_is_finite(triangle) || !mlrt_hits_triangle(&segment, triangle, NULL)) {
+        return MLRT_ERROR_ARGUMENT;
+    }
+    if (mlrt_make_shadow_ray(&source, triangle, &segment, &is_on_side, &answer)) {
+        memcpy(shadow->origin, answer.origin, sizeof shadow->origin);
+        memcpy(shadow->direction, answer.direction, sizeof shadow->direction);
+        shadow->t_max = isinf(answer.t_max) ? 0 : answer.t_max;
+    }
+    *faces = is_on_side;
+    return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
+                                 const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
+{
+    if (!tree || !ray || !hit || !light || !shadow || !faces) return MLRT_ERROR_ARGUMENT;
+    mlrt_ray own_ray;
+    mlrt_hit own_hit;
+    mlrt_light own_light;
+    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
+    if (status == MLRT_OK) status = mlrt_take_struct(hit, FIRST_HIT_SIZE, &own_hit, sizeof own_hit);
+    if (status == MLRT_OK) {
+        status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
+    }
+    if (status == MLRT_OK) status = mlrt_check_result_size(shadow, FIRST_RAY_SIZE, sizeof own_ray);
+    if (status != MLRT_OK) return status;
+    const uint32_t number = mlrt_triangle_number(tree, own_hit.mesh, own_hit.triangle);
+    if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+    mlrt_ray answer = {.struct_size = sizeof answer,
+                       .flags = MLRT_RAY_SKIP,
+                       .skip_mesh = own_hit.mesh,
+                       .skip_triangle = own_hit.triangle};
+    const uint64_t environment = mlrt_enter_fp_environment();
+    status = tell_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
+    mlrt_leave_fp_environment(environment);
+    if (status != MLRT_OK) return status;
+    mlrt_give_struct(&answer, sizeof answer, shadow);
+    return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
+                                   int32_t side, float point[3])
+{
+    if (!tree || !point || (side != 1 && side != -1)) return MLRT_ERROR_ARGUMENT;
+    const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);
+    if (number == MLRT_NONE) return MLRT_ERROR_ARGUMENT;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int found = mlrt_find_offset_point(&tree->triangles[number], u, v, side, point);
+    mlrt_leave_fp_environment(environment);
+    return found ? MLRT_OK : MLRT_ERROR_ARGUMENT;
+}

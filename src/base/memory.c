@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Memory: blocks aligned to 64 bytes, with the sizes checked and counted, from the host or from malloc.
+ *
+ * C99 has no aligned allocation, so a block is cut out of a larger one from malloc, whose address lies just below it.
+ * Counted are the bytes asked for, without that margin.
+ */
+#define _DEFAULT_SOURCE
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/platform.h"
+
+#if MLRT_HAVE_MADVISE
+#include <sys/mman.h>
+#endif
+
+/* A cache line, and the widest vector of any instruction set. */
+#define ALIGNMENT 64
+
+/* What is added to a block: room to move it up to the next aligned address, and the address to free below it. */
+#define MARGIN_SIZE (ALIGNMENT + sizeof(void *))
+
+static int product_fits(size_t count, size_t size)
+{
+    return size == 0 || count <= (SIZE_MAX - MARGIN_SIZE) / size;
+}
+
+static int within_limit(const struct mlrt_memory *memory, size_t block_size)
+{
+    return memory->limit_size == 0 ||
+           (memory->held_size <= memory->limit_size && block_size <= memory->limit_size - memory->held_size);
+}
+
+/* The aligned block in what malloc gave, with that address just below it. */
+static void *place_block(char *start)
+{
+    char *lowest = start + sizeof(void *);
+    char *block = lowest + (ALIGNMENT - (uintptr_t)lowest % ALIGNMENT) % ALIGNMENT;
+    memcpy(block - sizeof(void *), &start, sizeof(void *));
+    return block;
+}
+
+static char *start_of(const void *block)
+{
+    char *start;
+    memcpy(&start, (const char *)block - sizeof(void *), sizeof(void *));
+    return start;
+}
+
+/* Large pages: what x86 and most others have between 4 KiB and 1 GiB. Smaller blocks have few of them inside. */
+#define LARGE_PAGE_SIZE  ((size_t)1 << 21)
+#define LARGE_BLOCK_SIZE (2 * LARGE_PAGE_SIZE)
+
+/*
+ * Asks for large pages inside a large block, where the system has them: trees are walked in no order, and each small
+ * page has to be looked up. A hint: whether it is followed changes nothing but time.
+ */
+static void advise_large_pages(char *start, size_t size)
+{
+#if MLRT_HAVE_MADVISE && defined(MADV_HUGEPAGE)
+    if (size < LARGE_BLOCK_SIZE) return;
+    size_t skipped = (LARGE_PAGE_SIZE - (uintptr_t)start % LARGE_PAGE_SIZE) % LARGE_PAGE_SIZE;
+    madvise(start + skipped, (size - skipped) / LARGE_PAGE_SIZE * LARGE_PAGE_SIZE, MADV_HUGEPAGE);
+#else
+    (void)start;
+    (void)size;
+#endif
+}
+
+static void count_held(struct mlrt_memory *memory, size_t added_size)
+{
+    memory->held_size += added_size;
+    if (memory->held_size > memory->peak_size) memory->peak_size = memory->held_size;
+}
+
+struct mlrt_memory mlrt_host_memory(const mlrt_host *host, uint64_t limit_size)
+{
+    return (struct mlrt_memory){0, 0, limit_size, host->user, host->allocate, host->free};
+}
+
+/* Of the host; hosts are not asked for nothing. One that does not align gets its block back. */
+static void *allocate_from_host(const struct mlrt_memory *memory, size_t block_size)
+{
+    const size_t size = block_size ? block_size : 1;
+    void *block = memory->allocate(memory->user, size, ALIGNMENT);
+    if (block == NULL || (uintptr_t)block % ALIGNMENT == 0) return block;
+    memory->free(memory->user, block, size, ALIGNMENT);
+    return NULL;
+}
+
+static void *allocate_from_system(size_t block_size)
+{
+    char *start = malloc(block_size + MARGIN_SIZE);
+    if (start == NULL) return NULL;
+    advise_large_pages(start, block_size);
+    return place_block(start);
+}
+
+void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size)
+{
+    if (!product_fits(count, size) || !within_limit(memory, count * size)) return NULL;
+    void *block = memory->allocate ? allocate_from_host(memory, count * size) : allocate_from_system(count * size);
+    if (block != NULL) count_held(memory, count * size);
+    return block;
+}
+
+void *mlrt_allocate_zeroed(struct mlrt_memory *memory, size_t count, size_t size)
+{
+    void *block = mlrt_allocate(memory, count, size);
+    if (block != NULL) memset(block, 0, count * size);
+    return block;
+}
+
+void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t size)
+{
+    const size_t block_size = count * size;
+    if (block == NULL) return;
+    memory->held_size -= block_size;
+    if (memory->free)
+        memory->free(memory->user, block, block_size ? block_size : 1, ALIGNMENT);
+    else
+        free(start_of(block));
+}
+
+/* Where there is no realloc. The old block is held until the new one is filled. */
+static void *move_block(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size)
+{
+    void *moved = mlrt_allocate(memory, new_count, size);
+    if (moved == NULL) return NULL;
+    memcpy(moved, block, (old_count < new_count ? old_count : new_count) * size);
+    mlrt_free(memory, block, old_count, size);
+    return moved;
+}
+
+/* realloc moves the bytes behind its own start, which can be off the next aligned address by a different amount. */
+void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size)
+{
+    if (block == NULL) return mlrt_allocate(memory, new_count, size);
+    if (memory->allocate) return move_block(memory, block, old_count, new_count, size);
+    size_t kept_size = (old_count < new_count ? old_count : new_count) * size;
+    if (!product_fits(new_count, size) || !within_limit(memory, new_count * size - kept_size)) return NULL;
+    size_t old_offset = (size_t)((char *)block - start_of(block));
+    char *start = realloc(start_of(block), new_count * size + MARGIN_SIZE);
+    if (start == NULL) return NULL;
+    advise_large_pages(start, new_count * size);
+    size_t lowest = (uintptr_t)start % ALIGNMENT + sizeof(void *);
+    size_t new_offset = sizeof(void *) + (ALIGNMENT - lowest % ALIGNMENT) % ALIGNMENT;
+    if (new_offset != old_offset) memmove(start + new_offset, start + old_offset, kept_size);
+    memory->held_size -= old_count * size;
+    count_held(memory, new_count * size);
+    return place_block(start);
+}

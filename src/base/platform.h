@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the compiler and the processor differ in, and nothing else does: inlining, alignment, and the floating-point
+ * environment. Also the two settings without which no bound in this library holds: no contraction of a * b + c, and
+ * float arithmetic that is done in float.
+ */
+#ifndef MLRT_BASE_PLATFORM_H
+#define MLRT_BASE_PLATFORM_H
+
+#include <float.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__)
+#error "mlrt needs IEEE arithmetic: do not compile it with -ffast-math"
+#endif
+#if !defined(FLT_EVAL_METHOD) || FLT_EVAL_METHOD != 0
+#error "mlrt needs float arithmetic in float: on 32-bit x86 compile with -msse2 -mfpmath=sse"
+#endif
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+/*
+ * 1 in a build that is made to measure what exactness costs, and never installed (make GUESS=1): decisions are the best
+ * guess of the first arithmetic that looks at them, float in packets and double for single rays. No bounds, no judge.
+ */
+#ifndef MLRT_GUESS
+#define MLRT_GUESS 0
+#endif
+
+#if defined(__GNUC__)
+#if defined(MLRT_COUNTING) && MLRT_COUNTING /* counting kernels may be slow, and should be small: 40 kB of 100 less */
+#define MLRT_INLINE static inline __attribute__((unused))
+#else
+#define MLRT_INLINE static inline __attribute__((always_inline, unused))
+#endif
+#define MLRT_NOINLINE            __attribute__((noinline))
+#define MLRT_ALIGNED(bytes)      __attribute__((aligned(bytes)))
+#define MLRT_LIKELY(condition)   __builtin_expect(!!(condition), 1)
+#define MLRT_UNLIKELY(condition) __builtin_expect(!!(condition), 0)
+#else
+#define MLRT_INLINE static inline
+#define MLRT_NOINLINE
+#define MLRT_ALIGNED(bytes)
+#define MLRT_LIKELY(condition)   (condition)
+#define MLRT_UNLIKELY(condition) (condition)
+#endif
+
+/* Before a short loop that must be gone, whatever the compiler is told. */
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
+#define MLRT_UNROLL _Pragma("GCC unroll 9")
+#else
+#define MLRT_UNROLL
+#endif
+
+/* Tells the processor that a cache line will be read soon. */
+MLRT_INLINE void mlrt_prefetch(const void *address)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(address);
+#else
+    (void)address;
+#endif
+}
+
+/* Likewise, of one that will be written. */
+MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
+{
+#if defined(__GNUC__)
+    __builtin_prefetch(address, 1);
+#else
+    (void)address;
+#endif
+}
+
+/* Bits set. */
+MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
+{
+#if defined(__POPCNT__)
+    return (uint32_t)__builtin_popcount(bits);
+#else
+    bits -= bits >> 1 & 0x55555555u;
+    bits = (bits & 0x33333333u) + (bits >> 2 & 0x33333333u);
+    return ((bits + (bits >> 4)) & 0x0F0F0F0Fu) * 0x01010101u >> 24;
+#endif
+}
+
+/* The place of the lowest of the bits set; there must be one. */
+MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
+{
+#if defined(__GNUC__)
+    return (uint32_t)__builtin_ctz(bits);
+#else
+    return mlrt_count_bits((bits & (0u - bits)) - 1);
+#endif
+}
+
+#if defined(__SIZEOF_INT128__)
+#define MLRT_HAVE_INT128 1
+#else
+#define MLRT_HAVE_INT128 0
+#endif
+
+#if defined(__SSE2__) || defined(__x86_64__)
+#define MLRT_HAVE_SSE 1
+#else
+#define MLRT_HAVE_SSE 0
+#endif
+
+#if defined(__linux__)
+#define MLRT_HAVE_MADVISE 1
+#else
+#define MLRT_HAVE_MADVISE 0
+#endif
+
+/* Processors that are online: of <unistd.h>, and on Windows of the <pthread.h> of winpthreads. */
+#if defined(_WIN32)
+#define MLRT_ONLINE_PROCESSORS() pthread_num_processors_np()
+#else
+#define MLRT_ONLINE_PROCESSORS() sysconf(_SC_NPROCESSORS_ONLN)
+#endif
+
+/*
+ * The floating-point environment this library computes in: round to nearest, denormals kept, exceptions masked.
+ * Every exported function and every thread's work runs between a pair of these calls; what lies between must be a call
+ * of a function that is not inlined, so that no arithmetic moves across them.
+ */
+#if MLRT_HAVE_SSE
+#include <xmmintrin.h>
+#define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */
+#define MLRT_CONTROL_BITS   0xFFC0u /* the others are flags of what has happened, and stay */
+MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+{
+    const uint32_t saved = _mm_getcsr();
+    if (MLRT_UNLIKELY((saved & MLRT_CONTROL_BITS) != MLRT_WANTED_CONTROL)) _mm_setcsr(MLRT_WANTED_CONTROL);
+    return saved;
+}
+MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+{
+    if (_mm_getcsr() != (uint32_t)saved) _mm_setcsr((uint32_t)saved);
+}
+#elif defined(__aarch64__) && defined(__GNUC__)
+MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+{
+    uint64_t saved;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(saved));
+    __asm__ volatile("msr fpcr, %0" : : "r"((uint64_t)0) : "memory");
+    return saved;
+}
+MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+{
+    __asm__ volatile("msr fpcr, %0" : : "r"(saved) : "memory");
+}
+#else
+#include <fenv.h>
+MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
+{
+    uint64_t saved = (uint64_t)(uint32_t)fegetround();
+    fesetround(FE_TONEAREST);
+    return saved;
+}
+MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
+{
+    fesetround((int)(uint32_t)saved);
+}
+#endif
+
+#endif

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A pool of pthreads that sleep until there are items, claim them one by one under a mutex, and sleep again; or of
+ * tasks that the host runs, which claim them likewise. An item is tens of microseconds of work, claiming one takes tens
+ * of nanoseconds.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "base/scheduler.h"
+
+#include <pthread.h>
+#include <unistd.h>
+
+#include "base/host.h"
+#include "base/memory.h"
+#include "base/platform.h"
+#include "base/structs.h"
+
+#define THREAD_LIMIT 1024
+
+/* One call of mlrt_run_items. Guarded by the pool's mutex. */
+struct batch {
+    mlrt_work_function *function;
+    void *work;
+    uint32_t item_count;
+    uint32_t next_item;
+    int32_t result; /* 0, or what the first function to say stop said */
+    mlrt_pool *pool;
+    uint32_t next_worker; /* tasks of the host are numbered as they start */
+};
+
+struct mlrt_pool {
+    pthread_mutex_t call_mutex; /* held for the length of a call: one batch at a time */
+    pthread_mutex_t mutex;      /* guards all below */
+    pthread_cond_t batch_begins;
+    pthread_cond_t batch_ends;
+    struct batch *batch;   /* NULL between calls */
+    uint64_t batch_number; /* so that a worker takes part in each batch once */
+    uint32_t busy_count;   /* started threads inside the batch */
+    int ending;
+    uint32_t thread_count; /* started ones; with tasks, what there may be of them */
+    struct thread *threads;
+    struct mlrt_memory memory;
+    size_t thread_capacity;
+    /* Tasks: then there are no threads, and any number of batches. */
+    void *user;
+    mlrt_enqueue_callback enqueue;
+    mlrt_finish_callback finish;
+};
+
+struct thread {
+    pthread_t handle;
+    mlrt_pool *pool;
+    uint32_t worker;
+};
+
+/* Claims and runs items until none is left. Enters and leaves with the mutex held. */
+static void work_on_batch(mlrt_pool *pool, struct batch *batch, uint32_t worker)
+{
+    while (batch->next_item < batch->item_count && batch->result == 0) {
+        uint32_t item = batch->next_item++;
+        pthread_mutex_unlock(&pool->mutex);
+        int32_t result = batch->function(batch->work, item, worker);
+        pthread_mutex_lock(&pool->mutex);
+        if (result != 0 && batch->result == 0) batch->result = result;
+    }
+}
+
+static void *run_thread(void *argument)
+{
+    struct thread *thread = argument;
+    mlrt_pool *pool = thread->pool;
+    uint64_t seen = 0;
+    pthread_mutex_lock(&pool->mutex);
+    for (;;) {
+        while (!pool->ending && (!pool->batch || pool->batch_number == seen)) {
+            pthread_cond_wait(&pool->batch_begins, &pool->mutex);
+        }
+        if (pool->ending) break;
+        seen = pool->batch_number;
+        ++pool->busy_count;
+        work_on_batch(pool, pool->batch, thread->worker);
+        if (--pool->busy_count == 0) pthread_cond_signal(&pool->batch_ends);
+    }
+    pthread_mutex_unlock(&pool->mutex);
+    return NULL;
+}
+
+uint32_t mlrt_worker_count(const mlrt_pool *pool)
+{
+    return pool ? pool->thread_count + 1 : 1;
+}
+
+static int32_t run_alone(uint32_t item_count, mlrt_work_function *function, void *work)
+{
+    for (uint32_t item = 0; item < item_count; ++item) {
+        int32_t result = function(work, item, 0);
+        if (result != 0) return result;
+    }
+    return 0;
+}
+
+static void run_task(void *argument)
+{
+    struct batch *batch = argument;
+    mlrt_pool *pool = batch->pool;
+    pthread_mutex_lock(&pool->mutex);
+    const uint32_t worker = batch->next_worker++;
+    work_on_batch(pool, batch, worker);
+    pthread_mutex_unlock(&pool->mutex);
+}
+
+/* A task that starts when nothing is left does nothing; but until all have ended there must be a batch. */
+static void run_tasks(mlrt_pool *pool, struct batch *batch)
+{
+    void *tasks[THREAD_LIMIT];
+    const uint32_t most = batch->item_count - 1;
+    const uint32_t task_count = pool->thread_count < most ? pool->thread_count : most;
+    for (uint32_t i = 0; i < task_count; ++i) tasks[i] = pool->enqueue(pool->user, run_task, batch);
+    pthread_mutex_lock(&pool->mutex);
+    work_on_batch(pool, batch, 0);
+    pthread_mutex_unlock(&pool->mutex);
+    for (uint32_t i = 0; i < task_count; ++i) {
+        if (tasks[i]) pool->finish(pool->user, tasks[i]);
+    }
+}
+
+int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function *function, void *work)
+{
+    if (!pool || pool->thread_count == 0 || item_count < 2) return run_alone(item_count, function, work);
+
+    struct batch batch = {function, work, item_count, 0, 0, pool, 1};
+    if (pool->enqueue) {
+        run_tasks(pool, &batch);
+        return batch.result;
+    }
+    pthread_mutex_lock(&pool->call_mutex);
+    pthread_mutex_lock(&pool->mutex);
+    pool->batch = &batch;
+    ++pool->batch_number;
+    pthread_cond_broadcast(&pool->batch_begins);
+    work_on_batch(pool, &batch, 0);
+    pool->batch = NULL;
+    while (pool->busy_count > 0) pthread_cond_wait(&pool->batch_ends, &pool->mutex);
+    pthread_mutex_unlock(&pool->mutex);
+    pthread_mutex_unlock(&pool->call_mutex);
+    return batch.result;
+}
+
+static void free_pool(mlrt_pool *pool)
+{
+    pthread_cond_destroy(&pool->batch_ends);
+    pthread_cond_destroy(&pool->batch_begins);
+    pthread_mutex_destroy(&pool->mutex);
+    pthread_mutex_destroy(&pool->call_mutex);
+    struct mlrt_memory memory = pool->memory;
+    mlrt_free(&memory, pool->threads, pool->thread_capacity, sizeof *pool->threads);
+    mlrt_free(&memory, pool, 1, sizeof *pool);
+}
+
+static mlrt_pool *allocate_pool(const mlrt_host *host, uint32_t thread_capacity)
+{
+    struct mlrt_memory memory = mlrt_host_memory(host, 0);
+    mlrt_pool *pool = mlrt_allocate_zeroed(&memory, 1, sizeof *pool);
+    if (!pool) return NULL;
+    pool->threads = mlrt_allocate_zeroed(&memory, thread_capacity, sizeof *pool->threads);
+    if (!pool->threads) {
+        mlrt_free(&memory, pool, 1, sizeof *pool);
+        return NULL;
+    }
+    pool->memory = memory;
+    pool->thread_capacity = thread_capacity;
+    pthread_mutex_init(&pool->call_mutex, NULL);
+    pthread_mutex_init(&pool->mutex, NULL);
+    pthread_cond_init(&pool->batch_begins, NULL);
+    pthread_cond_init(&pool->batch_ends, NULL);
+    return pool;
+}
+
+static uint32_t online_processor_count(void)
+{
+    long count = MLRT_ONLINE_PROCESSORS();
+    return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
+}
+
+static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
+{
+    for (uint32_t worker = 1; worker < thread_count; ++worker) {
+        struct thread *thread = &pool->threads[worker - 1];
+        thread->pool = pool;
+        thread->worker = worker;
+        if (pthread_create(&thread->handle, NULL, run_thread, thread) != 0) return MLRT_ERROR_THREAD;
+        ++pool->thread_count;
+    }
+    return MLRT_OK;
+}
+
+static int32_t make_pool(const mlrt_pool_options *options, mlrt_pool **pool)
+{
+    mlrt_host host;
+    int32_t status = mlrt_take_host(options->host, &host);
+    if (status != MLRT_OK) return status;
+    if (options->thread_count > THREAD_LIMIT || !options->enqueue != !options->finish) return MLRT_ERROR_ARGUMENT;
+    const uint32_t thread_count = options->thread_count ? options->thread_count : online_processor_count();
+    mlrt_pool *made = allocate_pool(&host, options->enqueue ? 0 : thread_count - 1);
+    if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
+    made->user = options->user;
+    made->enqueue = options->enqueue;
+    made->finish = options->finish;
+    if (made->enqueue) {
+        made->thread_count = thread_count - 1;
+    } else {
+        status = start_threads(made, thread_count);
+    }
+    if (status != MLRT_OK) {
+        mlrt_destroy_pool(made);
+        return status;
+    }
+    *pool = made;
+    return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool)
+{
+    if (!pool) return MLRT_ERROR_ARGUMENT;
+    *pool = NULL;
+    if (!options) return MLRT_ERROR_ARGUMENT;
+    mlrt_pool_options own;
+    const int32_t status = mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_pool_options, finish), &own, sizeof own);
+    return status == MLRT_OK ? make_pool(&own, pool) : status;
+}
+
+MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool)
+{
+    const mlrt_pool_options options = {.struct_size = sizeof options, .thread_count = thread_count};
+    return mlrt_create_pool_with_options(&options, pool);
+}
+
+MLRT_API void mlrt_destroy_pool(mlrt_pool *pool)
+{
+    if (!pool) return;
+    pthread_mutex_lock(&pool->mutex);
+    pool->ending = 1;
+    pthread_cond_broadcast(&pool->batch_begins);
+    pthread_mutex_unlock(&pool->mutex);
+    for (uint32_t i = 0; i < pool->thread_count && !pool->enqueue; ++i) pthread_join(pool->threads[i].handle, NULL);
+    free_pool(pool);
+}

@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Statistics of a hierarchy of boxes and its invariants: see check.h. The check walks it without recursion: one
+ * that is wrong may not end.
+ */
+#include "bvh/check.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/progress.h"
+#include "bvh/node.h"
+#include "bvh/split.h"
+#include "bvh/unit.h"
+#include "exact/check_point.h"
+
+/* ---- statistics ---------------------------------------------------------------------------------------------- */
+
+/* FNV-1a, as in mlrta/check.c, by words instead of bytes: there are more of them here. */
+#define HASH_START  0xCBF29CE484222325u
+#define HASH_FACTOR 0x100000001B3u
+
+/* Between two looks at whether the call goes on. */
+#define NODE_ROUNDS 1024
+
+static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t word;
+        memcpy(&word, (const unsigned char *)words + 4 * i, sizeof word);
+        hash = (hash ^ word) * HASH_FACTOR;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
+#define WORD_ROUNDS 65536
+
+/* Corners follow from numbers. */
+static uint64_t hash_bvh(const struct mlrt_bvh *bvh, struct mlrt_progress *progress)
+{
+    const size_t word_count = 4 * (size_t)bvh->quad_count;
+    uint64_t hash = HASH_START;
+    for (uint32_t i = 0; i < bvh->node_count; i++) {
+        if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(progress)) return 0;
+        hash = hash_words(hash, bvh->nodes[i].lo, sizeof bvh->nodes[i].lo / 4);
+        hash = hash_words(hash, bvh->nodes[i].hi, sizeof bvh->nodes[i].hi / 4);
+        hash = hash_words(hash, bvh->nodes[i].child, MLRT_BVH_WIDTH);
+    }
+    for (size_t i = 0; i < word_count && !mlrt_is_cancelled(progress); i += WORD_ROUNDS)
+        hash = hash_words(hash, bvh->numbers + i, word_count - i < WORD_ROUNDS ? word_count - i : WORD_ROUNDS);
+    return hash;
+}
+
+static int is_leaf(uint32_t child)
+{
+    return mlrt_bvh_quad_count(child) != 0;
+}
+
+static uint32_t leaf_count(const struct mlrt_bvh *bvh, uint32_t child)
+{
+    const uint32_t *numbers = bvh->numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    uint32_t count = 0;
+    while (count < 4 * mlrt_bvh_quad_count(child) && numbers[count] != MLRT_NONE) count++;
+    return count;
+}
+
+static double half_area(const float lo[3], const float hi[3])
+{
+    double x = (double)hi[0] - lo[0], y = (double)hi[1] - lo[1], z = (double)hi[2] - lo[2];
+    return x * y + y * z + z * x;
+}
+
+/* In units, where boxes end as far out as they have bounds. */
+static double half_area_of_box(const float lo[3], const float hi[3])
+{
+    float finite_lo[3], finite_hi[3];
+    for (int k = 0; k < 3; k++) {
+        finite_lo[k] = lo[k] < -MLRT_BVH_FAR ? -2 * MLRT_BVH_FAR : lo[k];
+        finite_hi[k] = hi[k] > MLRT_BVH_FAR ? 2 * MLRT_BVH_FAR : hi[k];
+    }
+    return half_area(finite_lo, finite_hi);
+}
+
+static double slot_area(const struct mlrt_bvh_node *node, int slot)
+{
+    float lo[3] = {node->lo[0][slot], node->lo[1][slot], node->lo[2][slot]};
+    float hi[3] = {node->hi[0][slot], node->hi[1][slot], node->hi[2][slot]};
+    return half_area_of_box(lo, hi);
+}
+
+struct totals {
+    double cost; /* times area, without the root's */
+    uint64_t leaf_count;
+    uint64_t reference_count;
+    uint64_t node_count;
+    uint32_t depth;
+    struct mlrt_progress *progress;
+};
+
+static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, const struct mlrt_bvh_costs *costs,
+                   struct totals *totals)
+{
+    const struct mlrt_bvh_node *node = &bvh->nodes[number];
+    if (depth > totals->depth) totals->depth = depth;
+    if (++totals->node_count % NODE_ROUNDS == 0 && mlrt_is_cancelled(totals->progress)) return;
+    for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
+        if (is_leaf(node->child[i])) {
+            uint32_t count = leaf_count(bvh, node->child[i]);
+            totals->cost += slot_area(node, i) * mlrt_bvh_leaf_cost(costs, count);
+            totals->leaf_count++;
+            totals->reference_count += count;
+        } else {
+            totals->cost += slot_area(node, i) * costs->node;
+            add_up(bvh, mlrt_bvh_offset(node->child[i]), depth + 1, costs, totals);
+        }
+    }
+}
+
+static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
+{
+    mlrt_tree_info *info = &tree->info;
+    struct totals totals = {0, 0, 0, 0, 0, progress};
+    double area = half_area_of_box(tree->bvh.whole.lo, tree->bvh.whole.hi);
+    if (tree->bvh.node_count > 0) add_up(&tree->bvh, 0, 1, costs, &totals);
+    info->depth = totals.depth;
+    info->node_count = tree->bvh.node_count;
+    info->leaf_count = totals.leaf_count;
+    info->empty_leaf_count = 0;
+    info->reference_count = totals.reference_count;
+    info->retracted_count = 0;
+    info->sah_cost = (area > 0 ? totals.cost / area : 0) / costs->node + 1;
+    info->tree_hash = hash_bvh(&tree->bvh, progress);
+    info->peak_memory_size = tree->memory.peak_size;
+    memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
+    memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
+}
+
+void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
+{
+    if (tree->nodes != NULL) return;
+    tree->float_safe = mlrt_has_safe_bounds(tree);
+    report(tree, costs, progress);
+}
+
+/* ---- invariants ---------------------------------------------------------------------------------------------- */
+
+static int holds_nothing(const float *corners, uint32_t row)
+{
+    for (uint32_t i = 0; i < 9; i++)
+        if (corners[i * row] == corners[i * row]) return 0;
+    return 1;
+}
+
+/* Whether a place holds the very bits of the triangle in units. `row` is how many places the leaf has. */
+static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle, float unit)
+{
+    struct mlrt_triangle in_units;
+    uint32_t difference = 0, expected[9];
+    if (!mlrt_triangle_in_units(triangle, unit, &in_units)) return holds_nothing(corners, row);
+    memcpy(expected, &in_units, sizeof expected);
+    for (uint32_t i = 0; i < 9; i++) {
+        uint32_t bits;
+        memcpy(&bits, &corners[i * row], sizeof bits);
+        difference |= bits ^ expected[i];
+    }
+    return difference == 0;
+}
+
+static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
+{
+    uint32_t place_count = 4 * mlrt_bvh_quad_count(child), count = leaf_count(&tree->bvh, child);
+    const uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    const float *corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
+    if (count == 0 || count + 3 < place_count) return "B5: a leaf has a quad without triangles";
+    for (uint32_t place = 0; place < count; place++) {
+        if (numbers[place] >= tree->triangle_count) return "B5: a number is not a triangle's";
+        mlrt_prefetch(&tree->triangles[numbers[place]]);
+        for (uint32_t other = 0; other < place; other++)
+            if (numbers[other] == numbers[place]) return "B5: a leaf holds a triangle twice";
+    }
+    for (uint32_t place = 0; place < place_count; place++) {
+        if (place >= count) {
+            if (numbers[place] != MLRT_NONE) return "B5: a triangle behind an empty place";
+            if (!holds_nothing(corners + place, place_count)) return "B5: an empty place has corners";
+            continue;
+        }
+        if (mlrt_is_left_out(tree, numbers[place])) return "a leaf holds a triangle that was to be left out";
+        if (!holds_corners(corners + place, place_count, &tree->triangles[numbers[place]], tree->bvh.unit))
+            return "B5: corners are not those of the triangle";
+    }
+    return NULL;
+}
+
+/* Kernels number the slots of all nodes. */
+#define NODE_LIMIT (UINT32_MAX / MLRT_BVH_WIDTH)
+
+/* Where a walk is: what must come next. */
+struct walk {
+    uint32_t node[MLRT_BVH_DEPTH_LIMIT + 1]; /* the path */
+    int slot[MLRT_BVH_DEPTH_LIMIT + 1];
+    uint32_t depth;
+    uint32_t next_node;
+    uint32_t next_quad;
+};
+
+static const char *check_empty_slots(const struct mlrt_bvh_node *node, int first)
+{
+    for (int i = first; i < MLRT_BVH_WIDTH; i++)
+        for (int k = 0; k < 3; k++)
+            if (node->child[i] != 0 || node->lo[k][i] != INFINITY || node->hi[k][i] != -INFINITY)
+                return "B2: an empty slot is not empty";
+    return first == 0 ? "B2: a node has no children" : NULL;
+}
+
+/* Not so where a bound is a NaN. */
+static int is_box_within(const struct mlrt_bvh_node *node, int slot, const struct mlrt_box *bounds)
+{
+    for (int k = 0; k < 3; k++) {
+        const float lo = node->lo[k][slot], hi = node->hi[k][slot];
+        if (!(bounds->lo[k] <= lo && lo <= hi && hi <= bounds->hi[k])) return 0;
+    }
+    return 1;
+}
+
+static const char *check_slot(const struct mlrt_tree *tree, struct walk *walk, uint32_t child)
+{
+    if (is_leaf(child)) {
+        uint32_t quad_count = mlrt_bvh_quad_count(child);
+        if (quad_count > 4) return "B5: a leaf has too many quads";
+        if (mlrt_bvh_offset(child) != walk->next_quad || quad_count > tree->bvh.quad_count - walk->next_quad)
+            return "a leaf's quads are not where depth-first order has them";
+        walk->next_quad += quad_count;
+        return check_places(tree, child);
+    }
+    if (mlrt_bvh_offset(child) != walk->next_node || walk->next_node >= tree->bvh.node_count)
+        return "B1: a child is not where depth-first order has it";
+    if (walk->depth + 1 >= MLRT_BVH_DEPTH_LIMIT) return "B4: a path is too long";
+    walk->depth++;
+    walk->node[walk->depth] = walk->next_node++;
+    walk->slot[walk->depth] = 0;
+    return NULL;
+}
+
+const char *mlrt_check_boxes(const struct mlrt_tree *tree)
+{
+    struct walk walk = {{0}, {0}, 0, 1, 0};
+    if (tree->bvh.node_count == 0) return tree->bvh.quad_count == 0 ? NULL : "there are quads without a leaf";
+    if (tree->bvh.node_count > NODE_LIMIT) return "there are too many nodes";
+    for (;;) {
+        const struct mlrt_bvh_node *node = &tree->bvh.nodes[walk.node[walk.depth]];
+        int slot = walk.slot[walk.depth]++;
+        const char *wrong = NULL;
+        if (slot < MLRT_BVH_WIDTH && node->child[slot] != 0) {
+            wrong = is_box_within(node, slot, &tree->bvh.whole) ? check_slot(tree, &walk, node->child[slot])
+                                                                : "B3: a box is not one, or not within the bounds";
+        } else {
+            wrong = check_empty_slots(node, slot);
+            if (wrong == NULL && walk.depth-- == 0) break;
+        }
+        if (wrong != NULL) return wrong;
+    }
+    if (walk.next_node != tree->bvh.node_count) return "B1: there are nodes without a parent";
+    return walk.next_quad == tree->bvh.quad_count ? NULL : "there are quads without a leaf";
+}
+
+static int leaf_holds(const struct mlrt_bvh *bvh, uint32_t child, uint32_t triangle)
+{
+    const uint32_t *numbers = bvh->numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    for (uint32_t i = 0; i < 4 * mlrt_bvh_quad_count(child); i++)
+        if (numbers[i] == triangle) return 1;
+    return 0;
+}
+
+/* Whether a leaf holds the triangle whose box, with those above it, contains the point. At most 33 calls deep. */
+static int is_found_at(const struct mlrt_bvh *bvh, uint32_t number, uint32_t triangle, const double point[3])
+{
+    const struct mlrt_bvh_node *node = &bvh->nodes[number];
+    for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
+        int inside = 1;
+        for (int k = 0; k < 3; k++) inside = inside && node->lo[k][i] <= point[k] && point[k] <= node->hi[k][i];
+        if (!inside) continue;
+        if (is_leaf(node->child[i]) ? leaf_holds(bvh, node->child[i], triangle)
+                                    : is_found_at(bvh, mlrt_bvh_offset(node->child[i]), triangle, point))
+            return 1;
+    }
+    return 0;
+}
+
+static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
+{
+    static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
+                                     {4, 4, 8},  {4, 8, 4},  {8, 4, 4},  {1, 15, 0}, {3, 0, 13}, {0, 11, 5}};
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
+        double point[3], in_units[3];
+        if (!mlrt_find_check_point(triangle, WEIGHTS[i], point)) continue;
+        for (int k = 0; k < 3; k++) {
+            in_units[k] = point[k] * tree->bvh.unit;
+            if (!(tree->bounds.lo[k] <= point[k] && point[k] <= tree->bounds.hi[k]))
+                return "a triangle is outside of the bounds";
+        }
+        if (!is_found_at(&tree->bvh, 0, number, in_units))
+            return "B3: a point of a triangle is in no leaf that holds it";
+    }
+    return NULL;
+}
+
+const char *mlrt_check_bvh(const struct mlrt_tree *tree)
+{
+    const char *wrong = mlrt_check_boxes(tree);
+    for (uint32_t i = 0; wrong == NULL && i < tree->triangle_count; i++) {
+        if (mlrt_is_left_out(tree, i)) continue;
+        if (tree->bvh.node_count == 0) return "B1: there are triangles, but no nodes";
+        wrong = check_triangle(tree, i);
+    }
+    return wrong;
+}

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which nodes of a binary hierarchy become nodes of sixteen, and writes them: see collapse.h.
+ */
+#include "bvh/collapse.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/progress.h"
+#include "bvh/split.h"
+#include "bvh/unit.h"
+
+void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlrt_binary_node *node,
+                      struct mlrt_forest_costs *result)
+{
+    float cost = area * mlrt_bvh_leaf_cost(costs, node->count);
+    for (int i = 0; i < MLRT_BVH_WIDTH; i++) {
+        node->choice[i] = 0;
+        result->cost[i] = cost;
+    }
+}
+
+/* The cheapest way to share out `slots` children to the two sides. */
+MLRT_INLINE float distribute(const struct mlrt_forest_costs children[2], int slots, uint8_t *lower_slots)
+{
+    float best = children[0].cost[1] + children[1].cost[slots - 1];
+    *lower_slots = 1;
+    for (int i = 2; i < slots; i++) {
+        float cost = children[0].cost[i] + children[1].cost[slots - i];
+        if (cost >= best) continue;
+        best = cost;
+        *lower_slots = (uint8_t)i;
+    }
+    return best;
+}
+
+void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struct mlrt_forest_costs children[2],
+                     struct mlrt_binary_node *node, struct mlrt_forest_costs *result)
+{
+    float best = area * costs->node + distribute(children, MLRT_BVH_WIDTH, &node->choice[0]);
+    node->choice[1] = 1;
+    if (node->count <= MLRT_BVH_LEAF_LIMIT) {
+        float leaf = area * mlrt_bvh_leaf_cost(costs, node->count);
+        if (leaf <= best) {
+            best = leaf;
+            node->choice[1] = 0;
+        }
+    }
+    result->cost[0] = result->cost[1] = best;
+    for (int i = 2; i < MLRT_BVH_WIDTH; i++) {
+        float cost = distribute(children, i, &node->choice[i]);
+        if (cost < best)
+            best = cost;
+        else
+            node->choice[i] = 0;
+        result->cost[i] = best;
+    }
+}
+
+/* ---- sizes --------------------------------------------------------------------------------------------------- */
+
+struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots)
+{
+    struct mlrt_cut cut = {MLRT_CUT_BOTH, {0, 0}};
+    while (slots > 1 && node->choice[slots] == 0) slots--;
+    cut.slots[0] = node->choice[slots];
+    if (slots == 1) {
+        cut.kind = node->choice[1] == 0 ? MLRT_CUT_LEAF : MLRT_CUT_NODE;
+        cut.slots[0] = node->choice[0];
+        slots = MLRT_BVH_WIDTH;
+    }
+    cut.slots[1] = slots - cut.slots[0];
+    return cut;
+}
+
+static uint32_t quads_of(uint32_t count)
+{
+    return (count + 3) / 4;
+}
+
+void mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
+                         struct mlrt_bvh_size *size)
+{
+    const struct mlrt_binary_node *node = &binary->nodes[number];
+    struct mlrt_cut cut = mlrt_cut_of(node, slots);
+    uint32_t slot_count = size->slot_count + 1;
+    if (cut.kind == MLRT_CUT_LEAF) {
+        size->quad_count += quads_of(node->count);
+        size->slot_count++;
+        return;
+    }
+    if (cut.kind == MLRT_CUT_NODE) {
+        size->node_count++;
+        depth++;
+        if (depth > size->depth) size->depth = depth;
+    }
+    mlrt_measure_forest(binary, number + 1, cut.slots[0], depth, size);
+    mlrt_measure_forest(binary, node->upper, cut.slots[1], depth, size);
+    if (cut.kind == MLRT_CUT_NODE) size->slot_count = slot_count;
+}
+
+/* ---- leaves -------------------------------------------------------------------------------------------------- */
+
+/* Ascending, so that the first of equal hits is met first. */
+static void sort_numbers(uint32_t *numbers, uint32_t count)
+{
+    for (uint32_t i = 1; i < count; i++) {
+        uint32_t number = numbers[i], j = i;
+        for (; j > 0 && numbers[j - 1] > number; j--) numbers[j] = numbers[j - 1];
+        numbers[j] = number;
+    }
+}
+
+static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_binary_node *node,
+                       const struct mlrt_tree *tree, uint32_t quad)
+{
+    uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)quad;
+    uint32_t place_count = 4 * quads_of(node->count);
+    memcpy(numbers, binary->triangles + node->first, node->count * sizeof *numbers);
+    sort_numbers(numbers, node->count);
+    for (uint32_t place = node->count; place < place_count; place++) numbers[place] = MLRT_NONE;
+    float *row = tree->bvh.corners + 36 * (size_t)quad;
+    for (uint32_t place = 0; place < place_count; place++) {
+        struct mlrt_triangle triangle;
+        const int has_corners =
+            place < node->count && mlrt_triangle_in_units(&tree->triangles[numbers[place]], tree->bvh.unit, &triangle);
+        for (uint32_t i = 0; i < 9; i++) row[i * place_count + place] = has_corners ? triangle.v[i / 3][i % 3] : NAN;
+    }
+}
+
+/* ---- nodes --------------------------------------------------------------------------------------------------- */
+
+void mlrt_clear_node(struct mlrt_bvh_node *node)
+{
+    for (int i = 0; i < MLRT_BVH_WIDTH; i++) {
+        for (int k = 0; k < 3; k++) {
+            node->lo[k][i] = INFINITY;
+            node->hi[k][i] = -INFINITY;
+        }
+        node->child[i] = 0;
+    }
+}
+
+/* Beyond MLRT_BVH_FAR boxes have no bounds. */
+static float low_bound(float lo)
+{
+    return lo < -MLRT_BVH_FAR ? -INFINITY : lo;
+}
+
+static void write_child(struct mlrt_bvh_cursor *cursor, const struct mlrt_binary_node *node, uint32_t child)
+{
+    for (int k = 0; k < 3; k++) {
+        cursor->parent->lo[k][cursor->slot] = low_bound(node->lo[k]);
+        cursor->parent->hi[k][cursor->slot] = 0 - low_bound(-node->hi[k]);
+    }
+    cursor->parent->child[cursor->slot++] = child;
+}
+
+struct mlrt_bvh_cursor mlrt_start_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree,
+                                       struct mlrt_bvh_cursor *cursor)
+{
+    struct mlrt_bvh_cursor below = {cursor->node + 1, cursor->quad, 0, &tree->bvh.nodes[cursor->node]};
+    write_child(cursor, node, cursor->node << 3);
+    mlrt_clear_node(below.parent);
+    return below;
+}
+
+void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
+                       struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor)
+{
+    const struct mlrt_binary_node *node = &binary->nodes[number];
+    struct mlrt_cut cut = mlrt_cut_of(node, slots);
+    if (cut.kind == MLRT_CUT_LEAF) {
+        write_child(cursor, node, cursor->quad << 3 | quads_of(node->count));
+        write_leaf(binary, node, tree, cursor->quad);
+        cursor->quad += quads_of(node->count);
+        return;
+    }
+    struct mlrt_bvh_cursor below;
+    struct mlrt_bvh_cursor *inner = cursor;
+    if (cut.kind == MLRT_CUT_NODE) {
+        if (mlrt_is_cancelled(progress)) return;
+        below = mlrt_start_node(node, tree, cursor);
+        inner = &below;
+    }
+    mlrt_write_forest(binary, number + 1, cut.slots[0], tree, progress, inner);
+    mlrt_write_forest(binary, node->upper, cut.slots[1], tree, progress, inner);
+    cursor->node = inner->node;
+    cursor->quad = inner->quad;
+}

@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Cuts a set of references by a plane: see spatial.h.
+ *
+ * What slabs hold is estimated, in float; it only decides what is done. References are then cut by clip.c, whose boxes
+ * hold every point of the triangle.
+ */
+#include "bvh/spatial.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/progress.h"
+#include "bvh/box.h"
+#include "bvh/split.h"
+#include "bvh/unit.h"
+#include "scene/clip.h"
+
+/* ---- slabs --------------------------------------------------------------------------------------------------- */
+
+struct slabs {
+    MLRT_ALIGNED(16) float start[4];
+    MLRT_ALIGNED(16) float scale[4]; /* slabs per length; 0 = all is in slab 0 */
+    float width[3];
+};
+
+static struct slabs cut_slabs(const struct mlrt_quad_box *box)
+{
+    struct slabs slabs;
+    slabs.start[3] = slabs.scale[3] = 0;
+    for (int k = 0; k < 3; k++) {
+        float extent = box->hi[k] - box->lo[k];
+        float scale = extent > 0 && extent <= FLT_MAX ? MLRT_SPATIAL_BINS * (1 - 0x1p-10f) / extent : 0;
+        slabs.start[k] = box->lo[k];
+        slabs.scale[k] = scale <= FLT_MAX ? scale : 0;
+        slabs.width[k] = slabs.scale[k] > 0 ? 1 / slabs.scale[k] : 0;
+    }
+    return slabs;
+}
+
+MLRT_INLINE uint32_t slab_of(const struct slabs *slabs, uint32_t axis, float x)
+{
+    return (uint32_t)(int32_t)((x - slabs->start[axis]) * slabs->scale[axis]);
+}
+
+/* Where slab number `slab` starts, about. */
+MLRT_INLINE float slab_start(const struct slabs *slabs, uint32_t axis, uint32_t slab)
+{
+    return slabs->start[axis] + (float)slab * slabs->width[axis];
+}
+
+/* ---- estimates ------------------------------------------------------------------------------------------------- */
+
+MLRT_INLINE f4 load_vertex(const float vertex[3])
+{
+    MLRT_ALIGNED(16) float place[4] = {vertex[0], vertex[1], vertex[2], 0};
+    return f4_load(place);
+}
+
+/* A triangle along an axis: its vertices by their heights, and how far its edges move per unit of height. */
+struct stretched {
+    f4 low, middle;
+    float low_height, middle_height, high_height;
+    f4 whole_slope, lower_slope, upper_slope; /* of the edges low - high, low - middle, middle - high */
+};
+
+MLRT_INLINE f4 slope_of(f4 from, f4 to, float height)
+{
+    return height > 0 ? f4_mul(f4_sub(to, from), f4_set1(1 / height)) : f4_set1(0);
+}
+
+static struct stretched stretch(const struct mlrt_triangle *triangle, uint32_t axis)
+{
+    const float *low = triangle->v[0], *middle = triangle->v[1], *high = triangle->v[2], *swap;
+    if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
+    if (high[axis] < middle[axis]) swap = middle, middle = high, high = swap;
+    if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
+    struct stretched result = {load_vertex(low), load_vertex(middle), low[axis],  middle[axis],
+                               high[axis],       f4_set1(0),          f4_set1(0), f4_set1(0)};
+    f4 top = load_vertex(high);
+    result.whole_slope = slope_of(result.low, top, high[axis] - low[axis]);
+    result.lower_slope = slope_of(result.low, result.middle, middle[axis] - low[axis]);
+    result.upper_slope = slope_of(result.middle, top, high[axis] - middle[axis]);
+    return result;
+}
+
+/* The box of what a plane shares with the triangle. */
+MLRT_INLINE struct growing_box cross_section(const struct stretched *triangle, float height)
+{
+    f4 above_low = f4_set1(height - triangle->low_height), above_middle = f4_set1(height - triangle->middle_height);
+    f4 a = f4_add(triangle->low, f4_mul(triangle->whole_slope, above_low));
+    f4 b = height < triangle->middle_height ? f4_add(triangle->low, f4_mul(triangle->lower_slope, above_low))
+                                            : f4_add(triangle->middle, f4_mul(triangle->upper_slope, above_middle));
+    return (struct growing_box){f4_min(a, b), f4_max(a, b)};
+}
+
+/* Adds a reference to slabs first, ..., last: what is between two planes is bounded by what is in them, and by
+ * vertices. */
+static void fill_axis(const struct mlrt_triangle *triangle, const struct mlrt_quad_box *reference,
+                      const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
+                      struct mlrt_spatial_bins *bins)
+{
+    struct stretched stretched = stretch(triangle, axis);
+    f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
+    float height = reference->lo[axis], end = reference->hi[axis];
+    if (height < stretched.low_height) height = stretched.low_height;
+    if (end > stretched.high_height) end = stretched.high_height;
+    struct growing_box below = cross_section(&stretched, height);
+    for (uint32_t slab = first; slab <= last; slab++) {
+        float next_height = slab < last ? slab_start(slabs, axis, slab + 1) : end;
+        struct growing_box above = cross_section(&stretched, next_height), box = below;
+        grow(&box, above.lo, above.hi);
+        if (height <= stretched.middle_height && stretched.middle_height <= next_height)
+            grow(&box, stretched.middle, stretched.middle);
+        extend_box(&bins->box[axis][slab], f4_max(box.lo, lo), f4_min(box.hi, hi));
+        below = above;
+        height = next_height;
+    }
+}
+
+void mlrt_clear_spatial_bins(struct mlrt_spatial_bins *bins)
+{
+    memset(bins, 0, sizeof *bins);
+    for (int axis = 0; axis < 3; axis++)
+        for (int slab = 0; slab < MLRT_SPATIAL_BINS; slab++) clear_box(&bins->box[axis][slab]);
+}
+
+void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
+                            uint32_t first, uint32_t count, const struct mlrt_quad_box *box,
+                            struct mlrt_spatial_bins *bins)
+{
+    struct slabs slabs = cut_slabs(box);
+    f4 start = f4_load(slabs.start), scale = f4_load(slabs.scale);
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct mlrt_quad_box *reference = &references[i];
+        MLRT_ALIGNED(16) float low[4], high[4];
+        f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
+        f4_store(low, f4_mul(f4_sub(lo, start), scale));
+        f4_store(high, f4_mul(f4_sub(hi, start), scale));
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            uint32_t first_slab = (uint32_t)(int32_t)low[axis], last_slab = (uint32_t)(int32_t)high[axis];
+            bins->first_count[axis][first_slab]++;
+            bins->last_count[axis][last_slab]++;
+            if (first_slab == last_slab) {
+                extend_box(&bins->box[axis][first_slab], lo, hi);
+            } else {
+                struct mlrt_triangle triangle;
+                mlrt_triangle_in_units(&triangles[mlrt_reference_triangle(reference)], unit, &triangle);
+                fill_axis(&triangle, reference, &slabs, axis, first_slab, last_slab, bins);
+            }
+        }
+    }
+}
+
+void mlrt_merge_spatial_bins(const struct mlrt_spatial_bins *bins, struct mlrt_spatial_bins *sum)
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int slab = 0; slab < MLRT_SPATIAL_BINS; slab++) {
+            extend_box(&sum->box[axis][slab], f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
+            sum->first_count[axis][slab] += bins->first_count[axis][slab];
+            sum->last_count[axis][slab] += bins->last_count[axis][slab];
+        }
+}
+
+/* ---- choice ---------------------------------------------------------------------------------------------------- */
+
+static void choose_on_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_spatial_bins *bins, uint32_t count,
+                           uint32_t spare, uint32_t axis, struct mlrt_spatial_split *split)
+{
+    struct mlrt_quad_box upper[MLRT_SPATIAL_BINS], lower;
+    struct growing_box box = nothing();
+    uint32_t lower_count = 0, upper_count = count;
+    for (uint32_t slab = MLRT_SPATIAL_BINS - 1; slab > 0; slab--) {
+        grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
+        keep(&box, &upper[slab]);
+    }
+    box = nothing();
+    for (uint32_t slab = 0; slab < MLRT_SPATIAL_BINS - 1; slab++) {
+        lower_count += bins->first_count[axis][slab];
+        upper_count -= bins->last_count[axis][slab];
+        grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
+        if (lower_count == 0 || lower_count == count || upper_count == 0 || upper_count == count) continue;
+        if (lower_count + upper_count - count > spare) continue;
+        keep(&box, &lower);
+        double cost =
+            area_of(&lower) * set_cost(costs, lower_count) + area_of(&upper[slab + 1]) * set_cost(costs, upper_count);
+        if (!(cost < split->cost)) continue;
+        split->cost = cost;
+        split->axis = axis;
+        split->bin = slab;
+        split->count[0] = lower_count;
+        split->count[1] = upper_count;
+        split->box[0] = lower;
+        split->box[1] = upper[slab + 1];
+    }
+}
+
+void mlrt_choose_spatial_split(const struct mlrt_bvh_costs *costs, const struct mlrt_spatial_bins *bins, uint32_t count,
+                               uint32_t spare, struct mlrt_spatial_split *split)
+{
+    split->cost = HUGE_VAL;
+    for (uint32_t axis = 0; axis < 3; axis++) choose_on_axis(costs, bins, count, spare, axis, split);
+}
+
+/* ---- dealing out ----------------------------------------------------------------------------------------------- */
+
+/* A set that is being dealt out: what the sides have so far, and what they are expected to have in the end. */
+struct dealing {
+    struct growing_set side[2];
+    uint32_t dealt_count[2];
+    uint32_t count[2];
+    struct mlrt_quad_box box[2];
+};
+
+static void swap_references(struct mlrt_quad_box *a, struct mlrt_quad_box *b)
+{
+    struct mlrt_quad_box copy = *a;
+    *a = *b;
+    *b = copy;
+}
+
+static double joined_area(const struct mlrt_quad_box *box, const struct mlrt_quad_box *reference)
+{
+    struct mlrt_quad_box joined = *box;
+    extend_box(&joined, f4_load(reference->lo), f4_load(reference->hi));
+    return area_of(&joined);
+}
+
+/* 0 or 1: a reference on both sides had better be on that one as a whole. 2: on both. ("Reference unsplitting") */
+static int choose_side(const struct dealing *dealing, const struct mlrt_quad_box *reference)
+{
+    double area[2] = {area_of(&dealing->box[0]), area_of(&dealing->box[1])};
+    double both = area[0] * dealing->count[0] + area[1] * dealing->count[1];
+    double whole[2] = {
+        joined_area(&dealing->box[0], reference) * dealing->count[0] + area[1] * (dealing->count[1] - 1.0),
+        area[0] * (dealing->count[0] - 1.0) + joined_area(&dealing->box[1], reference) * dealing->count[1]};
+    int better = whole[1] < whole[0];
+    return whole[better] < both && dealing->count[1 - better] > 1 ? better : 2;
+}
+
+static void deal(struct dealing *dealing, int side, const struct mlrt_quad_box *reference)
+{
+    add_reference(&dealing->side[side], f4_load(reference->lo), f4_load(reference->hi));
+    dealing->dealt_count[side]++;
+}
+
+static void deal_whole(struct dealing *dealing, int side, const struct mlrt_quad_box *reference)
+{
+    extend_box(&dealing->box[side], f4_load(reference->lo), f4_load(reference->hi));
+    dealing->count[1 - side]--;
+    deal(dealing, side, reference);
+}
+
+static void set_part(const struct mlrt_box *part, struct mlrt_quad_box *reference)
+{
+    for (int k = 0; k < 3; k++) {
+        reference->lo[k] = part->lo[k];
+        reference->hi[k] = part->hi[k];
+    }
+}
+
+/* Cuts a reference. Returns which of the two parts there are, as bits; there is always one. Of an odd triangle only the
+ * box is cut. */
+static int cut_reference(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *reference,
+                         uint32_t axis, float position, struct mlrt_quad_box parts[2])
+{
+    struct mlrt_triangle triangle;
+    struct mlrt_box box;
+    struct mlrt_halves halves;
+    memcpy(box.lo, reference->lo, sizeof box.lo);
+    memcpy(box.hi, reference->hi, sizeof box.hi);
+    if (position < box.lo[axis]) position = box.lo[axis];
+    if (position > box.hi[axis]) position = box.hi[axis];
+    parts[0] = parts[1] = *reference;
+    if (!mlrt_triangle_in_units(&triangles[mlrt_reference_triangle(reference)], unit, &triangle)) {
+        parts[0].hi[axis] = parts[1].lo[axis] = position;
+        return 3;
+    }
+    mlrt_clip_halves(&triangle, &box, axis, position, 0, &halves);
+    for (int side = 0; side < 2; side++)
+        if (halves.touched[side]) set_part(&halves.box[side], &parts[side]);
+    int touched = halves.touched[0] | halves.touched[1] << 1;
+    return touched != 0 ? touched : 1;
+}
+
+/* References that are cut between two looks at whether the call goes on: a millisecond or two. */
+#define CUT_ROUNDS 4096
+
+/*
+ * First, lower ones change places with upper ones, so that those on both sides lie between them. Then these are dealt
+ * out in turn: lower parts right behind the lower ones, upper parts behind everything.
+ */
+void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
+                              const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
+                              struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
+{
+    struct slabs slabs = cut_slabs(&set->box);
+    struct dealing dealing = {
+        {no_references(), no_references()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
+    uint32_t axis = split->axis, lower = set->first, next = lower, upper = lower + set->count, end = upper;
+    while (next < upper) {
+        if (mlrt_is_cancelled_in_round(progress, upper - next)) break;
+        if (slab_of(&slabs, axis, references[next].hi[axis]) <= split->bin) {
+            deal(&dealing, 0, &references[next]);
+            if (next != lower) swap_references(&references[next], &references[lower]);
+            lower++;
+            next++;
+        } else if (slab_of(&slabs, axis, references[next].lo[axis]) > split->bin) {
+            deal(&dealing, 1, &references[next]);
+            swap_references(&references[next], &references[--upper]);
+        } else {
+            next++;
+        }
+    }
+    float position = slab_start(&slabs, axis, split->bin + 1);
+    const uint32_t first = lower;
+    for (next = lower; next < upper; next++) {
+        if ((next - first) % CUT_ROUNDS == 0 && mlrt_is_cancelled(progress)) break;
+        struct mlrt_quad_box reference = references[next], parts[2];
+        int side = choose_side(&dealing, &reference);
+        int touched = side == 2 ? cut_reference(triangles, unit, &reference, axis, position, parts) : 0;
+        if (side < 2) {
+            deal_whole(&dealing, side, &reference);
+            parts[side] = reference;
+            touched = 1 << side;
+        } else {
+            for (int i = 0; i < 2; i++)
+                if (touched >> i & 1) deal(&dealing, i, &parts[i]);
+        }
+        if (touched & 1) references[lower++] = parts[0];
+        if (touched & 2) references[end++] = parts[1];
+    }
+    sides[0] = finish_set(&dealing.side[0], set->first, dealing.dealt_count[0]);
+    sides[1] = finish_set(&dealing.side[1], upper, dealing.dealt_count[1]);
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The unit of a hierarchy of boxes: see unit.h.
+ */
+#include "bvh/unit.h"
+
+#include <string.h>
+
+/* Scenes whose typical coordinate is within 2^-20 .. 2^20 keep the unit 1. */
+#define USUAL_EXPONENT 20
+
+/* The core leaves out triangles whose coordinates are so much larger than typical ones. */
+#define CORE_EXPONENT 16
+
+/* Triangles that are looked at. */
+#define SAMPLE_COUNT 4096
+
+/* frexp's exponents of floats: -148 .. 128, of which the first is put at 0. */
+#define EXPONENT_COUNT 277
+#define LEAST_EXPONENT (-148)
+
+/* The greatest coordinate; 0 if it is not finite. */
+static float size_of_triangle(const struct mlrt_triangle *triangle)
+{
+    const float *coordinate = triangle->v[0];
+    float size = 0;
+    for (int i = 0; i < 9; ++i) {
+        const float magnitude = fabsf(coordinate[i]);
+        if (!(magnitude <= FLT_MAX)) return 0;
+        if (magnitude > size) size = magnitude;
+    }
+    return size;
+}
+
+static int exponent_of(float size)
+{
+    int exponent;
+    (void)frexp((double)size, &exponent);
+    return exponent;
+}
+
+static uint32_t sample_step(const struct mlrt_tree *tree)
+{
+    return tree->triangle_count / SAMPLE_COUNT + 1;
+}
+
+/* The median of the exponents of triangles' greatest coordinates. */
+static int typical_exponent(const struct mlrt_tree *tree)
+{
+    uint32_t counts[EXPONENT_COUNT] = {0}, total = 0, below = 0;
+    for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {
+        const float size = size_of_triangle(&tree->triangles[i]);
+        if (!(size > 0)) continue;
+        ++counts[exponent_of(size) - LEAST_EXPONENT];
+        ++total;
+    }
+    for (int i = 0; i < EXPONENT_COUNT && total > 0; ++i) {
+        below += counts[i];
+        if (2 * below >= total) return i + LEAST_EXPONENT;
+    }
+    return 0;
+}
+
+/* The exponent without those that make the unit no normal float. */
+static int unit_exponent(int typical)
+{
+    if (typical >= -USUAL_EXPONENT && typical <= USUAL_EXPONENT) return 0;
+    return typical < -120 ? 120 : typical > 120 ? -120 : -typical;
+}
+
+void mlrt_set_bvh_unit(struct mlrt_tree *tree)
+{
+    tree->bvh.unit = (float)ldexp(1, unit_exponent(typical_exponent(tree)));
+}
+
+static int is_within(const struct mlrt_box *box, float limit)
+{
+    for (int k = 0; k < 3; ++k) {
+        if (box->lo[k] < -limit || box->hi[k] > limit) return 0;
+    }
+    return 1;
+}
+
+static void extend_core(const struct mlrt_triangle *triangle, float unit, struct mlrt_box *core)
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const float x = triangle->v[i][k] * unit;
+            if (x < core->lo[k]) core->lo[k] = x;
+            if (x > core->hi[k]) core->hi[k] = x;
+        }
+    }
+}
+
+void mlrt_set_bvh_extent(struct mlrt_tree *tree)
+{
+    struct mlrt_bvh *bvh = &tree->bvh;
+    const int typical = typical_exponent(tree);
+    const double limit = ldexp(1, typical + CORE_EXPONENT);
+    struct mlrt_box core = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int k = 0; k < 3; ++k) {
+        bvh->whole.lo[k] = mlrt_low_in_units(tree->bounds.lo[k], bvh->unit);
+        bvh->whole.hi[k] = mlrt_high_in_units(tree->bounds.hi[k], bvh->unit);
+    }
+    bvh->core = bvh->whole;
+    if (is_within(&bvh->whole, (float)(limit * bvh->unit))) return;
+    for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {
+        const float size = size_of_triangle(&tree->triangles[i]);
+        if (size > 0 && size <= limit) extend_core(&tree->triangles[i], bvh->unit, &core);
+    }
+    for (int k = 0; k < 3; ++k) { /* one of samples that are left out may not meet the bounds */
+        if (core.lo[k] > bvh->core.lo[k]) bvh->core.lo[k] = core.lo[k];
+        if (core.hi[k] < bvh->core.hi[k]) bvh->core.hi[k] = core.hi[k];
+    }
+}

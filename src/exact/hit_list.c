@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Gathering and ordering the hits of one ray. A triangle lies in several leaves and comes once from each; whenever the
+ * list is full, repetitions are taken out before it grows, so it stays within twice the number of different hits.
+ */
+#include "exact/hit_list.h"
+
+#include "base/platform.h"
+#include "exact/nearest.h"
+
+#define FIRST_CAPACITY 64
+
+void mlrt_free_hit_list(struct mlrt_hit_list *list)
+{
+    mlrt_free(&list->memory, list->hits, list->capacity, sizeof *list->hits);
+    list->hits = NULL;
+    list->count = list->capacity = 0;
+}
+
+static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
+{
+    const struct mlrt_nearest kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+/* What hits are compared with: the ray, and where its counts go. */
+struct order {
+    const struct mlrt_triangle *triangles;
+    const struct mlrt_ray_segment *ray;
+    mlrt_counters *counters;
+};
+
+static int is_before(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second)
+{
+    if (first->hi < second->lo) return 1;
+    if (second->hi < first->lo) return 0;
+    const struct mlrt_triangle *triangles = order->triangles;
+    const int sign =
+        mlrt_compare_distance(order->ray, &triangles[first->triangle], &triangles[second->triangle], order->counters);
+    return sign < 0 || (sign == 0 && first->triangle < second->triangle);
+}
+
+static int has_greater_number(const struct order *order, const struct mlrt_nearest *first,
+                              const struct mlrt_nearest *second)
+{
+    (void)order;
+    return first->triangle > second->triangle;
+}
+
+typedef int comparison(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second);
+
+/*
+ * In a heap each hit comes before its two children, 2 i + 1 and 2 i + 2. Lets hit i of `count` sink to its place.
+ * Heaps are sorted in place: qsort may take memory that is not the host's.
+ */
+MLRT_INLINE void sink(comparison *is_first, const struct order *order, struct mlrt_nearest *heap, uint32_t i,
+                      uint32_t count)
+{
+    const struct mlrt_nearest sinking = heap[i];
+    for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
+        if (child + 1 < count && is_first(order, &heap[child + 1], &heap[child])) ++child;
+        if (!is_first(order, &heap[child], &sinking)) break;
+        heap[i] = heap[child];
+    }
+    heap[i] = sinking;
+}
+
+/*
+ * Makes a heap of `count` hits and moves the first `wanted` of it, one after the other, to its end: what came first is
+ * last then.
+ */
+MLRT_INLINE void move_to_end(comparison *is_first, const struct order *order, uint32_t wanted,
+                             struct mlrt_nearest *heap, uint32_t count)
+{
+    for (uint32_t i = count / 2; i-- > 0;) sink(is_first, order, heap, i, count);
+    for (; wanted > 0 && count > 1; --wanted) {
+        swap(&heap[0], &heap[--count]);
+        sink(is_first, order, heap, 0, count);
+    }
+}
+
+static MLRT_NOINLINE void sort_by_number(struct mlrt_nearest *hits, uint32_t count)
+{
+    move_to_end(has_greater_number, NULL, count, hits, count);
+}
+
+void mlrt_remove_repetitions(struct mlrt_hit_list *list)
+{
+    if (list->count < 2) return;
+    sort_by_number(list->hits, list->count);
+    uint32_t kept = 1;
+    for (uint32_t i = 1; i < list->count; ++i) {
+        if (list->hits[i].triangle != list->hits[kept - 1].triangle) list->hits[kept++] = list->hits[i];
+    }
+    list->count = kept;
+}
+
+/* Room for one more hit: 0 if there is none. */
+static int make_room(struct mlrt_hit_list *list)
+{
+    if (list->count < list->capacity) return 1;
+    mlrt_remove_repetitions(list);
+    if (list->count < list->capacity / 2) return 1;
+    const uint32_t capacity = list->capacity ? 2 * list->capacity : FIRST_CAPACITY;
+    struct mlrt_nearest *hits = mlrt_resize(&list->memory, list->hits, list->capacity, capacity, sizeof *hits);
+    if (!hits) return 0;
+    list->hits = hits;
+    list->capacity = capacity;
+    return 1;
+}
+
+void mlrt_gather_hit(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t number,
+                     struct mlrt_hit_list *list, mlrt_counters *counters)
+{
+    if (!mlrt_hits_triangle(ray, &triangles[number], counters)) return;
+    if (!make_room(list)) {
+        list->failed = 1;
+        return;
+    }
+    struct mlrt_nearest *hit = &list->hits[list->count++];
+    hit->triangle = number;
+    mlrt_bound_distance(ray, &triangles[number], &hit->lo, &hit->hi);
+}
+
+void mlrt_order_hits(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t wanted,
+                     struct mlrt_hit_list *list, mlrt_counters *counters)
+{
+    const struct order order = {triangles, ray, counters};
+    if (wanted > list->count) wanted = list->count;
+    if (wanted == 0) return;
+    move_to_end(is_before, &order, wanted, list->hits, list->count);
+    for (uint32_t i = 0; i < list->count / 2; ++i) swap(&list->hits[i], &list->hits[list->count - 1 - i]);
+}

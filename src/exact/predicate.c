@@ -1,0 +1,852 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The judge of every hit: signs and quotients of the hit rule, first in double with a bound on the error, then exactly.
+ *
+ * Based on: Jonathan Richard Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+ * Predicates", 1997 (filter, then exact); Tomas Moeller, Ben Trumbore, "Fast, Minimum Storage Ray/Triangle
+ * Intersection", 1997 (which products the three edges and the plane share).
+ *
+ * WHAT IS COMPUTED
+ *
+ * With p = a - o, and because a triple product with two equal vectors is 0, every quantity of the rule is a determinant
+ * [x y z] = (x cross y) . z of three vectors that are at hand, and small where the triangle is small:
+ *
+ *     e_ab = [d p b-a]     e_ca = -[d p c-a]     D = [b-a c-a d]     N = [b-a c-a p]     e_bc = D - e_ab - e_ca
+ *
+ * THE BOUND
+ *
+ * Let u = 2^-53 and gamma_k = k u / (1 - k u). A sum of terms, each with at most k factors (1 + delta), |delta| <= u,
+ * is off by at most gamma_k times the sum of the terms' magnitudes. A difference of two vertices, or of vertex and
+ * origin, has 1 factor (in double it is not exact in general), d has none. A determinant consists of six products of
+ * three components; each has the factors of its components, one product and one difference from the cross product, one
+ * product and at most two sums from the dot product. So e_ab, e_ca and D have 2 + 5 = 7 factors, N has 3 + 5 = 8.
+ *
+ * The magnitudes of the six terms sum to no more than the product of the sizes of the vectors, where the size of x is
+ * |x_0| + |x_1| + |x_2|: that product has these six terms and 21 others. As computed it has at most 3 * 3 + 2 = 11
+ * factors, on positive terms, so it is at least (1 - u)^11 of the true one. In units of the computed size then:
+ *
+ *     a determinant     8 factors, size 11:   gamma_8  / (1 - u)^11  <   8.001 u
+ *     e_bc              9 factors, size 13:   gamma_9  / (1 - u)^13  <   9.001 u     size: the sum of the three
+ *     N - t D           9 factors, size 13:   gamma_9  / (1 - u)^13  <   9.001 u     size: s(N) + t s(D)
+ *     N1 D2 - N2 D1    17 factors, size 24:   gamma_17 / (1 - u)^24  <  17.001 u     size: s(N1) s(D2) + s(N2) s(D1)
+ *
+ * The bound itself is rounded once, by less than 0.001 of it: SIGN_ERROR = 10 u and ORDER_ERROR = 18 u are enough.
+ *
+ * RANGE
+ *
+ * Rounding is relative to the result only if nothing overflows or falls below 2^-1022. Floats are multiples of 2^-149
+ * below 2^128, and what is a multiple of 2^k stays one when it is rounded. So, in double as in real arithmetic,
+ *
+ *     a difference of two floats is     0 or within  2^-149 .. 2^129
+ *     a component of a cross product                 2^-298 .. 2^260
+ *     a determinant, and its size                    2^-447 .. 2^392     (a size: at most 3^3 2^(3 * 129))
+ *     N - t D, and its size                          2^-596 .. 2^521
+ *     N1 D2 - N2 D1, and its size                    2^-894 .. 2^785
+ *     a quotient                                     2^-839 .. 2^839
+ *
+ * and so is every partial sum on the way. Times SIGN_ERROR, ORDER_ERROR or one of the constants of the quotients, which
+ * are above 2^-50, all of them are normal doubles or 0.
+ */
+#include "exact/predicate.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/platform.h"
+#include "exact/dyadic.h"
+#include "exact/grid.h"
+#include "exact/rounding.h"
+
+#define SIGN_ERROR  (10 * MLRT_UNIT_ROUNDOFF)
+#define ORDER_ERROR (18 * MLRT_UNIT_ROUNDOFF)
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * In double
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+struct vector {
+    double x, y, z;
+};
+
+/* A value as computed and the size that its error is relative to. */
+struct measured {
+    double value;
+    double size;
+};
+
+MLRT_INLINE struct vector vector_of(const float v[3])
+{
+    return (struct vector){v[0], v[1], v[2]};
+}
+
+MLRT_INLINE struct vector subtract(struct vector v, struct vector w)
+{
+    return (struct vector){v.x - w.x, v.y - w.y, v.z - w.z};
+}
+
+MLRT_INLINE struct vector cross(struct vector v, struct vector w)
+{
+    return (struct vector){v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
+}
+
+MLRT_INLINE double dot(struct vector v, struct vector w)
+{
+    return v.x * w.x + v.y * w.y + v.z * w.z;
+}
+
+MLRT_INLINE double size_of(struct vector v)
+{
+    return fabs(v.x) + fabs(v.y) + fabs(v.z);
+}
+
+/* The sign of a value whose error is at most error * size; 0 = undecided, which a true zero always is. */
+MLRT_INLINE int certain_sign(struct measured measured, double error)
+{
+    double bound = error * measured.size;
+    if (MLRT_GUESS) return measured.value >= 0 ? 1 : -1;
+    return (measured.value > bound) - (measured.value < -bound);
+}
+
+/* The vectors whose determinants the hit rule consists of, and their sizes. */
+struct operands {
+    struct vector ab, ac, direction, to_a;
+    double ab_size, ac_size, direction_size, to_a_size;
+};
+
+MLRT_INLINE struct operands load_operands(const float origin[3], const float direction[3],
+                                          const struct mlrt_triangle *triangle)
+{
+    struct operands operands;
+    struct vector a = vector_of(triangle->v[0]);
+    operands.ab = subtract(vector_of(triangle->v[1]), a);
+    operands.ac = subtract(vector_of(triangle->v[2]), a);
+    operands.direction = vector_of(direction);
+    operands.to_a = subtract(a, vector_of(origin));
+    operands.ab_size = size_of(operands.ab);
+    operands.ac_size = size_of(operands.ac);
+    operands.direction_size = size_of(operands.direction);
+    operands.to_a_size = size_of(operands.to_a);
+    return operands;
+}
+
+/* e_ab and e_ca, which share a cross product. */
+struct two_edges {
+    struct measured ab, ca;
+};
+
+MLRT_INLINE struct two_edges measure_edges(const struct operands *operands)
+{
+    struct vector moment = cross(operands->direction, operands->to_a);
+    double moment_size = operands->direction_size * operands->to_a_size;
+    return (struct two_edges){{dot(moment, operands->ab), moment_size * operands->ab_size},
+                              {-dot(moment, operands->ac), moment_size * operands->ac_size}};
+}
+
+/* D and N: where the ray's line crosses the plane, t = N / D. */
+struct crossing {
+    struct measured d, n;
+};
+
+MLRT_INLINE struct crossing measure_crossing(const struct operands *operands)
+{
+    struct vector normal = cross(operands->ab, operands->ac);
+    double normal_size = operands->ab_size * operands->ac_size;
+    return (struct crossing){{dot(operands->direction, normal), operands->direction_size * normal_size},
+                             {dot(operands->to_a, normal), operands->to_a_size * normal_size}};
+}
+
+/* The same of a ray and a triangle. Not inlined: that takes 2 kB, and no time that shows. */
+static MLRT_NOINLINE struct crossing cross_plane(const float origin[3], const float direction[3],
+                                                 const struct mlrt_triangle *triangle)
+{
+    const struct operands operands = load_operands(origin, direction, triangle);
+    return measure_crossing(&operands);
+}
+
+/* e_bc = D - e_ab - e_ca */
+MLRT_INLINE struct measured measure_third_edge(const struct two_edges *edges, struct measured d)
+{
+    return (struct measured){d.value - edges->ab.value - edges->ca.value, d.size + edges->ab.size + edges->ca.size};
+}
+
+/* N - t D, t >= 0 */
+MLRT_INLINE struct measured measure_beyond(const struct crossing *crossing, float t)
+{
+    return (struct measured){crossing->n.value - t * crossing->d.value, crossing->n.size + t * crossing->d.size};
+}
+
+/* N1 D2 - N2 D1 */
+MLRT_INLINE struct measured measure_order(const struct crossing *first, const struct crossing *second)
+{
+    return (struct measured){first->n.value * second->d.value - second->n.value * first->d.value,
+                             first->n.size * second->d.size + second->n.size * first->d.size};
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Exactly
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+struct exact_vector {
+    struct mlrt_exact x[3];
+};
+
+static void exact_vector_of(const float v[3], struct exact_vector *result)
+{
+    for (int k = 0; k < 3; ++k) mlrt_exact_from_double(v[k], &result->x[k]);
+}
+
+static void exact_vector_between(const float from[3], const float to[3], struct exact_vector *result)
+{
+    for (int k = 0; k < 3; ++k) mlrt_exact_from_difference(to[k], from[k], &result->x[k]);
+}
+
+static void exact_cross_component(const struct exact_vector *v, const struct exact_vector *w, int k,
+                                  struct mlrt_exact *result)
+{
+    int i = (k + 1) % 3, j = (k + 2) % 3;
+    struct mlrt_exact plus, minus;
+    mlrt_exact_multiply(&v->x[i], &w->x[j], &plus);
+    mlrt_exact_multiply(&v->x[j], &w->x[i], &minus);
+    mlrt_exact_subtract(&plus, &minus, result);
+}
+
+static void exact_cross(const struct exact_vector *v, const struct exact_vector *w, struct exact_vector *result)
+{
+    for (int k = 0; k < 3; ++k) exact_cross_component(v, w, k, &result->x[k]);
+}
+
+static void exact_dot(const struct exact_vector *v, const struct exact_vector *w, struct mlrt_exact *result)
+{
+    struct mlrt_exact product[3], sum;
+    for (int k = 0; k < 3; ++k) mlrt_exact_multiply(&v->x[k], &w->x[k], &product[k]);
+    mlrt_exact_add(&product[0], &product[1], &sum);
+    mlrt_exact_add(&sum, &product[2], result);
+}
+
+/* e_ij of the edge from v_i to v_j. */
+static void exact_edge(const struct mlrt_ray_segment *ray, const float vertex_i[3], const float vertex_j[3],
+                       struct mlrt_exact *result)
+{
+    struct exact_vector direction, to_i, edge, moment;
+    exact_vector_of(ray->direction, &direction);
+    exact_vector_between(ray->origin, vertex_i, &to_i);
+    exact_vector_between(vertex_i, vertex_j, &edge);
+    exact_cross(&direction, &to_i, &moment);
+    exact_dot(&moment, &edge, result);
+}
+
+/* The signs of e_ab, e_bc, e_ca: fills in those that are 0. */
+static void exact_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
+{
+    if (MLRT_LIKELY(mlrt_grid_edge_signs(ray, triangle, sign))) return;
+    for (int i = 0; i < 3; ++i) {
+        struct mlrt_exact edge;
+        if (sign[i] != 0) continue;
+        exact_edge(ray, triangle->v[i], triangle->v[(i + 1) % 3], &edge);
+        sign[i] = edge.sign;
+    }
+}
+
+static void exact_normal(const struct mlrt_triangle *triangle, struct exact_vector *result)
+{
+    struct exact_vector ab, ac;
+    exact_vector_between(triangle->v[0], triangle->v[1], &ab);
+    exact_vector_between(triangle->v[0], triangle->v[2], &ac);
+    exact_cross(&ab, &ac, result);
+}
+
+static void exact_d(const struct mlrt_ray_segment *ray, const struct exact_vector *normal, struct mlrt_exact *result)
+{
+    struct exact_vector direction;
+    exact_vector_of(ray->direction, &direction);
+    exact_dot(&direction, normal, result);
+}
+
+static void exact_n(const float origin[3], const struct mlrt_triangle *triangle, const struct exact_vector *normal,
+                    struct mlrt_exact *result)
+{
+    struct exact_vector to_a;
+    exact_vector_between(origin, triangle->v[0], &to_a);
+    exact_dot(&to_a, normal, result);
+}
+
+/* The sign of first * second_factor - second * first_factor. */
+static int exact_sign_of_difference(const struct mlrt_exact *first, const struct mlrt_exact *second_factor,
+                                    const struct mlrt_exact *second, const struct mlrt_exact *first_factor)
+{
+    struct mlrt_exact plus, minus, difference;
+    mlrt_exact_multiply(first, second_factor, &plus);
+    mlrt_exact_multiply(second, first_factor, &minus);
+    mlrt_exact_subtract(&plus, &minus, &difference);
+    return difference.sign;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Triangle and plane
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+static MLRT_NOINLINE int has_area_exactly(const struct mlrt_triangle *triangle)
+{
+    struct exact_vector normal;
+    exact_normal(triangle, &normal);
+    return normal.x[0].sign != 0 || normal.x[1].sign != 0 || normal.x[2].sign != 0;
+}
+
+int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
+{
+    struct vector a = vector_of(triangle->v[0]);
+    struct vector ab = subtract(vector_of(triangle->v[1]), a);
+    struct vector ac = subtract(vector_of(triangle->v[2]), a);
+    struct vector normal = cross(ab, ac);
+    // 4 factors in each component, 7 in the size. A size of 0 is exact: two vertices are one.
+    double size = size_of(ab) * size_of(ac);
+    if (size_of(normal) > 3 * SIGN_ERROR * size) return 1; // so one of the three is above SIGN_ERROR * size
+    return size > 0 && has_area_exactly(triangle);
+}
+
+/* 1 if the triangle lies in a plane across the axis. */
+static int is_across(const struct mlrt_triangle *triangle, int axis)
+{
+    return triangle->v[0][axis] == triangle->v[1][axis] && triangle->v[0][axis] == triangle->v[2][axis];
+}
+
+static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *triangle, const float point[3])
+{
+    int sign;
+    if (MLRT_LIKELY(mlrt_grid_distance_sign(triangle, point, &sign))) return -sign;
+    struct exact_vector normal;
+    struct mlrt_exact n;
+    exact_normal(triangle, &normal);
+    exact_n(point, triangle, &normal, &n);
+    return -n.sign;
+}
+
+/* The sign of v . n as far as double can tell. */
+static int certain_side(const struct mlrt_triangle *triangle, struct vector v)
+{
+    struct vector a = vector_of(triangle->v[0]);
+    struct vector ab = subtract(vector_of(triangle->v[1]), a);
+    struct vector ac = subtract(vector_of(triangle->v[2]), a);
+    struct measured height = {dot(v, cross(ab, ac)), size_of(v) * size_of(ab) * size_of(ac)};
+    return certain_sign(height, SIGN_ERROR);
+}
+
+int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
+{
+    int side = certain_side(triangle, subtract(vector_of(point), vector_of(triangle->v[0])));
+    return side != 0 ? side : side_of_plane_exactly(triangle, point);
+}
+
+static MLRT_NOINLINE int side_of_sum_exactly(const struct mlrt_triangle *triangle, const float from[3],
+                                             const float by[3])
+{
+    struct exact_vector normal, to_from, point;
+    struct mlrt_exact height;
+    exact_normal(triangle, &normal);
+    exact_vector_between(triangle->v[0], from, &to_from);
+    for (int k = 0; k < 3; ++k) {
+        mlrt_exact_from_double(by[k], &point.x[k]);
+        const struct mlrt_exact step = point.x[k];
+        mlrt_exact_add(&to_from.x[k], &step, &point.x[k]);
+    }
+    exact_dot(&point, &normal, &height);
+    return height.sign;
+}
+
+int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
+{
+    const struct vector a = vector_of(triangle->v[0]), step = vector_of(by);
+    const struct vector to_from = subtract(vector_of(from), a), ab = subtract(vector_of(triangle->v[1]), a);
+    const struct vector ac = subtract(vector_of(triangle->v[2]), a);
+    const struct vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
+    // A component of v has 2 factors, so there are 9, relative to the sizes of what is added.
+    const struct measured height = {dot(v, cross(ab, ac)),
+                                    (size_of(to_from) + size_of(step)) * size_of(ab) * size_of(ac)};
+    const int side = certain_sign(height, SIGN_ERROR);
+    return side != 0 ? side : side_of_sum_exactly(triangle, from, by);
+}
+
+static MLRT_NOINLINE int facing_of_normal_exactly(const struct mlrt_triangle *triangle, const float direction[3])
+{
+    struct exact_vector normal, along;
+    struct mlrt_exact d;
+    exact_normal(triangle, &normal);
+    exact_vector_of(direction, &along);
+    exact_dot(&along, &normal, &d);
+    return d.sign;
+}
+
+int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
+{
+    int sign = certain_side(triangle, vector_of(direction));
+    if (sign != 0) return sign;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (direction[axis] == 0 && is_across(triangle, axis)) return 0; /* a wall in the light from above */
+    }
+    return facing_of_normal_exactly(triangle, direction);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Hit or miss
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/*
+ * The sign that no edge contradicts, which is that of D; 0 = there is none, a miss. `known` holds the signs of e_ab,
+ * e_bc, e_ca as far as they are known, else 0. D is their sum: it needs no arithmetic of its own.
+ */
+static MLRT_NOINLINE int facing_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                                        const int known[3], mlrt_counters *counters)
+{
+    int sign[3] = {known[0], known[1], known[2]}, facing = 0;
+    if (counters) ++counters->exact_edge_count;
+    exact_edge_signs(ray, triangle, sign);
+    for (int i = 0; i < 3; ++i) {
+        if (sign[i] * facing < 0) return 0;
+        if (sign[i] != 0) facing = sign[i];
+    }
+    return facing;
+}
+
+/* The sign of N - t D. */
+static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                                             float t, mlrt_counters *counters)
+{
+    if (counters) ++counters->exact_range_count;
+    int sign;
+    if (t == 0 && MLRT_LIKELY(mlrt_grid_distance_sign(triangle, ray->origin, &sign))) return sign;
+    struct exact_vector normal;
+    struct mlrt_exact n, d, exact_t, product, difference;
+    exact_normal(triangle, &normal);
+    exact_n(ray->origin, triangle, &normal, &n);
+    if (t == 0) return n.sign;
+    exact_d(ray, &normal, &d);
+    mlrt_exact_from_double(t, &exact_t);
+    mlrt_exact_multiply(&exact_t, &d, &product);
+    mlrt_exact_subtract(&n, &product, &difference);
+    return difference.sign;
+}
+
+/*
+ * The sign of (a - o) - t d. t d has 48 bits and is exact. Rounding keeps the order, so a difference that is not t d
+ * after its rounding is on the same side of it before; and the rest that the rounding left is a double.
+ *
+ * Based on: Donald E. Knuth, "The Art of Computer Programming", volume 2, section 4.2.2 (the error of a sum).
+ */
+static int flat_sign(float a, float o, float t, float d)
+{
+    const double from = o, to = a, end = (double)t * d, difference = to - from;
+    if (difference != end) return difference > end ? 1 : -1;
+    const double back = to - difference, rest = (to - (difference + back)) - (from - back);
+    return (rest > 0) - (rest < 0);
+}
+
+int mlrt_reaches_flat(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float t, int *sign)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!is_across(triangle, axis)) continue;
+        const float d = ray->direction[axis];
+        *sign = flat_sign(triangle->v[0][axis], ray->origin[axis], t, d);
+        if (d < 0) *sign = -*sign;
+        return d != 0;
+    }
+    return 0;
+}
+
+/* The sign of N - t D in signs that make D positive; `facing` is that of D. */
+MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                            const struct crossing *crossing, float t, int facing, mlrt_counters *counters)
+{
+    int sign = facing * certain_sign(measure_beyond(crossing, t), SIGN_ERROR);
+    if (MLRT_LIKELY(sign != 0) || mlrt_reaches_flat(ray, triangle, t, &sign)) return sign;
+    return facing * sign_beyond_exactly(ray, triangle, t, counters);
+}
+
+int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                       mlrt_counters *counters)
+{
+    struct operands operands = load_operands(ray->origin, ray->direction, triangle);
+    struct crossing crossing = measure_crossing(&operands);
+    /* Many rays that come here start beside a surface, and leave it. */
+    if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0) {
+        return 0;
+    }
+    struct two_edges edges = measure_edges(&operands);
+    int sign_ab = certain_sign(edges.ab, SIGN_ERROR);
+    int sign_ca = certain_sign(edges.ca, SIGN_ERROR);
+    if (sign_ab * sign_ca < 0) return 0;
+
+    int sign_bc = certain_sign(measure_third_edge(&edges, crossing.d), SIGN_ERROR);
+    if (sign_bc * (sign_ab + sign_ca) < 0) return 0;
+
+    int facing = sign_ab;
+    if (MLRT_UNLIKELY(sign_ab == 0 || sign_bc == 0 || sign_ca == 0)) {
+        facing = facing_exactly(ray, triangle, (const int[3]){sign_ab, sign_bc, sign_ca}, counters);
+        if (facing == 0) return 0;
+    }
+    if (sign_beyond(ray, triangle, &crossing, ray->t_min, facing, counters) <= 0) return 0;
+    return ray->t_max > FLT_MAX || sign_beyond(ray, triangle, &crossing, ray->t_max, facing, counters) <= 0;
+}
+
+/*
+ * An edge function moves with the origin by -((v_j - v_i) x d) . (e, e^2, e^3): where it is 0, the first component
+ * that is not decides its sign. All 0 = the ray is along the edge, D is 0, and the triangle was not hit.
+ */
+static int perturbed_edge_sign(const struct mlrt_ray_segment *ray, const float vertex_i[3], const float vertex_j[3])
+{
+    struct exact_vector edge, direction;
+    exact_vector_between(vertex_i, vertex_j, &edge);
+    exact_vector_of(ray->direction, &direction);
+    for (int k = 0; k < 3; ++k) {
+        struct mlrt_exact component;
+        exact_cross_component(&edge, &direction, k, &component);
+        if (component.sign != 0) return -component.sign;
+    }
+    return 0;
+}
+
+static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
+{
+    int sign[3] = {0, 0, 0};
+    exact_edge_signs(ray, triangle, sign);
+    const int facing = sign[0] ? sign[0] : sign[1] ? sign[1] : sign[2];
+    for (int i = 0; i < 3; ++i) {
+        if (sign[i] == 0 && perturbed_edge_sign(ray, triangle->v[i], triangle->v[(i + 1) % 3]) != facing) return 0;
+    }
+    return 1;
+}
+
+int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle)
+{
+    struct operands operands = load_operands(ray->origin, ray->direction, triangle);
+    struct two_edges edges = measure_edges(&operands);
+    struct crossing crossing = measure_crossing(&operands);
+    int inside = certain_sign(edges.ab, SIGN_ERROR) != 0 && certain_sign(edges.ca, SIGN_ERROR) != 0 &&
+                 certain_sign(measure_third_edge(&edges, crossing.d), SIGN_ERROR) != 0;
+    return inside || crosses_exactly(ray, triangle);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Nearer
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* 1 if the vertices are the same three points, in any order; then so are the planes. */
+static int same_vertices(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
+{
+    for (int start = 0; start < 3; ++start) {
+        for (int step = 1; step <= 2; ++step) {
+            int same = 1;
+            for (int i = 0; same && i < 3; ++i) {
+                const float *v = first->v[i], *w = second->v[(start + i * step) % 3];
+                same = v[0] == w[0] && v[1] == w[1] && v[2] == w[2];
+            }
+            if (same) return 1;
+        }
+    }
+    return 0;
+}
+
+static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
+                                                  const struct mlrt_triangle *second)
+{
+    int sign;
+    if (MLRT_LIKELY(mlrt_grid_order(ray, first, second, &sign))) return sign;
+    struct exact_vector normal;
+    struct mlrt_exact n1, d1, n2, d2;
+    exact_normal(first, &normal);
+    exact_n(ray->origin, first, &normal, &n1);
+    exact_d(ray, &normal, &d1);
+    exact_normal(second, &normal);
+    exact_n(ray->origin, second, &normal, &n2);
+    exact_d(ray, &normal, &d2);
+    return d1.sign * d2.sign * exact_sign_of_difference(&n1, &d2, &n2, &d1);
+}
+
+/* 1 if the ray goes through a corner that both triangles have: then it meets both planes there. */
+static int meet_at_corner(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
+                          const struct mlrt_triangle *second)
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const float *v = first->v[i], *w = second->v[j];
+            int meets;
+            if (v[0] != w[0] || v[1] != w[1] || v[2] != w[2]) continue;
+            if (mlrt_grid_meets_point(ray, v, &meets) && meets) return 1;
+        }
+    }
+    return 0;
+}
+
+/*
+ * What double cannot tell apart is mostly not merely close but equal, and of kinds that need little arithmetic: a
+ * triangle that is in the input twice, triangles with a common corner that the ray goes through, and walls that share a
+ * plane across an axis. For these t = (w - o_k) / d_k,
+ * so planes w1, w2 across the same axis compare as sgn(d_k) (w1 - w2).
+ */
+static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
+                                                const struct mlrt_triangle *second, mlrt_counters *counters)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!is_across(first, axis) || !is_across(second, axis)) continue;
+        float plane_1 = first->v[0][axis], plane_2 = second->v[0][axis];
+        int sign = (plane_1 > plane_2) - (plane_1 < plane_2);
+        return ray->direction[axis] < 0 ? -sign : sign;
+    }
+    if (same_vertices(first, second)) return 0;
+    if (counters) ++counters->exact_order_count;
+    if (meet_at_corner(ray, first, second)) return 0;
+    return compare_distance_exactly(ray, first, second);
+}
+
+int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
+                          const struct mlrt_triangle *second, mlrt_counters *counters)
+{
+    const struct crossing crossing_1 = cross_plane(ray->origin, ray->direction, first);
+    const struct crossing crossing_2 = cross_plane(ray->origin, ray->direction, second);
+    int sign = certain_sign(crossing_1.d, SIGN_ERROR) * certain_sign(crossing_2.d, SIGN_ERROR) *
+               certain_sign(measure_order(&crossing_1, &crossing_2), ORDER_ERROR);
+    return MLRT_LIKELY(sign != 0) ? sign : compare_close_distance(ray, first, second, counters);
+}
+
+/*
+ * Where all corners of the first are on one side of the plane of the second, so are all its points: those that rays hit
+ * from the other side are behind the plane, and those that they hit from the same side are before it.
+ */
+int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *first, const struct mlrt_triangle *second)
+{
+    const struct vector a = vector_of(second->v[0]), to_from = subtract(vector_of(from), a);
+    const struct vector ab = subtract(vector_of(second->v[1]), a), ac = subtract(vector_of(second->v[2]), a);
+    const struct vector normal = cross(ab, ac);
+    const double size = size_of(ab) * size_of(ac);
+    const int side = certain_sign((struct measured){dot(to_from, normal), size_of(to_from) * size}, SIGN_ERROR);
+    int corner_side = 0;
+    for (int i = 0; side != 0 && i < 3; ++i) {
+        const struct vector to_corner = subtract(vector_of(first->v[i]), a);
+        const struct measured height = {dot(to_corner, normal), size_of(to_corner) * size};
+        const int other = certain_sign(height, SIGN_ERROR);
+        if (other == 0 || (i > 0 && other != corner_side)) return 0;
+        corner_side = other;
+    }
+    return -side * corner_side;
+}
+
+int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (is_across(first, axis) && is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
+    }
+    if (same_vertices(first, second)) return 1;
+    for (int i = 0; i < 3; ++i) {
+        if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------
+ * Quotients
+ *
+ * X and D are determinants as computed, x and d the true ones, s(X) and s(D) their sizes: |X - x| <= 8.001 u s(X) and
+ * |D - d| <= 8.001 u s(D), see the head of this file. Let |D| > 2^-44 s(D). Then |D - d| < 1.01 * 2^-6 |D| and, since
+ * 1 / (1 - 1.01 * 2^-6) < 1.017,
+ *
+ *     |x / d - X / D| = |(x - X) D - X (d - D)| / |d D| <= 1.017 * 8.001 u (s(X) + |X / D| s(D)) / |D|.
+ *
+ * The quotient q = X * (1 / D) is rounded twice more, and then q - w and q + w once each: 3.001 u |X / D| in all, which
+ * is at most 3.01 u s(X) / |D| because |X| <= (1 + 20 u) s(X). The sum is below (11.2 s(X) + 8.2 |q| s(D)) u / |D|;
+ * with 12 and 9, which are in predicate.h, there is room for the roundings of w itself.
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* 1 / D, and what the error of D adds to a quotient relative to it. */
+struct denominator {
+    double inverse;
+    double error;
+};
+
+/* Ends so that low <= x / d <= high. */
+struct enclosure {
+    double low, high;
+};
+
+MLRT_INLINE int is_safe_denominator(struct measured d)
+{
+    return fabs(d.value) > MLRT_LEAST_DENOMINATOR * d.size;
+}
+
+MLRT_INLINE struct denominator invert(struct measured d)
+{
+    double inverse = 1 / d.value;
+    return (struct denominator){inverse, MLRT_DENOMINATOR_ERROR * d.size * fabs(inverse)};
+}
+
+MLRT_INLINE struct enclosure enclose_quotient(struct measured x, struct denominator d)
+{
+    double quotient = x.value * d.inverse;
+    double width = MLRT_NUMERATOR_ERROR * x.size * fabs(d.inverse) + fabs(quotient) * d.error;
+    return (struct enclosure){quotient - width, quotient + width};
+}
+
+void mlrt_bound_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *lo, float *hi)
+{
+    const struct crossing crossing = cross_plane(ray->origin, ray->direction, triangle);
+    if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
+        *lo = 0;
+        *hi = INFINITY;
+        return;
+    }
+    struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
+    *lo = mlrt_float_down(t.low > 0 ? t.low : 0); // a hit has t > 0
+    *hi = mlrt_float_up(t.high);
+}
+
+int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int is_inside,
+                         const struct mlrt_triangle *other, float *lo, float *hi)
+{
+    const struct operands operands = load_operands(ray->origin, ray->direction, triangle);
+    const struct crossing crossing = measure_crossing(&operands);
+    const int facing = certain_sign(crossing.d, SIGN_ERROR);
+    const int begun = facing * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR);
+    if (begun < 0) return 0; /* most rays that come here start beside a surface, and leave it */
+    if (facing == 0 || !is_safe_denominator(crossing.d)) return -1;
+    if (!is_inside) {
+        const struct two_edges edges = measure_edges(&operands);
+        const int ab = facing * certain_sign(edges.ab, SIGN_ERROR), ca = facing * certain_sign(edges.ca, SIGN_ERROR);
+        const int bc = facing * certain_sign(measure_third_edge(&edges, crossing.d), SIGN_ERROR);
+        if (ab < 0 || bc < 0 || ca < 0) return 0;
+        is_inside = ab > 0 && bc > 0 && ca > 0;
+    }
+    const struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
+    if (t.low > *hi) return 0;
+    if (!is_inside || begun == 0) return -1;
+    if (!(t.high < *lo)) {
+        if (!other) return -1;
+        const struct crossing crossing_2 = cross_plane(ray->origin, ray->direction, other);
+        const int order = facing * certain_sign(crossing_2.d, SIGN_ERROR) *
+                          certain_sign(measure_order(&crossing, &crossing_2), ORDER_ERROR);
+        if (order >= 0) return order > 0 ? 0 : -1;
+    }
+    *lo = mlrt_float_down(t.low > 0 ? t.low : 0);
+    *hi = mlrt_float_up(t.high);
+    return 1;
+}
+
+/* The float nearest to x / d, which is not negative. */
+static float round_quotient_exactly(const struct mlrt_exact *x, const struct mlrt_exact *d)
+{
+    if (x->sign == 0) return 0;
+    // Each conversion is off by 2^-51 at most, the division by u: a true quotient is within 2^-49 of this one.
+    double quotient = fabs(mlrt_exact_to_double(x) / mlrt_exact_to_double(d));
+    float low = (float)(quotient * (1 - 0x1p-49));
+    float high = (float)(quotient * (1 + 0x1p-49));
+    if (low == high) return low;
+
+    // Neighbours. What rounds to inf begins midway between FLT_MAX and 2^128, as if that were the next float.
+    double midpoint = 0.5 * ((double)low + (high > FLT_MAX ? 0x1p128 : (double)high));
+    struct mlrt_exact exact_midpoint, threshold;
+    mlrt_exact_from_double(midpoint, &exact_midpoint);
+    mlrt_exact_multiply(&exact_midpoint, d, &threshold);
+    int order = mlrt_exact_compare_magnitude(x, &threshold);
+    if (order != 0) return order < 0 ? low : high;
+    uint32_t low_bits;
+    memcpy(&low_bits, &low, sizeof low_bits);
+    return low_bits % 2 == 0 ? low : high;
+}
+
+/* The float that all within 2^-49 of a quotient round to; 0 if there is none. */
+static int round_close_quotient(double quotient, float *result)
+{
+    *result = (float)(quotient * (1 + 0x1p-48));
+    return (float)(quotient * (1 - 0x1p-48)) == *result;
+}
+
+/* Takes the outputs that it can settle out of the set given. */
+static uint32_t report_hit_on_grid(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                                   uint32_t outputs, struct mlrt_hit_report *report)
+{
+    double quotient[3];
+    float u, v;
+    if (!(outputs & (MLRT_OUTPUT_T | MLRT_OUTPUT_UV)) || !mlrt_grid_quotients(ray, triangle, quotient)) return outputs;
+    if (outputs & MLRT_OUTPUT_T && round_close_quotient(quotient[0], &report->t)) outputs &= ~(uint32_t)MLRT_OUTPUT_T;
+    if (outputs & MLRT_OUTPUT_UV && round_close_quotient(quotient[1], &u) && round_close_quotient(quotient[2], &v)) {
+        report->u = u;
+        report->v = v;
+        outputs &= ~(uint32_t)MLRT_OUTPUT_UV;
+    }
+    return outputs;
+}
+
+static MLRT_NOINLINE void report_hit_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
+                                             uint32_t outputs, struct mlrt_hit_report *report)
+{
+    outputs = report_hit_on_grid(ray, triangle, outputs, report);
+    if (!outputs) return;
+    struct exact_vector normal;
+    struct mlrt_exact x, d;
+    exact_normal(triangle, &normal);
+    exact_d(ray, &normal, &d);
+    if (outputs & MLRT_OUTPUT_FACING) report->facing = d.sign;
+    if (outputs & MLRT_OUTPUT_T) {
+        exact_n(ray->origin, triangle, &normal, &x);
+        report->t = round_quotient_exactly(&x, &d);
+    }
+    if (outputs & MLRT_OUTPUT_UV) {
+        exact_edge(ray, triangle->v[2], triangle->v[0], &x);
+        report->u = round_quotient_exactly(&x, &d);
+        exact_edge(ray, triangle->v[0], triangle->v[1], &x);
+        report->v = round_quotient_exactly(&x, &d);
+    }
+}
+
+/* The float that every number of the enclosure rounds to; 0 if there is none. A quotient of a hit is not negative. */
+MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
+{
+    *result = (float)enclosure.high;
+    return MLRT_GUESS || (float)enclosure.low == *result;
+}
+
+/*
+ * t of a triangle that lies in a plane across an axis is (a - o) / d there. A camera that looks down an axis has d = 1
+ * for all its rays, and if a - o is midway between two floats, it is so for all that they hit of a wall. Let a - o be
+ * exact, and q the quotient, rounded. What is midway between floats is a double, so q is on the same side of it as the
+ * true quotient, unless q is midway itself. Then it has 25 bits, and q d is exact: if that is a - o, so is q. Returns 0
+ * where this does not say what t rounds to.
+ */
+static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *t)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!is_across(triangle, axis)) continue;
+        const double to = triangle->v[0][axis], from = ray->origin[axis], d = ray->direction[axis];
+        const double difference = to - from, back = to - difference;
+        if (d == 0 || (to - (difference + back)) - (from - back) != 0) return 0;
+        const double quotient = difference / d;
+        *t = (float)quotient;
+        return quotient * d == difference || (float)(quotient * (1 - 0x1p-51)) == (float)(quotient * (1 + 0x1p-51));
+    }
+    return 0;
+}
+
+void mlrt_report_hit(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, uint32_t outputs,
+                     struct mlrt_hit_report *report)
+{
+    struct operands operands = load_operands(ray->origin, ray->direction, triangle);
+    struct crossing crossing = measure_crossing(&operands);
+    if (MLRT_UNLIKELY(!is_safe_denominator(crossing.d))) {
+        report_hit_exactly(ray, triangle, outputs, report);
+        return;
+    }
+    struct denominator d = invert(crossing.d);
+    uint32_t undecided = 0;
+    if (outputs & MLRT_OUTPUT_FACING) report->facing = crossing.d.value > 0 ? 1 : -1;
+    if (outputs & MLRT_OUTPUT_T) {
+        if (!round_enclosure(enclose_quotient(crossing.n, d), &report->t) &&
+            !round_flat_quotient(ray, triangle, &report->t)) {
+            undecided |= MLRT_OUTPUT_T;
+        }
+    }
+    if (outputs & MLRT_OUTPUT_UV) {
+        struct two_edges edges = measure_edges(&operands);
+        int both = round_enclosure(enclose_quotient(edges.ca, d), &report->u);
+        both &= round_enclosure(enclose_quotient(edges.ab, d), &report->v);
+        if (!both) undecided |= MLRT_OUTPUT_UV;
+    }
+    if (MLRT_UNLIKELY(undecided != 0)) report_hit_exactly(ray, triangle, undecided, report);
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Doubles rounded to floats in a known direction: how bounds stay bounds.
+ */
+#ifndef MLRT_EXACT_ROUNDING_H
+#define MLRT_EXACT_ROUNDING_H
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "mlrt.h"
+
+/* The largest float below a. a may be infinite; -inf stays. */
+static inline float mlrt_next_down(float a)
+{
+    uint32_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    if (a == 0) {
+        bits = 0x80000001u;
+    } else if (a > 0) {
+        --bits;
+    } else if (a >= -FLT_MAX) {
+        ++bits;
+    }
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
+/* The largest float <= a. Not for NaN. */
+static inline float mlrt_float_down(double a)
+{
+    float nearest = a > FLT_MAX ? (isinf(a) ? (float)a : FLT_MAX) : (float)a;
+    return nearest > a ? mlrt_next_down(nearest) : nearest;
+}
+
+/* The smallest float >= a. Not for NaN. */
+static inline float mlrt_float_up(double a)
+{
+    return -mlrt_float_down(-a);
+}
+
+#endif

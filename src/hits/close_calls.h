@@ -1,0 +1,368 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Close calls: what the float filters leave of a packet and a triangle, decided in double for many lanes at once. Only
+ * what double leaves too goes to the judge, lane by lane (undecided.h). The answers are those of the judge; the bounds
+ * of t that are kept with a hit are a little wider than its.
+ *
+ * WHAT IS COMPUTED. The determinants at the head of predicate.c, with p = a - o and n = b-a cross c-a:
+ *
+ *     D = d . n     N = p . n     e_ab = (d cross p) . b-a     e_ca = -(d cross p) . c-a     e_bc = D - e_ab - e_ca
+ *
+ * The size s(x) of a determinant is the sum of the magnitudes of its six products, not the product of the sizes of its
+ * vectors: formed in the same way as the determinant itself, with all factors and sums positive. As there, with u =
+ * 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc: gamma_9 times the sum of
+ * three), and a size has no more than 8 factors (e_bc: 10), so it is at least (1 - u)^10 of the true one. That makes
+ * 8.001 u and 9.001 u of the computed size. A size of 0 says that all six products are 0, and so is the determinant:
+ * nothing here underflows (predicate.c, "RANGE").
+ *
+ * BOUNDS. In signs that make D positive, let E = 12 u s(N) and W = 12 u s(D). N -+ E and D -+ W have one more rounding
+ * each, of at most 1.001 u of the size, and that of the bound, of less than 0.001 u: so they are bounds of the true
+ * numerator and denominator with 2.9 u of the size to spare. The size is no less than (1 - 9 u) of the magnitude. So a
+ * product of one of these bounds with a float, or with another bound, may be rounded once, by u of itself:
+ *
+ *     t > x     if N - E > x (D + W)                          t < x     if N + E < x (D - W)         for x >= 0
+ *     t > t'    if (N - E) (D' - W') > (N' + E') (D + W)      t < t'    likewise, with the triangles exchanged
+ *
+ * where D > W and D' > W', and all of it is the same with >= in place of >, where both sides are 0 in exact arithmetic
+ * or what is spared makes it strict. x may be infinite. Likewise the quotients (N - E) / (D + W) and (N + E) / (D - W)
+ * are below and above t after their rounding. Products of two bounds may be as small as 2^-1100 and then lose all they
+ * have; but only where a factor is a difference that is nearly 0, which is the lesser side of what is compared: the
+ * other is a sum, and at least 2^-894 or exactly 0, which says t = 0, and that is no hit.
+ *
+ * With D > W, a ray is surely inside if no edge function, in D's sign, is less than its bound 12 u s(e), and surely
+ * outside if one is less than minus that: D is the sum of the three, so another one has D's sign.
+ */
+#ifndef MLRT_HITS_CLOSE_CALLS_H
+#define MLRT_HITS_CLOSE_CALLS_H
+
+#include <float.h>
+
+#include "hits/outcome.h"
+#include "job/sink.h"
+#include "hits/undecided.h"
+#include "job/stop.h"
+#include "simd/doubles.h"
+#include "simd/simd.h"
+
+#define CLOSE_ERROR    (12 * MLRT_UNIT_ROUNDOFF)
+#define DOUBLE_LANES   ((1u << DW) - 1)
+#define DOUBLE_VECTORS (MLRT_PACKET_RAYS / DW)
+
+/* What the determinants of a triangle consist of. */
+struct close_triangle {
+    vd a[3];
+    vd ab[3];
+    vd ac[3];
+    vd normal[3];
+    vd normal_size[3];
+    vd to_a[3]; /* p, N and its size: of the lanes that were looked at last, or with an apex of all */
+    vd n;
+    vd n_size;
+};
+
+/* N and D between bounds, with the sign of D. */
+struct close_bounds {
+    vd d;
+    vd d_size;
+    vd least_n;
+    vd greatest_n;
+    vd least_d;
+    vd greatest_d;
+};
+
+/* A cross product with all that is subtracted added, of sizes. */
+MLRT_INLINE void cross_product_of_sizes(const vd a[3], const vd b[3], vd cross[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = d_add(d_abs(d_mul(a[i], b[j])), d_abs(d_mul(a[j], b[i])));
+    }
+}
+
+MLRT_INLINE void place_origin(const struct mlrt_packet *packet, uint32_t lane, struct close_triangle *triangle)
+{
+    for (int k = 0; k < 3; ++k) {
+        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        triangle->to_a[k] = d_sub(triangle->a[k], origin);
+    }
+    triangle->n = dot_product_of_doubles(triangle->to_a, triangle->normal);
+    triangle->n_size = dot_product_of_sizes(triangle->to_a, triangle->normal_size);
+}
+
+static MLRT_NOINLINE void set_close_triangle(const struct mlrt_triangle *corners, const struct mlrt_packet *packet,
+                                             struct close_triangle *triangle)
+{
+    for (int k = 0; k < 3; ++k) {
+        triangle->a[k] = d_set1(corners->v[0][k]);
+        triangle->ab[k] = d_sub(d_set1(corners->v[1][k]), triangle->a[k]);
+        triangle->ac[k] = d_sub(d_set1(corners->v[2][k]), triangle->a[k]);
+    }
+    cross_product_of_doubles(triangle->ab, triangle->ac, triangle->normal);
+    cross_product_of_sizes(triangle->ab, triangle->ac, triangle->normal_size);
+    if (packet->has_apex) place_origin(packet, 0, triangle);
+}
+
+static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet,
+                                         uint32_t lane, struct close_bounds *bounds)
+{
+    if (!packet->has_apex) place_origin(packet, lane, triangle);
+    const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
+                             d_load(packet->direction[2] + lane)};
+    const vd error = d_set1(CLOSE_ERROR);
+    bounds->d = dot_product_of_doubles(direction, triangle->normal);
+    bounds->d_size = dot_product_of_sizes(direction, triangle->normal_size);
+    const vd n = d_flip(triangle->n, bounds->d), n_error = d_mul(error, triangle->n_size);
+    const vd size = d_abs(bounds->d), d_error = d_mul(error, bounds->d_size);
+    bounds->least_n = d_sub(n, n_error);
+    bounds->greatest_n = d_add(n, n_error);
+    bounds->least_d = d_sub(size, d_error);
+    bounds->greatest_d = d_add(size, d_error);
+}
+
+/* Of DW lanes, where D has a certain sign: those that are surely inside the triangle's edges, and surely outside. */
+MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct close_bounds *bounds,
+                            const struct mlrt_packet *packet, uint32_t lane, uint32_t *inside, uint32_t *outside)
+{
+    const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
+                             d_load(packet->direction[2] + lane)};
+    const vd error = d_set1(CLOSE_ERROR), zero = d_set1(0);
+    vd moment[3], moment_size[3];
+    cross_product_of_doubles(triangle->to_a, direction, moment);
+    cross_product_of_sizes(triangle->to_a, direction, moment_size);
+    /* The negative edge functions, so that the greatest counts. */
+    const vd ab = dot_product_of_doubles(triangle->ab, moment);
+    const vd ca = d_sub(zero, dot_product_of_doubles(triangle->ac, moment));
+    const vd bc = d_sub(zero, d_add(d_add(bounds->d, ab), ca));
+    const vd ab_size = dot_product_of_sizes(triangle->ab, moment_size);
+    const vd ca_size = dot_product_of_sizes(triangle->ac, moment_size);
+    const vd bc_size = d_add(d_add(bounds->d_size, ab_size), ca_size);
+    const vd edge[3] = {d_flip(ab, bounds->d), d_flip(bc, bounds->d), d_flip(ca, bounds->d)};
+    const vd bound[3] = {d_mul(error, ab_size), d_mul(error, bc_size), d_mul(error, ca_size)};
+    const vd least = d_max(d_max(d_sub(edge[0], bound[0]), d_sub(edge[1], bound[1])), d_sub(edge[2], bound[2]));
+    const vd greatest = d_max(d_max(d_add(edge[0], bound[0]), d_add(edge[1], bound[1])), d_add(edge[2], bound[2]));
+    *outside = d_gt(least, zero);
+    *inside = ~d_gt(greatest, zero) & DOUBLE_LANES;
+}
+
+/* What there is to know of a packet's lanes and a triangle. */
+struct close_verdict {
+    uint32_t passed; /* surely not hit, or behind the nearest hit so far */
+    uint32_t hit;    /* surely hit, if it is nearer than the nearest so far, */
+    uint32_t nearer; /* which it surely is */
+};
+
+/* DW lanes from `lane` on, of rays that end, or have their nearest hits so far, between t = `lo` and `hi`. Bits begin with
+ * `lane`; those in `inside` are known to be. */
+MLRT_INLINE struct close_verdict look_at_lanes(const struct close_triangle *triangle, const struct mlrt_packet *packet,
+                                               uint32_t lane, uint32_t lanes, uint32_t inside, vd lo, vd hi,
+                                               const struct close_bounds *bounds)
+{
+    struct close_verdict verdict;
+    const vd t_min = d_load(packet->t_min + lane), zero = d_set1(0);
+    const uint32_t certain = d_gt(bounds->least_d, zero), parallel = ~d_gt(bounds->greatest_d, zero);
+    const uint32_t beyond = d_gt(bounds->least_n, d_mul(hi, bounds->greatest_d));
+    const uint32_t before = ~d_gt(bounds->greatest_n, d_mul(t_min, bounds->least_d));
+    const uint32_t begun = d_gt(bounds->least_n, d_mul(t_min, bounds->greatest_d));
+    verdict.passed = (certain & (beyond | before)) | parallel;
+    verdict.nearer = d_gt(d_mul(lo, bounds->least_d), bounds->greatest_n);
+    if (lanes & ~inside & ~verdict.passed) {
+        uint32_t surely, outside;
+        find_sides(triangle, bounds, packet, lane, &surely, &outside);
+        verdict.passed |= certain & outside;
+        inside |= surely;
+    }
+    verdict.passed &= lanes;
+    verdict.hit = lanes & certain & inside & begun & ~verdict.passed;
+    verdict.nearer &= verdict.hit;
+    return verdict;
+}
+
+/* Compares where rays in `lanes` meet a triangle, by what is known of it, and their nearest hits so far, triangle
+ * `nearest`. Returns those where the triangle is surely nearer; *farther receives those where it surely is not. */
+static MLRT_NOINLINE uint32_t compare_with_nearest(const struct mlrt_tree *tree, uint32_t nearest,
+                                                   const struct mlrt_packet *packet, uint32_t lanes,
+                                                   const struct close_bounds *of_triangle, uint32_t *farther)
+{
+    struct close_triangle triangle;
+    uint32_t nearer = 0;
+    *farther = 0;
+    set_close_triangle(&tree->triangles[nearest], packet, &triangle);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        struct close_bounds other;
+        if (!(lanes >> lane & DOUBLE_LANES)) continue;
+        bound_quotient(&triangle, packet, lane, &other);
+        const struct close_bounds *bounds = &of_triangle[lane / DW];
+        const vd zero = d_set1(0);
+        const uint32_t certain = d_gt(bounds->least_d, zero) & d_gt(other.least_d, zero);
+        nearer |= (certain & d_gt(d_mul(other.least_n, bounds->least_d), d_mul(bounds->greatest_n, other.greatest_d)))
+                  << lane;
+        *farther |= (certain & d_gt(d_mul(bounds->least_n, other.least_d), d_mul(other.greatest_n, bounds->greatest_d)))
+                    << lane;
+    }
+    nearer &= lanes;
+    *farther &= lanes;
+    return nearer;
+}
+
+/* Likewise for lanes with any nearest hits. */
+MLRT_INLINE uint32_t compare_with_all_nearest(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                              uint32_t lanes, const struct close_bounds *of_triangle, uint32_t *farther)
+{
+    uint32_t nearer = 0;
+    *farther = 0;
+    while (lanes) {
+        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & lanes_of_triangle(packet, nearest);
+        uint32_t behind;
+        lanes &= ~same;
+        if (nearest == MLRT_NONE) continue;
+        nearer |= compare_with_nearest(tree, nearest, packet, same, of_triangle, &behind);
+        *farther |= behind;
+    }
+    return nearer;
+}
+
+/* What is known of a triangle and the nearest hits of lanes, whatever the rays are. */
+struct known_lanes {
+    uint32_t tied;    /* settled, being in the plane of the nearest hit */
+    uint32_t farther; /* if hit at all */
+    uint32_t nearer;  /* if hit at all */
+};
+
+/*
+ * Looks up planes and pairs of triangles. A pair that is seen from an apex for the first time is compared; rays of
+ * different origins would need another answer each.
+ */
+MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                             uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct known_lanes known = {0, 0, 0};
+    const uint32_t plane = mlrt_known_plane_of(worker, number);
+    while (lanes) {
+        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & lanes_of_triangle(packet, nearest);
+        lanes &= ~same;
+        if (nearest == MLRT_NONE) continue;
+        if (mlrt_known_plane_of(worker, nearest) == plane) {
+            known.tied |= mlrt_settle_tie(number, nearest, same, inside, packet);
+            continue;
+        }
+        if (!packet->has_apex) continue;
+        const int order = mlrt_known_order(tree, packet->apex, number, nearest, worker);
+        known.farther |= order > 0 ? same : 0;
+        known.nearer |= order < 0 ? same : 0;
+    }
+    return known;
+}
+
+/*
+ * Makes the triangle the nearest hit of the lanes `nearer`. The quotients are moved outward by more than the half unit
+ * in the last place that their rounding to floats may move them inward; 2^-149 is for those that become denormal.
+ */
+MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct close_bounds *of_triangle,
+                                 struct mlrt_packet *packet)
+{
+    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        const struct close_bounds *bounds = &of_triangle[lane / DW];
+        if (!(nearer >> lane & DOUBLE_LANES)) continue;
+        const vd least = d_mul(d_div(bounds->least_n, bounds->greatest_d), d_set1(1 - 0x1p-23));
+        const vd greatest = d_mul(d_div(bounds->greatest_n, bounds->least_d), d_set1(1 + 0x1p-23));
+        d_store(lo + lane, d_max(d_sub(least, d_set1(0x1p-149)), d_set1(0)));
+        d_store(hi + lane, d_add(greatest, d_set1(0x1p-149)));
+    }
+    for (; nearer; nearer &= nearer - 1) {
+        const uint32_t lane = mlrt_lowest_bit(nearer);
+        packet->triangle[lane] = number;
+        packet->lo[lane] = lo[lane] < FLT_MAX ? lo[lane] : FLT_MAX; /* t may be more than a float */
+        packet->hi[lane] = hi[lane];
+    }
+}
+
+/*
+ * Lanes without a hit, which surely hit the triangle if they do not end before it. Rays from a light end in walls, and
+ * where a wall is across an axis, it is easy to say whether they reach another one in its plane. Returns those that do;
+ * *passed receives those that do not.
+ */
+static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *triangle, const struct mlrt_packet *packet,
+                                                uint32_t lanes, uint32_t *passed)
+{
+    uint32_t reached = 0;
+    *passed = 0;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        struct mlrt_ray_segment ray;
+        int sign;
+        mlrt_get_segment(packet, lane, &ray);
+        if (!mlrt_reaches_flat(&ray, triangle, ray.t_max, &sign)) break;
+        reached |= (uint32_t)(sign <= 0) << lane;
+        *passed |= (uint32_t)(sign > 0) << lane;
+    }
+    return reached;
+}
+
+/* Decides `lanes` by doubles, some of which are known to be nearer. Returns those that are nearer; *left receives those
+ * that are not decided. */
+static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                                uint32_t inside, uint32_t known_nearer, struct mlrt_packet *packet,
+                                                uint32_t *left)
+{
+    struct close_triangle triangle;
+    struct close_bounds bounds[DOUBLE_VECTORS];
+    uint32_t passed = 0, hit = 0, nearer = 0, farther = 0;
+    set_close_triangle(&tree->triangles[number], packet, &triangle);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        const uint32_t among = lanes >> lane & DOUBLE_LANES;
+        if (!among) continue;
+        bound_quotient(&triangle, packet, lane, &bounds[lane / DW]);
+        const struct close_verdict verdict =
+            look_at_lanes(&triangle, packet, lane, among, inside >> lane, d_load(packet->lo + lane),
+                          d_load(packet->hi + lane), &bounds[lane / DW]);
+        passed |= verdict.passed << lane;
+        hit |= verdict.hit << lane;
+        nearer |= verdict.nearer << lane;
+    }
+    nearer |= hit & known_nearer;
+    *left = lanes & ~(passed | nearer);
+    if (*left) {
+        nearer |= hit & compare_with_all_nearest(tree, packet, *left, bounds, &farther);
+        *left &= ~(farther | nearer);
+    }
+    const uint32_t at_end = *left & hit & lanes_of_triangle(packet, MLRT_NONE);
+    if (at_end) {
+        nearer |= find_lanes_at_end(&tree->triangles[number], packet, at_end, &farther);
+        *left &= ~(farther | nearer);
+    }
+    if (nearer) keep_close_hits(number, nearer, bounds, packet);
+    return nearer;
+}
+
+/*
+ * As mlrt_decide_lanes (undecided.h), which it asks about what it cannot decide. First what is known without the rays,
+ * then the triangle by itself, then it and the nearest hits so far.
+ */
+static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
+                                           uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
+                                           mlrt_counters *counters)
+{
+    if (mlrt_is_stopped_in_step(worker)) return 0;
+    const struct known_lanes known = look_up_lanes(tree, number, lanes, inside, packet, worker);
+    const uint32_t among = lanes & ~(known.tied | known.farther);
+    uint32_t left = 0, nearer = 0;
+    if (among) nearer = decide_by_doubles(tree, number, among, inside, known.nearer, packet, &left);
+    if (counters) {
+        counters->tie_lane_count += mlrt_count_bits(known.tied);
+        counters->judged_lane_count += mlrt_count_bits(lanes & ~(known.tied | left));
+        if (lanes & ~(known.tied | left)) {
+            const uint64_t test_count = counters->undecided_test_count + 1;
+            if (left) nearer |= mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
+            counters->undecided_test_count = test_count; /* one, in two parts */
+            return nearer;
+        }
+    }
+    return MLRT_LIKELY(!left) ? nearer
+                              : nearer | mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
+}
+
+#endif

@@ -1,0 +1,403 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time: what mlrt_report_hit says of one
+ * ray, to the same bits, since each is the float nearest to one and the same quotient.
+ *
+ * With p = a - o, the determinants are those at the head of predicate.c:
+ *
+ *     normal = (c-a) x (a-b)     D = d . normal     e_ca = (c-a) . (p x d) = d . ((c-a) x p)
+ *                                N = p . normal     e_ab = (a-b) . (p x d) = d . ((a-b) x p)
+ *
+ * A component of a cross product has a product, a difference and the factors of what is multiplied: 1 for a side or p,
+ * none for d. The dot product adds those of its other vector, a product and at most two sums. So there are 7 factors,
+ * for N 8, as there, and the errors are at most 8.001 u of the sizes. Where a processor multiplies and adds at once
+ * there are fewer.
+ *
+ * WIDTHS. Let X and D be as computed, x and d the true ones, s(X) and s(D) their sizes, or more: all lanes of a packet
+ * share a bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain, the judge reports (mlrt_report_lane).
+ * Elsewhere |D - d| < 2^-37 |D|, so facing is the sign of D, and
+ *
+ *     x / d - X / D = ((x - X) + (x / d) (D - d)) / D.
+ *
+ * u and v are at most 1 where a ray hits, so this is at most 8.001 u (s(X) + s(D)) / |D|. t is at most 1 + 2^-36 times
+ * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D) is
+ * rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. That is less than w / |D| with the
+ * width
+ *
+ *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
+ *
+ * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as
+ * that. If both ends round to one float, that is the answer; else the judge has it. For a direction of common length
+ * the widths are 2^-38 of t, and 2^-48 of the ratios of the triangle's size and distance in u and v: one hit of
+ * thousands goes to the judge.
+ *
+ * What all rays that hit a triangle share, and those of one origin, hit_terms.h keeps: neighbours mostly hit the same.
+ * A packet that hits more than FEW_TRIANGLES works that out for each lane; with 3 in place of 2 nothing is gained, as
+ * more of them are new.
+ */
+#ifndef MLRT_HITS_HIT_NUMBERS_H
+#define MLRT_HITS_HIT_NUMBERS_H
+
+#include <math.h>
+#include <string.h>
+
+#include "job/hit_terms.h"
+#include "hits/outcome.h"
+#include "job/sink.h"
+#include "simd/doubles.h"
+#include "simd/simd.h"
+
+#define FEW_TRIANGLES 2
+
+/* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
+static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                           float corners[9][MLRT_PACKET_RAYS])
+{
+    const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
+    size_t offset[MLRT_PACKET_RAYS];
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t number = hit >> lane & 1 ? packet->triangle[lane] : standard;
+        offset[lane] = number * sizeof *tree->triangles;
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            vf corner[3];
+            v_triples_of((const unsigned char *)tree->triangles->v[i], offset + v, corner);
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) v_store(corners[3 * i + k] + v, corner[k]);
+        }
+    }
+}
+
+MLRT_INLINE void fused_cross_product(const vd a[3], const vd b[3], vd cross[3])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = d_mul_sub(a[i], b[j], d_mul(a[j], b[i]));
+    }
+}
+
+MLRT_INLINE vd fused_dot_product(const vd a[3], const vd b[3])
+{
+    return d_mul_add(a[2], b[2], d_mul_add(a[1], b[1], d_mul(a[0], b[0])));
+}
+
+/* What does not depend on rays: the sides of a triangle and its normal. */
+struct plane_terms {
+    vd corner[3];
+    vd side[2][3]; /* c-a and a-b */
+    vd side_size[2];
+    vd normal[3];
+    vd normal_size;
+};
+
+MLRT_INLINE void set_plane_terms(const vd corner[9], struct plane_terms *plane)
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        plane->corner[k] = corner[k];
+        plane->side[0][k] = d_sub(corner[6 + k], corner[k]);
+        plane->side[1][k] = d_sub(corner[k], corner[3 + k]);
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) plane->side_size[i] = size_of_doubles(plane->side[i]);
+    fused_cross_product(plane->side[0], plane->side[1], plane->normal);
+    plane->normal_size = d_mul(plane->side_size[0], plane->side_size[1]);
+}
+
+/* Where rays start: a corner from there, N, and the widths of quotients (see the head of this file), those of u and v
+ * before they are multiplied with the size of d. */
+struct start_terms {
+    vd p[3];
+    vd n;
+    vd n_width;
+    vd edge_width[2];
+};
+
+MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origin[3], uint32_t outputs,
+                                 struct start_terms *start)
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) start->p[k] = d_sub(plane->corner[k], origin[k]);
+    const vd size = size_of_doubles(start->p);
+    start->n = fused_dot_product(start->p, plane->normal);
+    start->n_width = d_add(d_mul(d_mul(d_set1(MLRT_NUMERATOR_ERROR), size), plane->normal_size),
+                           d_mul(d_set1(MLRT_DENOMINATOR_ERROR * MLRT_GREATEST_D_SIZE), d_abs(start->n)));
+    if (!(outputs & MLRT_OUTPUT_UV)) return;
+    const vd d_error = d_mul(d_set1(MLRT_DENOMINATOR_ERROR), plane->normal_size);
+    const vd numerator_error = d_mul(d_set1(MLRT_NUMERATOR_ERROR), size);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        start->edge_width[i] = d_add(d_mul(numerator_error, plane->side_size[i]), d_error);
+    }
+}
+
+MLRT_INLINE void get_terms(const double *kept, int count, vd *term)
+{
+    MLRT_UNROLL
+    for (int i = 0; i < count; ++i) term[i] = d_set1(kept[i]);
+}
+
+MLRT_INLINE void get_plane_terms(const struct mlrt_hit_terms *kept, struct plane_terms *plane)
+{
+    get_terms(kept->term + MLRT_HIT_CORNER, 3, plane->corner);
+    get_terms(kept->term + MLRT_HIT_SIDE, 3, plane->side[0]);
+    get_terms(kept->term + MLRT_HIT_SIDE + 3, 3, plane->side[1]);
+    get_terms(kept->term + MLRT_HIT_SIDE_SIZE, 2, plane->side_size);
+    get_terms(kept->term + MLRT_HIT_NORMAL, 3, plane->normal);
+    get_terms(kept->term + MLRT_HIT_NORMAL_SIZE, 1, &plane->normal_size);
+}
+
+/* The terms of a triangle that all lanes hit. They are there until the next call. */
+MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tree *tree,
+                                                           const struct mlrt_packet *packet, uint32_t number,
+                                                           struct mlrt_hit_term_cache *cache)
+{
+    const uint32_t place = number % MLRT_HIT_TERMS_COUNT;
+    struct mlrt_hit_terms *kept = &cache->entries[place];
+    if (cache->numbers[place] != number) {
+        mlrt_set_plane_terms(&tree->triangles[number], kept);
+        cache->numbers[place] = number;
+    }
+    if (packet->has_apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
+        mlrt_set_origin_terms(packet->apex, kept);
+    }
+    return kept;
+}
+
+/* The greatest size of a direction, or more. */
+MLRT_INLINE double greatest_direction_size(const struct mlrt_packet *packet, uint32_t hit)
+{
+    vf greatest = v_set1(0);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf x = v_abs(v_load(packet->direction[0] + v)), y = v_abs(v_load(packet->direction[1] + v)),
+                 z = v_abs(v_load(packet->direction[2] + v));
+        greatest = v_max(v_select(m_from_bits(hit >> v), v_add(v_add(x, y), z), v_set1(0)), greatest);
+    }
+    return (double)v_hmax(greatest) * (1 + 0x1p-22);
+}
+
+/* 1 / D, its magnitude, and that negated. */
+struct lane_denominator {
+    vd inverse;
+    vd size;
+    vd minus_size;
+};
+
+/* Returns the lanes where D is great enough for what follows. */
+MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator *denominator)
+{
+    denominator->inverse = d_div(d_set1(1), d);
+    denominator->size = d_abs(denominator->inverse);
+    denominator->minus_size = d_sub(d_set1(0), denominator->size);
+    return d_gt(d_set1(MLRT_GREATEST_D_SIZE), d_mul(d_size, denominator->size));
+}
+
+/* Ends that x / D lies between. */
+struct quotient_ends {
+    vd low;
+    vd high;
+};
+
+MLRT_INLINE struct quotient_ends enclose_quotients(vd x, vd width, const struct lane_denominator *denominator)
+{
+    const vd quotient = d_mul(x, denominator->inverse);
+    return (struct quotient_ends){d_mul_add(width, denominator->minus_size, quotient),
+                                  d_mul_add(width, denominator->size, quotient)};
+}
+
+/* Rounds x / D to floats. Returns the lanes where that is certain. */
+MLRT_INLINE uint32_t round_quotients(vd x, vd width, const struct lane_denominator *denominator, float *result)
+{
+    const struct quotient_ends ends = enclose_quotients(x, width, denominator);
+    d_store(result, ends.high);
+    return MLRT_GUESS ? ALL_LANES : d_same_float(ends.low, ends.high);
+}
+
+MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane, vd direction[3])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) direction[k] = d_load(packet->direction[k] + lane);
+}
+
+/* What misses have: the lanes outside of `hit`. */
+static MLRT_NOINLINE void report_misses(uint32_t hit, struct mlrt_packet_values *values)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm is_hit = m_from_bits(hit >> v);
+        v_store(values->t + v, v_select(is_hit, v_load(values->t + v), v_set1(INFINITY)));
+        v_store(values->uv[0] + v, v_select(is_hit, v_load(values->uv[0] + v), v_set1(0)));
+        v_store(values->uv[1] + v, v_select(is_hit, v_load(values->uv[1] + v), v_set1(0)));
+        i_store(values->facing + v, i_select(is_hit, i_load(values->facing + v), i_set1(0)));
+    }
+}
+
+static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        i_store(values->facing + v, i_select(m_from_bits(positive >> v), i_set1(1), i_set1(0xFFFFFFFFu)));
+    }
+}
+
+/*
+ * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are
+ * lanes that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after
+ * storing each, and wait.)
+ */
+static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *term, double direction_size,
+                                 uint32_t outputs, struct mlrt_packet_values *values)
+{
+    uint32_t reported = 0, positive = 0;
+    const vd normal[3] = {d_set1(term[MLRT_HIT_NORMAL]), d_set1(term[MLRT_HIT_NORMAL + 1]),
+                          d_set1(term[MLRT_HIT_NORMAL + 2])};
+    const vd d_size = d_set1(term[MLRT_HIT_NORMAL_SIZE] * direction_size);
+    const vd n = d_set1(term[MLRT_HIT_N]), n_width = d_set1(term[MLRT_HIT_N_WIDTH]);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        vd direction[3];
+        struct lane_denominator denominator;
+        load_directions(packet, lane, direction);
+        const vd d = fused_dot_product(direction, normal);
+        uint32_t certain = invert_denominator(d, d_size, &denominator);
+        if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(n, n_width, &denominator, values->t + lane);
+        if (outputs & MLRT_OUTPUT_UV) {
+            MLRT_UNROLL
+            for (int i = 0; i < 2; ++i) {
+                const double *terms = term + MLRT_HIT_EDGE + 3 * i;
+                const vd edge[3] = {d_set1(terms[0]), d_set1(terms[1]), d_set1(terms[2])};
+                const vd width = d_set1(term[MLRT_HIT_EDGE_WIDTH + i] * direction_size);
+                certain &=
+                    round_quotients(fused_dot_product(direction, edge), width, &denominator, values->uv[i] + lane);
+            }
+        }
+        reported |= certain << lane;
+        if (outputs & MLRT_OUTPUT_FACING) positive |= d_gt(d, d_set1(0)) << lane;
+    }
+    return reported | positive << 16;
+}
+
+/* Lanes of different origins, or of different triangles. */
+MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct plane_terms *plane, uint32_t lane,
+                                  double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
+{
+    vd direction[3], origin[3], moment[3];
+    struct lane_denominator denominator;
+    struct start_terms start;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+    }
+    load_directions(packet, lane, direction);
+    set_start_terms(plane, origin, outputs, &start);
+    const vd d = fused_dot_product(direction, plane->normal);
+    const vd d_size = d_mul(plane->normal_size, d_set1(direction_size));
+    uint32_t certain = invert_denominator(d, d_size, &denominator);
+    if (outputs & MLRT_OUTPUT_T) certain &= round_quotients(start.n, start.n_width, &denominator, values->t + lane);
+    if (outputs & MLRT_OUTPUT_UV) {
+        fused_cross_product(start.p, direction, moment);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            certain &=
+                round_quotients(fused_dot_product(plane->side[i], moment),
+                                d_mul(start.edge_width[i], d_set1(direction_size)), &denominator, values->uv[i] + lane);
+        }
+    }
+    return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
+}
+
+/* They hit one triangle, from different origins. */
+static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_hit_terms *terms,
+                                    double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
+{
+    uint32_t reported = 0;
+    struct plane_terms plane;
+    get_plane_terms(terms, &plane);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        reported |= report_lanes(packet, &plane, lane, direction_size, outputs, values);
+    }
+    return reported;
+}
+
+static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                                 double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
+{
+    uint32_t reported = 0;
+    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
+    gather_corners(tree, packet, hit, corners);
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        vd corner[9];
+        struct plane_terms plane;
+        MLRT_UNROLL
+        for (int k = 0; k < 9; ++k) corner[k] = d_load(corners[k] + lane);
+        set_plane_terms(corner, &plane);
+        reported |= report_lanes(packet, &plane, lane, direction_size, outputs, values);
+    }
+    return reported;
+}
+
+/* All lanes of a triangle, as its terms are kept. */
+static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                          uint32_t number, double direction_size, uint32_t outputs,
+                                          struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
+{
+    const struct mlrt_hit_terms *terms = find_shared_terms(tree, packet, number, cache);
+    return packet->has_apex ? report_from_apex(packet, terms->term, direction_size, outputs, values)
+                            : report_one_triangle(packet, terms, direction_size, outputs, values);
+}
+
+static void take_lanes(uint32_t lanes, const struct mlrt_packet_values *from, struct mlrt_packet_values *values)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm is_taken = m_from_bits(lanes >> v);
+        v_store(values->t + v, v_select(is_taken, v_load(from->t + v), v_load(values->t + v)));
+        v_store(values->uv[0] + v, v_select(is_taken, v_load(from->uv[0] + v), v_load(values->uv[0] + v)));
+        v_store(values->uv[1] + v, v_select(is_taken, v_load(from->uv[1] + v), v_load(values->uv[1] + v)));
+    }
+}
+
+/* Do lanes hit at most FEW_TRIANGLES triangles? */
+MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
+{
+    for (int i = 0; i < FEW_TRIANGLES && hit; ++i) {
+        hit &= ~lanes_of_triangle(packet, packet->triangle[mlrt_lowest_bit(hit)]);
+    }
+    return !hit;
+}
+
+/* Several triangles: few of them one after the other. */
+static MLRT_NOINLINE uint32_t report_several(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
+                                             uint32_t hit, double direction_size, uint32_t outputs,
+                                             struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
+{
+    if (!hits_few_triangles(packet, hit)) return report_triangles(tree, packet, hit, direction_size, outputs, values);
+    struct mlrt_packet_values some;
+    uint32_t reported = 0;
+    for (uint32_t left = hit; left;) {
+        const uint32_t number = packet->triangle[mlrt_lowest_bit(left)];
+        const uint32_t lanes = left & lanes_of_triangle(packet, number);
+        reported |= report_kept(tree, packet, number, direction_size, outputs, cache, &some) & (lanes | lanes << 16);
+        take_lanes(lanes, &some, values);
+        left &= ~lanes;
+    }
+    return reported;
+}
+
+/* The numbers of a packet's lanes, `hit` those with a hit. */
+static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                          uint32_t outputs, struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
+{
+    if (hit) {
+        const uint32_t number = packet->triangle[mlrt_lowest_bit(hit)];
+        const double direction_size = greatest_direction_size(packet, hit);
+        const uint32_t reported = hit & ~lanes_of_triangle(packet, number)
+                                      ? report_several(tree, packet, hit, direction_size, outputs, cache, values)
+                                      : report_kept(tree, packet, number, direction_size, outputs, cache, values);
+        if (outputs & MLRT_OUTPUT_FACING) report_facing(reported >> 16, values);
+        for (uint32_t left = hit & ~reported; left; left &= left - 1) {
+            mlrt_report_lane(tree, packet, mlrt_lowest_bit(left), outputs, values);
+        }
+    }
+    if (hit != 0xFFFF) report_misses(hit, values);
+}
+
+#endif

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What comes after the search: see results.h.
+ */
+#include "hits/results.h"
+
+#include "job/sink.h"
+#include "simd/sixteen.h"
+
+void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                            mlrt_counters *counters)
+{
+    if (!job->kernels->counts) counters = NULL;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        struct mlrt_ray_segment ray;
+        mlrt_get_segment(packet, lane, &ray);
+        if (!packet->has_masks) ray.mask = job->source.common_mask;
+        if (counters) ++counters->packet_count;
+        packet->triangle[lane] =
+            job->trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE, job->any, counters);
+    }
+}
+
+static void write_misses_to(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+{
+    if (job->has_frame) mlrt_write_misses(tile->x, tile->y, tile->width, tile->height, &job->frame);
+    if (job->callback) {
+        mlrt_write_misses(tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width, tile->height, &worker->tile);
+    }
+}
+
+/* Of a list, the last row may be short. */
+void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
+                               const struct mlrt_rectangle *tile)
+{
+    const uint64_t last = (uint64_t)(tile->y + tile->height - 1) * job->source.width + tile->x;
+    struct mlrt_rectangle part = *tile;
+    if (MLRT_UNLIKELY(last + tile->width > job->source.count)) {
+        const struct mlrt_rectangle row = {tile->x, tile->y + tile->height - 1,
+                                           last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
+        write_misses_to(job, worker, &row);
+        --part.height;
+    }
+    write_misses_to(job, worker, &part);
+}
+
+void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
+                               const struct mlrt_rectangle *tile)
+{
+    if (job->has_frame) mlrt_write_same_shadow(shadow, tile->x, tile->y, tile->width, tile->height, &job->frame);
+    if (job->callback) {
+        mlrt_write_same_shadow(shadow, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width, tile->height,
+                               &worker->tile);
+    }
+}
+
+static void write_shadows_to(const uint8_t *shadows, uint32_t lanes, uint32_t x, uint32_t y,
+                             const struct mlrt_sink *sink)
+{
+    if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_shadows(shadows, lanes, x, y, sink);
+}
+
+/* Writes which lights do not reach what the lanes of a packet hit. */
+void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
+                               const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
+                               const struct mlrt_rectangle *block)
+{
+    if (job->has_frame) write_shadows_to(shadows, lanes, block->x, block->y, &job->frame);
+    if (job->callback) {
+        write_shadows_to(shadows, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
+    }
+}
+
+static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                                const struct mlrt_rectangle *block)
+{
+    struct mlrt_packet packet;
+    const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
+    job->kernels->picture->fetch_block(&job->source, block, lanes, &packet);
+    mlrt_fill_words(packet.triangle, number);
+    job->kernels->picture->write_packet(job, worker, &packet, lanes, block);
+}
+
+/* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
+void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                      const struct mlrt_rectangle *tile)
+{
+    if (job->any) mlrt_write_picture_shadow(job, worker, 1, tile);
+    if (!job->frame.numbers && !worker->tile.numbers) {
+        if (job->has_frame) {
+            mlrt_write_same_ids(job->tree, number, tile->x, tile->y, tile->width, tile->height, &job->frame);
+        }
+        if (job->callback) {
+            mlrt_write_same_ids(job->tree, number, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width,
+                                tile->height, &worker->tile);
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
+            write_cover_numbers(job, worker, number, &block);
+        }
+    }
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What comes after the search: rays that have to be traced one by one, and results of packets and of whole rectangles
+ * on their way to frame and callback.
+ */
+#ifndef MLRT_HITS_RESULTS_H
+#define MLRT_HITS_RESULTS_H
+
+#include "job/job.h"
+#include "rays/rectangle.h"
+
+/* The rays of a block. `lanes` are those that exist. */
+static inline void mlrt_get_packet(const struct mlrt_job *job, const struct mlrt_rectangle *block, uint32_t lanes,
+                                   struct mlrt_packet *packet)
+{
+    job->kernels->picture->fetch_block(&job->source, block, lanes, packet);
+    job->kernels->picture->check_block(&job->source, lanes, packet);
+}
+
+/* Traces lanes of a packet one by one in double. */
+void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                            mlrt_counters *counters);
+
+/* Writes misses to a rectangle of a picture. */
+void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
+                               const struct mlrt_rectangle *tile);
+
+/* Writes hits of one triangle to a rectangle of a picture. Shadows are left as they are. */
+void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
+                      const struct mlrt_rectangle *tile);
+
+/* Writes one value of `occluded` to a rectangle of a picture. */
+void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
+                               const struct mlrt_rectangle *tile);
+
+/* Writes which lights do not reach what the lanes of a packet hit. */
+void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
+                               const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
+                               const struct mlrt_rectangle *block);
+
+#endif

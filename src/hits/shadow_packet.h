@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The rays from what a packet hit to a light, a vector of doubles at a time: what shadow_ray.h says of one ray, step by
+ * step, to the same bits. Where its conditions do not hold shadow_ray.c makes the ray.
+ */
+#ifndef MLRT_HITS_SHADOW_PACKET_H
+#define MLRT_HITS_SHADOW_PACKET_H
+
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "hits/hit_numbers.h"
+#include "hits/outcome.h"
+#include "hits/shadow_ray.h"
+#include "rays/fetch_block.h"
+#include "simd/doubles.h"
+#include "simd/simd.h"
+
+#if !MLRT_COUNTING
+/* Of the rays of a vector: of the triangle that they hit, and what lies between it, their origin and the light. */
+struct shadow_terms {
+    vd m[3];
+    vd n;          /* p . m */
+    vd from[3];    /* from the light to the origin */
+    vd plane_size; /* the greatest |p_k| / 32 */
+    vd height;     /* H */
+    uint32_t certain;
+};
+
+/* Corners and origins of the lanes that hit something; of the others, anything like them. */
+struct seen_points {
+    MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS];
+};
+
+MLRT_INLINE vd greatest_of_doubles(const vd a[3])
+{
+    return d_max(d_max(d_abs(a[0]), d_abs(a[1])), d_abs(a[2]));
+}
+
+/* Of a directional light the origin counts as it is, and so does the light. */
+static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, uint32_t lane,
+                                              const struct mlrt_source *light, struct shadow_terms *terms)
+{
+    const vd is_point = d_set1(light->kind == MLRT_SOURCE_POINT_LIGHT);
+    vd ab[3], ac[3], p[3], to_light[3];
+    for (int k = 0; k < 3; ++k) {
+        const vd corner = d_load(points->corners[k] + lane), origin = d_load(points->origin[k] + lane);
+        const vd l = d_set1(light->light[k]);
+        ab[k] = d_sub(d_load(points->corners[3 + k] + lane), corner);
+        ac[k] = d_sub(d_load(points->corners[6 + k] + lane), corner);
+        p[k] = d_sub(corner, origin);
+        terms->from[k] = d_sub(origin, d_mul(is_point, l));
+        to_light[k] = d_sub(d_mul(is_point, corner), l);
+    }
+    cross_product_of_doubles(ab, ac, terms->m);
+    const vd greatest = greatest_of_doubles(terms->m), size = d_mul(size_of_doubles(ab), size_of_doubles(ac));
+    const vd scale = d_div(d_set1(1), greatest);
+    for (int k = 0; k < 3; ++k) terms->m[k] = d_mul(terms->m[k], scale);
+    terms->n = dot_product_of_doubles(p, terms->m);
+    terms->plane_size = d_mul(d_set1(MLRT_SHADOW_PLANE), greatest_of_doubles(p));
+    terms->height = dot_product_of_doubles(to_light, terms->m);
+    terms->certain = d_gt(greatest, d_mul(d_set1(MLRT_SHADOW_NORMAL), size)) &
+                     d_gt(d_abs(terms->height), d_mul(d_set1(MLRT_SHADOW_SIDE), size_of_doubles(to_light)));
+}
+
+/* Makes the rays of DW lanes: where they end, or begin. Returns those that are certain; *facing: the light is there. */
+MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const struct mlrt_packet *seen, uint32_t lane,
+                                        uint32_t *facing, float (*ends)[MLRT_PACKET_RAYS])
+{
+    vd d[3], f[3], x[3];
+    for (int k = 0; k < 3; ++k) d[k] = d_load(seen->direction[k] + lane);
+    const vd steepness = dot_product_of_doubles(d, terms->m), t = d_div(terms->n, steepness);
+    for (int k = 0; k < 3; ++k) {
+        f[k] = d_mul(t, d[k]);
+        x[k] = d_add(terms->from[k], f[k]);
+    }
+    const vd size = d_max(d_max(greatest_of_doubles(x), greatest_of_doubles(f)), terms->plane_size);
+    const vd step = d_flip(d_mul(d_set1(-MLRT_SHADOW_STEP), size), steepness);
+    for (int k = 0; k < 3; ++k) d_store(ends[k] + lane, d_add(x[k], d_mul(step, terms->m[k])));
+    *facing = d_gt(d_flip(terms->height, steepness), d_set1(0));
+    return terms->certain & d_gt(d_abs(steepness), d_mul(d_set1(MLRT_SHADOW_GRAZING), size_of_doubles(d))) &
+           d_gt(size, d_set1(MLRT_SHADOW_LEAST)) & d_gt(d_set1(MLRT_SHADOW_GREATEST), size);
+}
+
+/* The triangles that lanes hit, and where their rays begin. Returns whether that is the same for all of them. */
+static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
+                           struct seen_points *points)
+{
+    const uint32_t number = seen->triangle[mlrt_lowest_bit(hit)];
+    const float *first = tree->triangles[number].v[0];
+    const int is_one = !(hit & ~lanes_of_triangle(seen, number));
+    if (!is_one) gather_corners(tree, seen, hit, points->corners);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        for (int k = 0; is_one && k < 9; ++k) v_store(points->corners[k] + v, v_set1(first[k]));
+        for (int k = 0; k < 3; ++k) {
+            v_store(points->origin[k] + v, seen->has_apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
+        }
+    }
+    return is_one && seen->has_apex;
+}
+
+/*
+ * Makes the rays to the light of a job from what the lanes `hit` of a packet hit. Returns the lanes that the light is
+ * on the other side of: they have no ray.
+ */
+static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, const struct mlrt_packet *seen,
+                                                 uint32_t hit, struct mlrt_packet *packet)
+{
+    const struct mlrt_source *light = &job->source;
+    const int is_point = light->kind == MLRT_SOURCE_POINT_LIGHT;
+    float(*ends)[MLRT_PACKET_RAYS] = is_point ? packet->direction : packet->origin;
+    float(*others)[MLRT_PACKET_RAYS] = is_point ? packet->origin : packet->direction;
+    struct seen_points points;
+    struct shadow_terms terms;
+    const int shared = get_seen_points(job->tree, seen, hit, &points);
+    uint32_t certain = 0, facing = 0;
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        uint32_t vector_facing;
+        if (lane == 0 || !shared) set_up_shadow_terms(&points, lane, light, &terms);
+        certain |= make_shadow_vector(&terms, seen, lane, &vector_facing, ends) << lane;
+        facing |= vector_facing << lane;
+    }
+    facing &= certain;
+    for (uint32_t left = hit & ~certain; left; left &= left - 1) {
+        facing |= mlrt_make_shadow_lane(job, seen, mlrt_lowest_bit(left), ends);
+    }
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        for (int k = 0; k < 3; ++k) v_store(others[k] + v, v_set1(light->light[k]));
+        v_store(packet->t_min + v, v_set1(0));
+        v_store(packet->t_max + v, v_set1(is_point ? 1 : INFINITY));
+        i_store(packet->skip + v, i_load(seen->triangle + v));
+    }
+    memcpy(packet->apex, light->light, sizeof packet->apex);
+    packet->has_apex = is_point;
+    packet->has_limits = packet->has_masks = packet->has_skip = 0;
+    check_block(light, hit & facing, packet);
+    packet->has_skip = 1;
+    return hit & ~facing;
+}
+#endif
+
+#endif

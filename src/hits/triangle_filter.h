@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A packet against a triangle: for nearly all rays, float arithmetic with a bound on its error says surely not, or
+ * surely yes and surely nearer. The rest are judged one by one (exact/nearest.h).
+ *
+ * WHAT IS COMPUTED. Relative to the origin o let a = fl(v_i - o), b = fl(v_j - o), and g = fl(v_j - v_i) from the
+ * corners themselves. Then
+ *
+ *     e' = d . ((a + b) x g / size)        has the sign of the edge function e_ij
+ *     D' = d . (n / size)                  n = (a - c) x (b - a)
+ *     N' = fl(a - o) . (n / size)          so t = N' / D'
+ *
+ * where size belongs to the cross product. With M_k the sum of the magnitudes of the two products in its component k,
+ * |a| + |b| in place of |a + b|, it is M_main + (M_j + M_l) / 2, where the main axis is that along which the rays go.
+ * |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, so of what is there already, but for 3 u of itself; for n
+ * something larger does no harm. (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this
+ * does not: its error shrinks with the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled,
+ * and scaled like this they have one bound for all triangles.
+ *
+ * EDGES, with u = 2^-24 and R no less than |d_main|, 2 |d_j|, 2 |d_l| of the rays at hand. Roundings of a component
+ * of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be
+ * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, 1 / size 1, the product with
+ * it 1; in the dot product the products have 1 and the sums 2. That makes 10, relative to the sum of |d_k| M_k / size,
+ * which is at most R for the size without rounding. As computed it is less by at most 8 roundings. So
+ * |e' - exact| <= 10.001 u R.
+ *
+ * Where a processor multiplies and adds at once, in cross and dot products, there is one rounding in place of the
+ * product's and the sum's: less than is counted here.
+ *
+ * Underflow: float sums have none. A product in the cross product may lose 2^-150; since size is made at least 2^-100,
+ * the three components lose no more than 2^-47 R in all. The product with 1 / size may lose 2^-150 and so may those
+ * with d: nothing beside u R, since R >= 2^-60 (packet.h). So EDGE_BOUND R = 11 u R is a bound. Overflow: magnitudes up
+ * to 2^60 make sizes of at most 2^125, whose reciprocals are no denormals. So all of this is finite: there is no NaN,
+ * which v_min would drop. Without a least size there would be: a cross product can underflow to 0 altogether.
+ *
+ * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10; with A made of a as R is of
+ * d it is off by 10.001 u A, and by 2^-148 where its products underflow, and |N'| < 1.001 A. In signs that make D'
+ * positive, let E = 12 u A + 2^-82 and W = 16 u R. Rounded themselves, N' -+ E are bounds on either side with 2^-83 to
+ * spare, and D' -+ W with 5.9 u R.
+ *
+ * So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W), for x >= 0: the rounding of the product takes 1.1
+ * u R of what W has to spare, and the 2^-150 it may lose are nothing beside 2^-83. x may be infinite, and so may the
+ * product: D' - W is positive where it counts, and no N' is infinite.
+ *
+ * Let D' > 2 W and s = W / D'. Then t lies between (N' - E) / D' (1 - s) and (N' + E) / D' (1 + 2 s): D' is off
+ * by 9.001 / 16 s of itself, and what s has to spare, 6.9 u at least, pays for the four roundings of each. They may
+ * lose 2^-149, less than 2^-83 / D'. The lower end is kept of hits only, and is finite: along some axis |d_k| >= 2^-60,
+ * and a hit is no farther than 2^61, so t <= 2^121. (The upper one may be infinite.)
+ */
+#ifndef MLRT_HITS_TRIANGLE_FILTER_H
+#define MLRT_HITS_TRIANGLE_FILTER_H
+
+#include "simd/simd.h"
+
+#if MLRT_GUESS
+#define EDGE_BOUND     0.0f
+#define PLANE_BOUND    0.0f
+#define DISTANCE_BOUND 0.0f
+#define DISTANCE_FLOOR 0.0f
+#else
+#define EDGE_BOUND     (11 * 0x1p-24f)
+#define PLANE_BOUND    (16 * 0x1p-24f)
+#define DISTANCE_BOUND (12 * 0x1p-24f)
+#define DISTANCE_FLOOR 0x1p-82f
+#endif
+#define SMALLEST_SIZE 0x1p-100f
+
+MLRT_INLINE void cross_product(const vf first[3], const vf second[3], vf cross[3])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = v_mul_sub(first[i], second[j], v_mul(first[j], second[i]));
+    }
+}
+
+MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
+{
+    return v_mul_add(a[2], b[2], v_mul_add(a[1], b[1], v_mul(a[0], b[0])));
+}
+
+/* The cross product of what stands for a vertex and an edge, scaled by its size. */
+MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_t main_axis, vf cross[3])
+{
+    cross_product(sum, edge, cross);
+    if (MLRT_GUESS) return;
+    const uint32_t a = main_axis, j = (a + 1) % 3, l = (a + 2) % 3;
+    vf reach[3], length[3];
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        length[k] = v_abs(edge[k]);
+        reach[k] = v_max(v_abs(sum[k]), length[k]);
+    }
+    const vf main = v_add(v_mul(reach[j], length[l]), v_mul(reach[l], length[j]));
+    const vf others = v_add(v_mul(reach[a], v_add(length[j], length[l])), v_mul(length[a], v_add(reach[j], reach[l])));
+    const vf size = v_add(main, v_mul(others, v_set1(0.5f)));
+    const vf scale = v_div(v_set1(1), v_max(size, v_set1(SMALLEST_SIZE)));
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) cross[k] = v_mul(cross[k], scale);
+}
+
+/* What the filter says of a vector of rays; the lanes in neither have nothing to do with the triangle. */
+struct verdict {
+    vm nearer; /* surely hit, surely before the nearest hit so far */
+    vm undecided;
+    vm inside; /* surely inside all edges; of the undecided lanes only */
+    vf lo;     /* where nearer: lo <= t <= hi */
+    vf hi;
+};
+
+/* What the decision needs: computed numbers, and bounds of their errors. */
+struct float_test {
+    vf least; /* of the edge functions */
+    vf greatest;
+    vf above; /* their bound, and its negative */
+    vf below;
+    vf determinant;
+    vf plane_bound;
+    vf distance;
+    vf distance_bound;
+};
+
+/* Lanes that are not surely outside. */
+MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
+{
+    return m_andnot(active, m_and(v_gt(test->greatest, test->above), v_lt(test->least, test->below)));
+}
+
+/* lo and hi of t = N / |D|: see the head of this file. `width` is W. */
+MLRT_INLINE void bound_distance(vf least_n, vf greatest_n, vf size, vf width, struct verdict *verdict)
+{
+    const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);
+    verdict->lo = v_mul(v_mul(least_n, inverse), v_sub(v_set1(1), slack));
+    verdict->hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
+}
+
+/* The verdict on lanes that are not surely outside; lo and hi are of the nearest hits so far. Those of the verdict are
+ * found unless any hit will do. */
+MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi,
+                                             int any)
+{
+    struct verdict verdict;
+    const vf size = v_abs(test->determinant), distance = v_flip(test->distance, test->determinant);
+    const vf least_d = v_sub(size, test->plane_bound), greatest_d = v_add(size, test->plane_bound);
+    const vf least_n = v_sub(distance, test->distance_bound), greatest_n = v_add(distance, test->distance_bound);
+    const vm certain = m_and(candidates, v_gt(least_d, test->plane_bound));
+    const vm farther = m_or(v_gt(least_n, v_mul(hi, greatest_d)), v_lt(greatest_n, v_mul(t_min, least_d)));
+    const vm nearer = m_and(v_lt(greatest_n, v_mul(lo, least_d)), v_gt(least_n, v_mul(t_min, greatest_d)));
+    verdict.inside = m_and(certain, m_or(v_gt(test->least, test->above), v_lt(test->greatest, test->below)));
+    verdict.nearer = m_and(verdict.inside, nearer);
+    verdict.undecided = m_andnot(m_andnot(candidates, m_and(certain, farther)), verdict.nearer);
+    verdict.lo = verdict.hi = v_set1(0);
+    if (any || !m_bits(verdict.nearer)) return verdict;
+    bound_distance(least_n, greatest_n, size, test->plane_bound, &verdict);
+    return verdict;
+}
+
+#endif

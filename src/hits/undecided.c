@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "hits/undecided.h"
+
+#include <string.h>
+
+#include "exact/nearest.h"
+#include "job/sink.h"
+#include "job/stop.h"
+#include "simd/sixteen.h"
+
+/*
+ * PLANES. Triangles that were found to lie in one plane form a tree: each refers to another one of its plane, but for
+ * the last, which stands for all of them. A triangle whose entry was overwritten stands for itself again, and so the
+ * answer is asked for again: what is known is true, and need not be all. A reference is only made from and to triangles
+ * that stand for themselves, or in place of one that led to the same end, so there is no circle.
+ */
+
+void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker)
+{
+    worker->plane_mask = (1u << plane_bits) - 1;
+    worker->pair_mask = (1u << pair_bits) - 1;
+    memset(worker->planes, 0xFF, sizeof *worker->planes << plane_bits);
+    memset(worker->pairs, 0, sizeof *worker->pairs << pair_bits);
+}
+
+int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker)
+{
+    const uint32_t plane_1 = mlrt_known_plane_of(worker, first), plane_2 = mlrt_known_plane_of(worker, second);
+    struct mlrt_triangle_pair *pair = mlrt_pair_of(worker, first, second);
+    if (plane_1 == plane_2) return 1;
+    if (mlrt_is_pair(pair, first, second) && pair->differ) return 0;
+    if (mlrt_is_stopped_in_step(worker)) return 0;
+    if (!mlrt_share_plane(&tree->triangles[first], &tree->triangles[second])) {
+        if (!mlrt_is_pair(pair, first, second)) *pair = (struct mlrt_triangle_pair){first, second, 1, 0, {NAN, 0, 0}};
+        pair->differ = 1;
+        return 0;
+    }
+    worker->planes[plane_1 & worker->plane_mask] = (struct mlrt_known_plane){plane_1, plane_2};
+    worker->planes[first & worker->plane_mask] = (struct mlrt_known_plane){first, plane_2};
+    return 1;
+}
+
+MLRT_NOINLINE void mlrt_find_order(const struct mlrt_tree *tree, const float apex[3], uint32_t first, uint32_t second,
+                                   struct mlrt_triangle_pair *pair)
+{
+    const int differ = mlrt_is_pair(pair, first, second) && pair->differ;
+    const int order = mlrt_order_of_triangles(apex, &tree->triangles[first], &tree->triangles[second]);
+    *pair = (struct mlrt_triangle_pair){first, second, differ || order != 0, order, {apex[0], apex[1], apex[2]}};
+}
+
+/* Settles what is a tie. Returns the lanes of `lanes` that are settled. */
+static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                            struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    uint32_t settled = 0;
+    while (lanes) {
+        const uint32_t nearest = packet->triangle[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & mlrt_same_words(packet->triangle, nearest);
+        lanes &= ~same;
+        if (nearest == MLRT_NONE || (number < nearest && !(same & inside))) continue;
+        if (!mlrt_have_one_plane(tree, number, nearest, worker)) continue;
+        settled |= mlrt_settle_tie(number, nearest, same, inside, packet);
+    }
+    return settled;
+}
+
+/* Hands single lanes to the judge. Returns those that are hit nearer than before. */
+static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, struct mlrt_packet *packet,
+                            struct mlrt_worker *worker, mlrt_counters *counters)
+{
+    uint32_t hit = 0;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        struct mlrt_ray_segment ray;
+        if (mlrt_is_stopped_in_step(worker)) break;
+        mlrt_get_segment(packet, lane, &ray);
+        struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
+        if (!mlrt_offer_triangle(tree->triangles, &ray, number, &nearest, counters)) continue;
+        packet->triangle[lane] = nearest.triangle;
+        packet->lo[lane] = nearest.lo;
+        packet->hi[lane] = nearest.hi;
+        hit |= 1u << lane;
+    }
+    return hit;
+}
+
+uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                           struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters)
+{
+    const uint32_t tied = settle_ties(tree, number, lanes, inside, packet, worker), undecided = lanes & ~tied;
+    if (counters) {
+        counters->tie_lane_count += mlrt_count_bits(tied);
+        counters->undecided_test_count += undecided != 0;
+        counters->judged_lane_count += mlrt_count_bits(undecided);
+    }
+    return judge_lanes(tree, number, undecided, packet, worker, counters);
+}
+
+int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
+                          uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
+                          mlrt_counters *counters)
+{
+    const struct mlrt_triangle *triangles = job->tree->triangles;
+    struct mlrt_ray_segment ray;
+    uint32_t hit = 0;
+    mlrt_get_segment(packet, lane, &ray);
+    for (; undecided; undecided &= undecided - 1) {
+        const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i], nearest = packet->triangle[lane];
+        const uint32_t known_inside = (inside >> i & 1) << lane;
+        const struct mlrt_triangle *other = nearest == MLRT_NONE ? NULL : &triangles[nearest];
+        if (mlrt_is_stopped_in_step(worker)) break;
+        if (other && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
+            mlrt_settle_tie(number, nearest, 1u << lane, known_inside, packet)) {
+            if (counters) ++counters->tie_lane_count;
+            continue;
+        }
+        const int nearer = mlrt_offer_in_double(&ray, &triangles[number], known_inside != 0, other, &packet->lo[lane],
+                                                &packet->hi[lane]);
+        if (nearer >= 0) {
+            if (counters) {
+                ++counters->undecided_test_count;
+                ++counters->judged_lane_count;
+            }
+            if (!nearer) continue;
+            packet->triangle[lane] = number;
+            hit = 1;
+            if (job->any) break;
+            continue;
+        }
+        hit |= mlrt_decide_lanes(job->tree, number, 1u << lane, known_inside, packet, worker, counters);
+        if (hit && job->any) break;
+    }
+    return hit != 0;
+}

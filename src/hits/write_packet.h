@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The results of a packet on their way out: its triangles are turned into ids and numbers a vector at a time. Where
+ * they go is sink.h's.
+ */
+#ifndef MLRT_HITS_WRITE_PACKET_H
+#define MLRT_HITS_WRITE_PACKET_H
+
+#include "hits/hit_numbers.h"
+#include "hits/outcome.h"
+#include "job/sink.h"
+#include "job/job.h"
+#include "rays/rectangle.h"
+#include "simd/simd.h"
+
+/* The ids of the lanes whose triangles are of a mesh. `is_first`: other lanes get those of misses; else they stay.
+ * Returns the lanes. */
+MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
+                                      int is_first, struct mlrt_packet_values *values)
+{
+    const vi first = i_set1(tree->mesh_first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->mesh_ids[mesh]);
+    const vi count = i_set1(tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]);
+    uint32_t found = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vi place = i_sub(i_load(packet->triangle + v), first);
+        const vm hit = i_lt(place, count);
+        i_store(values->mesh + v, i_select(hit, id, is_first ? none : i_load(values->mesh + v)));
+        i_store(values->triangle + v, i_select(hit, place, is_first ? none : i_load(values->triangle + v)));
+        found |= m_bits(hit) << v;
+    }
+    return found;
+}
+
+/* The ids of what the lanes `hit` hit, mesh by mesh. Neighbours mostly hit the mesh that was hit last. */
+MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                                 uint32_t *last_mesh, struct mlrt_packet_values *values)
+{
+    uint32_t left = hit & ~find_ids_in_mesh(tree, *last_mesh, packet, 1, values);
+    while (MLRT_UNLIKELY(left)) {
+        *last_mesh = mlrt_mesh_of_triangle(tree, packet->triangle[mlrt_lowest_bit(left)]);
+        left &= ~find_ids_in_mesh(tree, *last_mesh, packet, 0, values);
+    }
+}
+
+/* Writes the results of a packet's lanes, whose block starts at (x, y) of the sink. */
+static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        const struct mlrt_packet *packet, uint32_t lanes, uint32_t x, uint32_t y,
+                                        const struct mlrt_sink *sink)
+{
+    const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
+    if (job->any) {
+        if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
+        return;
+    }
+    struct mlrt_packet_values values;
+    if (sink->channel[MLRT_CHANNEL_MESH].data || sink->channel[MLRT_CHANNEL_TRIANGLE].data) {
+        find_packet_ids(job->tree, packet, hit, &worker->mesh, &values);
+    }
+    if (sink->numbers) report_packet(job->tree, packet, hit, sink->numbers, &worker->hit_terms, &values);
+    mlrt_write_values(&values, lanes, x, y, sink);
+}
+
+static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
+                         uint32_t lanes, const struct mlrt_rectangle *block)
+{
+    if (job->has_frame) write_to_sink(job, worker, packet, lanes, block->x, block->y, &job->frame);
+    if (job->callback) {
+        write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
+    }
+}
+
+#endif

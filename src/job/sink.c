@@ -1,0 +1,480 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Results on their way out: where they go. What nobody reads is not computed: the numbers of a hit (rule R5) are worked
+ * out by the kernels (hit_numbers.h), and only for channels that a sink has.
+ */
+#include "job/sink.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/structs.h"
+#include "simd/quad.h"
+#include "scene/masks.h"
+
+size_t mlrt_channel_size(enum mlrt_channel channel)
+{
+    return channel == MLRT_CHANNEL_OCCLUDED ? 1 : 4;
+}
+
+/* The channel out of a set that has these strides and this address; MLRT_CHANNEL_COUNT if there is none. */
+static int find_channel(const struct mlrt_sink *sink, uint32_t channels, const struct mlrt_sink_group *group,
+                        const unsigned char *data)
+{
+    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
+        if (channels >> c & 1 && sink->channel[c].data == data && sink->channel[c].stride == group->stride &&
+            sink->channel[c].row_stride == group->row_stride) {
+            return c;
+        }
+    }
+    return MLRT_CHANNEL_COUNT;
+}
+
+/* The channel out of a set that has the lowest address. */
+static int find_lowest_channel(const struct mlrt_sink *sink, uint32_t channels)
+{
+    int lowest = (int)mlrt_lowest_bit(channels);
+    for (int c = lowest + 1; c < MLRT_CHANNEL_OCCLUDED; ++c) {
+        if (channels >> c & 1 && (uintptr_t)sink->channel[c].data < (uintptr_t)sink->channel[lowest].data) lowest = c;
+    }
+    return lowest;
+}
+
+/* A group of channels out of a set. Returns them. Structs do not overlap. */
+static uint32_t make_group(const struct mlrt_sink *sink, uint32_t channels, struct mlrt_sink_group *group)
+{
+    uint32_t taken = 0;
+    int c = find_lowest_channel(sink, channels);
+    group->data = sink->channel[c].data;
+    group->stride = sink->channel[c].stride;
+    group->row_stride = sink->channel[c].row_stride;
+    group->count = 0;
+    memset(group->channel, 0, sizeof group->channel);
+    while (c != MLRT_CHANNEL_COUNT && group->count < 4 && 4u * (group->count + 1u) <= group->stride) {
+        group->channel[group->count++] = (uint8_t)c;
+        c = find_channel(sink, channels, group, group->data + 4 * (size_t)group->count);
+    }
+    if (group->count == 3) group->count = 2;
+    for (uint32_t i = 0; i < group->count; ++i) taken |= 1u << group->channel[i];
+    return taken;
+}
+
+static int is_same_struct(const struct mlrt_sink_group *first, const struct mlrt_sink_group *second)
+{
+    return (uintptr_t)second->data - (uintptr_t)first->data < first->stride && first->stride == second->stride &&
+           first->row_stride == second->row_stride;
+}
+
+void mlrt_group_channels(struct mlrt_sink *sink)
+{
+    const uint32_t uv = 1u << MLRT_CHANNEL_U | 1u << MLRT_CHANNEL_V;
+    uint32_t channels = 0;
+    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) channels |= (uint32_t)(sink->channel[c].data != NULL) << c;
+    sink->numbers = (channels >> MLRT_CHANNEL_T & 1 ? (uint32_t)MLRT_OUTPUT_T : 0) |
+                    (channels & uv ? (uint32_t)MLRT_OUTPUT_UV : 0) |
+                    (channels >> MLRT_CHANNEL_FACING & 1 ? (uint32_t)MLRT_OUTPUT_FACING : 0);
+    sink->group_count = 0;
+    while (channels) {
+        struct mlrt_sink_group *group = &sink->groups[sink->group_count];
+        channels &= ~make_group(sink, channels, group);
+        group->is_same_struct = sink->group_count > 0 && is_same_struct(group - 1, group);
+        ++sink->group_count;
+    }
+}
+
+int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
+                       struct mlrt_sink *sink)
+{
+    const mlrt_array arrays[MLRT_CHANNEL_COUNT] = {hits->t,        hits->u,      hits->v,       hits->mesh,
+                                                   hits->triangle, hits->facing, hits->occluded};
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        const mlrt_array *array = &arrays[c];
+        const size_t size = mlrt_channel_size((enum mlrt_channel)c);
+        const size_t stride = array->stride ? array->stride : size;
+        const size_t row = packed_rows || !array->row_stride ? stride * width : array->row_stride;
+        sink->channel[c].data = array->data;
+        sink->channel[c].stride = stride;
+        sink->channel[c].row_stride = row;
+        if (!array->data) continue;
+        if (!(channels >> c & 1)) return MLRT_ERROR_ARGUMENT;
+        if (stride > MLRT_STRIDE_LIMIT || (!packed_rows && array->row_stride > MLRT_STRIDE_LIMIT)) {
+            return MLRT_ERROR_ARGUMENT;
+        }
+        if (stride < size || stride % size != 0 || row % size != 0 || (uintptr_t)array->data % size != 0) {
+            return MLRT_ERROR_ARGUMENT;
+        }
+    }
+    mlrt_group_channels(sink);
+    return MLRT_OK;
+}
+
+int mlrt_sink_is_empty(const struct mlrt_sink *sink)
+{
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        if (sink->channel[c].data) return 0;
+    }
+    return 1;
+}
+
+uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
+{
+    uint32_t below = 0, above = tree->mesh_count;
+    while (above - below > 1) {
+        uint32_t middle = below + (above - below) / 2;
+        if (tree->mesh_first[middle] <= number) {
+            below = middle;
+        } else {
+            above = middle;
+        }
+    }
+    return below;
+}
+
+void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle)
+{
+    *mesh = *triangle = MLRT_NONE;
+    if (number == MLRT_NONE) return;
+    const uint32_t position = mlrt_mesh_of_triangle(tree, number);
+    *mesh = tree->mesh_ids[position];
+    *triangle = number - tree->mesh_first[position];
+}
+
+void mlrt_tell_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
+{
+    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
+    if (number != MLRT_NONE) {
+        struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
+        memcpy(segment.origin, ray->origin, sizeof segment.origin);
+        memcpy(segment.direction, ray->direction, sizeof segment.direction);
+        mlrt_report_hit(&segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING,
+                        &report);
+    }
+    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
+    hit->t = report.t;
+    hit->u = report.u;
+    hit->v = report.v;
+    hit->facing = report.facing;
+}
+
+void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray)
+{
+    for (int k = 0; k < 3; ++k) {
+        ray->origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        ray->direction[k] = packet->direction[k][lane];
+    }
+    ray->t_min = packet->t_min[lane];
+    ray->t_max = packet->t_max[lane];
+    ray->mask = packet->has_masks ? packet->mask[lane] : MLRT_MASK_ALL;
+}
+
+void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
+                      struct mlrt_packet_values *values)
+{
+    struct mlrt_ray_segment ray;
+    struct mlrt_hit_report report = {0, 0, 0, 0};
+    mlrt_get_segment(packet, lane, &ray);
+    mlrt_report_hit(&ray, &tree->triangles[packet->triangle[lane]], outputs, &report);
+    values->t[lane] = report.t;
+    values->uv[0][lane] = report.u;
+    values->uv[1][lane] = report.v;
+    values->facing[lane] = (uint32_t)report.facing;
+}
+
+static unsigned char *find_corner(const struct mlrt_sink_group *group, uint32_t x, uint32_t y)
+{
+    return group->data + (size_t)y * group->row_stride + (size_t)x * group->stride;
+}
+
+static unsigned char *find_occluded(const struct mlrt_sink *sink, uint32_t x, uint32_t y)
+{
+    return sink->channel[MLRT_CHANNEL_OCCLUDED].data + (size_t)y * sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride +
+           (size_t)x * sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+}
+
+/* ---- packets ---- */
+
+static size_t lane_offset(uint32_t lane, size_t stride, size_t row_stride)
+{
+    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
+    return row * row_stride + column * stride;
+}
+
+/* The values of a channel of a group. */
+MLRT_INLINE const unsigned char *values_of(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
+                                           uint32_t i)
+{
+    return (const unsigned char *)values + sizeof values->t * group->channel[i];
+}
+
+/* A whole packet to elements that lie side by side. Lanes 0 .. 3 and 4 .. 7 are two squares beside each other. */
+MLRT_INLINE void write_block(const unsigned char *values, unsigned char *at, size_t row_stride)
+{
+    for (int half = 0; half < 2; ++half, at += 2 * row_stride, values += 32) {
+        const f4 left = f4_load_any(values), right = f4_load_any(values + 16);
+        f4_store_any(at, f4_low(left, right));
+        f4_store_any(at + row_stride, f4_high(left, right));
+    }
+}
+
+/* Where a square of four lanes goes to, of a whole packet in structs. */
+struct square {
+    unsigned char *at[4];
+};
+
+MLRT_INLINE struct square find_square(unsigned char *corner, size_t square, size_t stride, size_t row_stride)
+{
+    unsigned char *above = corner + (square & 1) * 2 * stride + (square >> 1) * 2 * row_stride;
+    return (struct square){{above, above + stride, above + row_stride, above + row_stride + stride}};
+}
+
+/* One element each, */
+MLRT_INLINE void write_singles(const unsigned char *values, const struct square *to)
+{
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) memcpy(to->at[i], values + 4 * i, 4);
+}
+
+/* two, */
+MLRT_INLINE void write_pairs(const unsigned char *first, const unsigned char *second, const struct square *to)
+{
+    const f4 a = f4_load_any(first), b = f4_load_any(second);
+    const f4 evens = f4_evens(a, b), odds = f4_odds(a, b);
+    const f4 above = f4_evens(evens, odds), below = f4_odds(evens, odds);
+    f4_store_low(to->at[0], above);
+    f4_store_high(to->at[1], above);
+    f4_store_low(to->at[2], below);
+    f4_store_high(to->at[3], below);
+}
+
+/* or four. */
+MLRT_INLINE void write_fours(const unsigned char *const *values, size_t offset, const struct square *to)
+{
+    f4 a[4];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) a[i] = f4_load_any(values[i] + offset);
+    const f4 evens = f4_evens(a[0], a[1]), odds = f4_odds(a[0], a[1]);
+    const f4 more_evens = f4_evens(a[2], a[3]), more_odds = f4_odds(a[2], a[3]);
+    f4_store_any(to->at[0], f4_evens(evens, more_evens));
+    f4_store_any(to->at[1], f4_evens(odds, more_odds));
+    f4_store_any(to->at[2], f4_odds(evens, more_evens));
+    f4_store_any(to->at[3], f4_odds(odds, more_odds));
+}
+
+/* A whole packet to structs. */
+static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
+                                        unsigned char *corner)
+{
+    const size_t stride = group->stride, row_stride = group->row_stride;
+    const uint32_t count = group->count;
+    const unsigned char *arrays[4];
+    MLRT_UNROLL
+    for (uint32_t i = 0; i < 4; ++i) arrays[i] = values_of(values, group, i);
+    MLRT_UNROLL
+    for (size_t i = 0; i < 4; ++i) {
+        const struct square square = find_square(corner, i, stride, row_stride);
+        if (count == 4) {
+            write_fours(arrays, 16 * i, &square);
+        } else if (count == 2) {
+            write_pairs(arrays[0] + 16 * i, arrays[1] + 16 * i, &square);
+        } else {
+            write_singles(arrays[0] + 16 * i, &square);
+        }
+    }
+}
+
+/* Some lanes of a packet, to elements of any kind. */
+static MLRT_NOINLINE void write_lanes(const struct mlrt_packet_values *values, uint32_t lanes,
+                                      const struct mlrt_sink_group *group, unsigned char *corner)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        unsigned char *at = corner + lane_offset(lane, group->stride, group->row_stride);
+        for (uint32_t i = 0; i < group->count; ++i) memcpy(at + 4 * i, values_of(values, group, i) + 4 * lane, 4);
+    }
+}
+
+void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
+                       const struct mlrt_sink *sink)
+{
+    const struct mlrt_sink_group *const end = sink->groups + sink->group_count;
+    for (const struct mlrt_sink_group *group = sink->groups; group < end; ++group) {
+        unsigned char *corner = find_corner(group, x, y);
+        if (MLRT_UNLIKELY(lanes != 0xFFFF)) {
+            write_lanes(values, lanes, group, corner);
+        } else if (group->stride == 4) {
+            write_block(values_of(values, group, 0), corner, group->row_stride);
+        } else {
+            write_structs(values, group, corner);
+        }
+    }
+}
+
+/* Four bits as bytes. */
+static const uint8_t bytes_of_bits[16][4] = {
+    {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0},
+    {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
+
+/* Bytes of lanes to elements that do not lie side by side. */
+static MLRT_NOINLINE void write_bytes(const uint8_t bytes[MLRT_PACKET_RAYS], uint32_t lanes, unsigned char *corner,
+                                      size_t stride, size_t row_stride)
+{
+    for (uint32_t i = 0; i < 4 && lanes == 0xFFFF; ++i) {
+        const struct square square = find_square(corner, i, stride, row_stride);
+        MLRT_UNROLL
+        for (uint32_t k = 0; k < 4; ++k) *square.at[k] = bytes[4 * i + k];
+    }
+    for (lanes = lanes == 0xFFFF ? 0 : lanes; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        corner[lane_offset(lane, stride, row_stride)] = bytes[lane];
+    }
+}
+
+void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+{
+    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
+    unsigned char *corner = find_occluded(sink, x, y);
+    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
+        uint32_t rows = (occluded & 0xC3C3) | (occluded & 0x0C0C) << 2 | (occluded & 0x3030) >> 2;
+        MLRT_UNROLL
+        for (int row = 0; row < 4; ++row, rows >>= 4, corner += row_stride) memcpy(corner, bytes_of_bits[rows & 15], 4);
+    } else {
+        uint8_t bytes[MLRT_PACKET_RAYS];
+        for (int i = 0; i < 4; ++i) memcpy(bytes + 4 * i, bytes_of_bits[occluded >> 4 * i & 15], 4);
+        write_bytes(bytes, lanes, corner, stride, row_stride);
+    }
+}
+
+void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t bit)
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4, dark >>= 4) {
+        uint32_t four, added;
+        memcpy(&four, shadows + lane, sizeof four);
+        memcpy(&added, bytes_of_bits[dark & 15], sizeof added);
+        four |= added * bit;
+        memcpy(shadows + lane, &four, sizeof four);
+    }
+}
+
+void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
+                        const struct mlrt_sink *sink)
+{
+    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
+    unsigned char *corner = find_occluded(sink, x, y);
+    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
+        for (uint32_t row = 0; row < 4; ++row, corner += row_stride) {
+            const uint8_t *left = shadows + 2 * (row & 1) + 8 * (row >> 1);
+            memcpy(corner, left, 2);
+            memcpy(corner + 2, left + 4, 2);
+        }
+    } else {
+        write_bytes(shadows, lanes, corner, stride, row_stride);
+    }
+}
+
+/* ---- rectangles ---- */
+
+static void prefetch_rows(const unsigned char *row, size_t size, uint32_t height, size_t row_stride)
+{
+    for (; height; --height, row += row_stride) {
+        for (size_t i = 0; i < size; i += 64) mlrt_prefetch_for_writing(row + i);
+        mlrt_prefetch_for_writing(row + size - 1);
+    }
+}
+
+void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)
+{
+    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group) {
+        if (group->is_same_struct) continue;
+        prefetch_rows(find_corner(group, x, y), width * group->stride, height, group->row_stride);
+    }
+    if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) {
+        prefetch_rows(find_occluded(sink, x, y), width * sink->channel[MLRT_CHANNEL_OCCLUDED].stride, height,
+                      sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride);
+    }
+}
+
+/* One word to rows of so many times four elements that lie side by side. */
+MLRT_INLINE void fill_quads(uint32_t value, uint32_t quads, uint32_t height, size_t row_stride, unsigned char *row)
+{
+    const uint32_t words[4] = {value, value, value, value};
+    const f4 quad = f4_load_any(words);
+    for (; height; --height, row += row_stride) {
+        for (uint32_t i = 0; i < quads; ++i) f4_store_any(row + 16 * (size_t)i, quad);
+    }
+}
+
+/* The same to all structs of a rectangle. */
+static void fill_structs(f4 words, uint32_t width, uint32_t height, const struct mlrt_sink_group *group,
+                         unsigned char *row)
+{
+    uint32_t first;
+    memcpy(&first, &words, sizeof first);
+    for (; height; --height, row += group->row_stride) {
+        unsigned char *at = row;
+        for (uint32_t i = 0; i < width; ++i, at += group->stride) {
+            if (group->count == 4) {
+                f4_store_any(at, words);
+            } else if (group->count == 2) {
+                f4_store_low(at, words);
+            } else {
+                memcpy(at, &first, sizeof first);
+            }
+        }
+    }
+}
+
+/* The same values, of those channels that there are, to a rectangle. */
+static void fill_channels(const uint32_t values[MLRT_CHANNEL_OCCLUDED], uint32_t x, uint32_t y, uint32_t width,
+                          uint32_t height, const struct mlrt_sink *sink)
+{
+    for (uint32_t g = 0; g < sink->group_count; ++g) {
+        const struct mlrt_sink_group *group = &sink->groups[g];
+        unsigned char *row = find_corner(group, x, y);
+        if (MLRT_LIKELY(group->stride == 4 && width == 16)) { /* tiles */
+            fill_quads(values[group->channel[0]], 4, height, group->row_stride, row);
+        } else if (MLRT_LIKELY(group->stride == 4 && width == 4)) { /* packets */
+            fill_quads(values[group->channel[0]], 1, height, group->row_stride, row);
+        } else {
+            uint32_t words[4];
+            for (int i = 0; i < 4; ++i) words[i] = values[group->channel[i]];
+            fill_structs(f4_load_any(words), width, height, group, row);
+        }
+    }
+}
+
+void mlrt_write_same_shadow(uint8_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                            const struct mlrt_sink *sink)
+{
+    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
+    if (!sink->channel[MLRT_CHANNEL_OCCLUDED].data) return;
+    unsigned char *row = find_occluded(sink, x, y);
+    for (; height; --height, row += row_stride) {
+        if (stride != 1) {
+            for (uint32_t i = 0; i < width; ++i) row[i * stride] = value;
+        } else if (width == 16) { /* a store, where the other is a call */
+            memset(row, value, 16);
+        } else {
+            memset(row, value, width);
+        }
+    }
+}
+
+void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
+                         uint32_t height, const struct mlrt_sink *sink)
+{
+    uint32_t values[MLRT_CHANNEL_OCCLUDED] = {0};
+    mlrt_find_ids(tree, number, &values[MLRT_CHANNEL_MESH], &values[MLRT_CHANNEL_TRIANGLE]);
+    fill_channels(values, x, y, width, height, sink);
+}
+
+void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)
+{
+    const float infinity = INFINITY;
+    uint32_t values[MLRT_CHANNEL_OCCLUDED] = {0, 0, 0, MLRT_NONE, MLRT_NONE, 0};
+    memcpy(&values[MLRT_CHANNEL_T], &infinity, sizeof infinity);
+    fill_channels(values, x, y, width, height, sink);
+    mlrt_write_same_shadow(0, x, y, width, height, sink);
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Looking up from an item. The host's function runs in the caller's floating-point environment, as it does between
+ * items.
+ */
+#include "job/stop.h"
+
+#include "base/progress.h"
+
+int mlrt_is_stopped(struct mlrt_worker *worker, double pixels)
+{
+    if (!worker->progress || worker->stopped) return worker->stopped;
+    worker->pixels_told += pixels;
+    mlrt_leave_fp_environment(worker->environment);
+    const int stopped = mlrt_advance(worker->progress, pixels);
+    worker->environment = mlrt_enter_fp_environment();
+    worker->stopped = stopped;
+    return stopped;
+}

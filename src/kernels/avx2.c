@@ -1,7 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-/* The kernels in AVX2 and FMA. Compiled for them (Makefile); dispatch.c sees to it that only processors that have them
- * come here. */
-#include "simd_avx2.h"
-#define KERNELS       mlrt_kernels_avx2
-#define PICTURE       mlrt_picture_avx2
-#include "bvh_body.h"

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Interval traversal: a packet goes down the tree as one, by the interval of distances at which its rays can be in a
+ * cell. The cost of a step does not depend on the number of rays.
+ *
+ * With all signs of a direction component equal, the distances of a group's rays to the plane x_k = c are within
+ * (c - o_k) [1 / |d|_max, 1 / |d|_min]. c - o_k has one rounding, the reciprocals and the products one each: the
+ * reciprocals are moved apart by a factor 1 -+ 2^-21, which pays for all of them; packet.h's limits on the magnitudes
+ * rule out overflow, and should the last product underflow, its rounding still keeps the order. d_k = 0 makes a
+ * reciprocal infinite; in the plane itself the product is then a NaN, every comparison is false, and both children are
+ * visited. Comparisons are strict, so a ray that grazes a plane, and a cell without thickness, see both sides.
+ *
+ * Based on: Reshetov et al. 2005, section 4.3.
+ */
+#ifndef MLRT_MLRTA_INTERVAL_TRAVERSAL_H
+#define MLRT_MLRTA_INTERVAL_TRAVERSAL_H
+
+#include <math.h>
+
+#include "base/counters.h"
+#include "mlrta/kdtree.h"
+#include "mlrta/outline.h"
+#include "mlrta/packet_filter.h"
+#include "mlrta/ray_group.h"
+#include "mlrta/setups.h"
+#include "mlrta/triangle_setup.h"
+#include "rays/extremes.h"
+
+/* A node, and a box that contains all that matters of its cell. */
+struct entry_point {
+    uint32_t node;
+    uint32_t depth;
+    struct mlrt_box box;
+};
+
+/*
+ * Where the packets of a tile start: one node, or several, each with all that is in front of the next for every ray.
+ * Several are mostly leaves.
+ */
+#define ENTRY_LIST_LEAVES 16
+#define ENTRY_LIST_SIZE   (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
+
+struct entry_list {
+    uint32_t count;
+    uint32_t axis_code; /* of the outlines; NO_OUTLINES without */
+    struct entry_point entries[ENTRY_LIST_SIZE];
+    struct mlrt_outline outlines[ENTRY_LIST_SIZE]; /* of the entries' boxes */
+};
+
+#define NO_OUTLINES 3 /* no axis */
+
+struct distance_interval {
+    float lo;
+    float hi;
+};
+
+MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *axis, float c)
+{
+    const float x = c - axis->origin_hi, y = c - axis->origin_lo;
+    const float a = x * axis->small, b = x * axis->large;
+    struct distance_interval t;
+    /* The operand that can be a NaN stands second, where the comparison keeps it. */
+    t.lo = a < b ? a : b;
+    t.hi = a > b ? a : b;
+    if (x == y) return t;
+    /* Different origins: one of them may lie in the plane, and its ray too. */
+    if ((x == 0 || y == 0) && isinf(axis->large)) return (struct distance_interval){-INFINITY, INFINITY};
+    const float e = y * axis->small, f = y * axis->large;
+    const float lo = e < f ? e : f, hi = e > f ? e : f;
+    t.lo = t.lo < lo ? t.lo : lo;
+    t.hi = t.hi > hi ? t.hi : hi;
+    return t;
+}
+
+/* The distances at which the group can be in the closed box; lo > hi if nowhere. */
+MLRT_INLINE struct distance_interval box_distances(const struct group_axis axis[3], const struct mlrt_box *box,
+                                                   struct distance_interval part)
+{
+    for (int k = 0; k < 3; ++k) {
+        const struct distance_interval below = plane_distances(&axis[k], box->lo[k]);
+        const struct distance_interval above = plane_distances(&axis[k], box->hi[k]);
+        const float enter = axis[k].negative ? above.lo : below.lo, exit = axis[k].negative ? below.hi : above.hi;
+        if (enter > part.lo) part.lo = enter;
+        if (exit < part.hi) part.hi = exit;
+    }
+    return part;
+}
+
+struct pending_cell {
+    uint32_t node;
+    struct distance_interval part;
+};
+
+/* Tests a group against the triangles of a leaf. Lowers *farthest, the greatest distance at which its rays still look.
+ */
+static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf, float *farthest,
+                       struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const struct mlrt_tree *tree = job->tree;
+    const uint32_t *entries = tree->references + leaf->u.offset;
+    const uint32_t count = mlrt_leaf_count(leaf);
+    uint32_t changed = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t number = entries[i];
+        if (was_seen(group, number)) continue;
+        struct mlrt_triangle_setup *setup = NULL;
+        uint32_t touched = group->lanes;
+        if (group->has_frustum) {
+            setup = get_setup(tree, number, group, worker);
+            touched = touched_lanes(group, &setup->outline, *farthest);
+            if (!touched) continue;
+            if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->apex, setup);
+            if (setup->in_plane) continue;
+        }
+        COUNT(&worker->counters, triangle_test_count, 1);
+        changed |= setup ? test_triangle_from_apex(tree, number, setup, group, touched, packet, worker)
+                         : test_triangle_from_anywhere(tree, number, group, touched, packet, worker);
+    }
+    if (!changed) return;
+    if (job->any) group->lanes &= ~changed;
+    *farthest = highest(packet->hi, group->lanes); /* -inf without lanes: nothing is left to look for */
+}
+
+/* Traces a group through the subtree below `node`, in whose cell its rays are within `part`. */
+static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct distance_interval part, float *farthest,
+                             struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct pending_cell stack[MLRT_DEPTH_LIMIT];
+    int pending_count = 0;
+    for (;;) {
+        const struct mlrt_node *here = &job->tree->nodes[node];
+        COUNT(&worker->counters, cell_count, 1);
+        const uint32_t k = mlrt_node_axis(here);
+        if (k != 3) {
+            const struct group_axis *axis = &group->axis[k];
+            const struct distance_interval plane = plane_distances(axis, here->u.split);
+            const uint32_t child = mlrt_node_child(here);
+            const uint32_t first = child + axis->negative, second = child + !axis->negative;
+            if (part.hi < plane.lo) {
+                node = first;
+            } else if (part.lo > plane.hi) {
+                node = second;
+            } else {
+                stack[pending_count].node = second;
+                stack[pending_count].part.lo = plane.lo > part.lo ? plane.lo : part.lo;
+                stack[pending_count].part.hi = part.hi;
+                ++pending_count;
+                if (plane.hi < part.hi) part.hi = plane.hi;
+                node = first;
+            }
+            continue;
+        }
+        visit_leaf(job, here, farthest, group, packet, worker);
+        for (;;) {
+            if (pending_count == 0) return;
+            --pending_count;
+            node = stack[pending_count].node;
+            part = stack[pending_count].part;
+            if (!(part.lo > *farthest)) break;
+            COUNT(&worker->counters, cell_count, 1);
+        }
+        if (part.hi > *farthest) part.hi = *farthest;
+    }
+}
+
+/* Traces a group from where it may start. */
+static void traverse_list(const struct mlrt_job *job, const struct entry_list *list, struct ray_group *group,
+                          struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const int has_outlines = group->has_frustum && list->axis_code == group->axis_code;
+    const float nearest = lowest(packet->t_min, group->lanes);
+    float farthest = highest(packet->hi, group->lanes);
+    for (uint32_t i = 0; i < list->count; ++i) {
+        if (has_outlines && !touched_lanes(group, &list->outlines[i], farthest)) {
+            COUNT(&worker->counters, cell_count, 1);
+            continue;
+        }
+        const struct distance_interval ray = {nearest, farthest};
+        const struct distance_interval part = box_distances(group->axis, &list->entries[i].box, ray);
+        if (part.lo > part.hi) {
+            COUNT(&worker->counters, cell_count, 1);
+            continue;
+        }
+        traverse_subtree(job, list->entries[i].node, part, &farthest, group, packet, worker);
+    }
+}
+
+/* Traces a packet's active rays from where they may start, in as many groups as they make. */
+static void traverse_interval(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
+{
+    for (uint32_t left = packet->active; left;) {
+        struct ray_group group;
+        make_group(packet, left, &job->tree->bounds, &group);
+        left &= ~group.lanes;
+        COUNT(&worker->counters, packet_count, 1);
+        traverse_list(job, list, &group, packet, worker);
+    }
+}
+
+#endif

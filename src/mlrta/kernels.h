@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * All kernels for the kd-tree, likewise (trace/kernels.h).
+ */
+#ifndef MLRT_MLRTA_KERNELS_H
+#define MLRT_MLRTA_KERNELS_H
+
+#include "base/counters.h"
+#include "job/job.h"
+
+#include "mlrta/outline.h"
+#include "mlrta/ray_group.h"
+#include "mlrta/triangle_setup.h"
+#include "mlrta/packet_filter.h"
+#include "mlrta/interval_traversal.h"
+#include "mlrta/masked_traversal.h"
+#include "mlrta/beam_culling.h"
+#include "mlrta/covering.h"
+#include "mlrta/entry_point.h"
+#include "mlrta/levels.h"
+
+const struct mlrt_kernels KERNELS = {.trace_tile = trace_tile, .counts = MLRT_COUNTING, .picture = &mlrt_plain_picture};
+
+#endif

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The levels: a tile has a beam, the beam an entry point; from there the tile is cut into smaller tiles with beams and
+ * entry points of their own, until packets of 4x4 rays are traced from the last one.
+ *
+ * A tile whose rays differ in sign has no beam. It is cut as well, and packets of such a tile start where the tile
+ * above them started.
+ *
+ * Based on: Reshetov et al. 2005, section 4.2.
+ */
+#ifndef MLRT_MLRTA_LEVELS_H
+#define MLRT_MLRTA_LEVELS_H
+
+#include <string.h>
+
+#include "base/counters.h"
+#include "hits/results.h"
+#include "hits/shadow_ray.h"
+#include "mlrta/beam.h"
+#include "mlrta/entry_point.h"
+#include "mlrta/interval_traversal.h"
+#include "mlrta/masked_traversal.h"
+#include "mlrta/triangle_setup.h"
+
+/* Traces the active rays of a packet. */
+MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
+{
+    if (packet->has_apex && memcmp(packet->apex, worker->apex, sizeof packet->apex) != 0) {
+        forget_setups(packet->apex, worker);
+    }
+    if (job->method == MLRT_METHOD_PACKET2) {
+        traverse_masked(job, packet, worker);
+    } else {
+        traverse_interval(job, list, packet, worker);
+    }
+}
+
+/* Traces a block of at most 4x4 rays from where they may start and writes the results. */
+static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
+                        const struct entry_list *list)
+{
+    const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
+    struct mlrt_packet packet;
+    mlrt_get_packet(job, block, lanes, &packet);
+    if (job->method == MLRT_METHOD_RAY || !job->tree->float_safe) {
+        packet.single |= packet.active;
+        packet.active = 0;
+    }
+    if (packet.active) trace_active(job, list, &packet, worker);
+    if (packet.single) mlrt_trace_single_rays(job, packet.single, &packet, &worker->counters);
+    job->kernels->picture->write_packet(job, worker, &packet, lanes, block);
+    if (MLRT_LIKELY(!job->light_count)) return;
+    uint8_t shadows[MLRT_PACKET_RAYS];
+    mlrt_find_shadows(job, &packet, lanes, shadows, &worker->counters);
+    mlrt_write_packet_shadows(job, worker, shadows, lanes, block);
+}
+
+static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
+                         const struct entry_list *list)
+{
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
+            trace_block(job, worker, &block, list);
+        }
+    }
+}
+
+/* Done with a tile that needs no rays to be traced. */
+static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
+                        const struct mlrt_rectangle *tile)
+{
+    if (found == BEAM_MISSES) {
+        COUNT(&worker->counters, missed_beam_count, 1);
+        mlrt_write_picture_misses(job, worker, tile);
+    } else {
+        COUNT(&worker->counters, covered_beam_count, 1);
+        mlrt_write_cover(job, worker, cover, tile);
+    }
+}
+
+static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct entry_list *list,
+                       const struct mlrt_rectangle *tile)
+{
+    for (uint32_t i = 0; i < list->count; ++i) {
+        COUNT(&worker->counters, entry_point_count, 1);
+        COUNT(&worker->counters, entry_point_depth_sum, list->entries[i].depth);
+    }
+    trace_blocks(job, worker, tile, list);
+}
+
+/* A tile of the smallest size, whose rays may all start at `above`. */
+static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
+                             const struct entry_point *above)
+{
+    struct mlrt_beam beam;
+    struct entry_list list;
+    list.count = 1;
+    list.axis_code = NO_OUTLINES;
+    list.entries[0] = *above;
+    if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
+        uint32_t cover;
+        const int found = job->entry_lists ? find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                                           : find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
+        if (found != BEAM_ENTERS) {
+            finish_tile(job, worker, found, cover, tile);
+            return;
+        }
+    }
+    enter_tile(job, worker, &list, tile);
+}
+
+/* A tile of side at most `size`, whose rays may all start at `above`. */
+static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
+                        uint32_t size, const struct entry_point *above)
+{
+    if (size <= job->minimum_tile_size) {
+        trace_last_level(job, worker, tile, above);
+        return;
+    }
+    struct mlrt_beam beam;
+    struct entry_list list;
+    struct entry_point *entry = &list.entries[0];
+    list.count = 1;
+    list.axis_code = NO_OUTLINES;
+    *entry = *above;
+    if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
+        uint32_t cover;
+        const int found = find_entry_point(job, &beam, entry, &cover, &worker->counters);
+        if (found != BEAM_ENTERS) {
+            finish_tile(job, worker, found, cover, tile);
+            return;
+        }
+        if (mlrt_node_is_leaf(&job->tree->nodes[entry->node])) {
+            enter_tile(job, worker, &list, tile);
+            return;
+        }
+    }
+    uint32_t side = size / job->split_divisor;
+    if (side < job->minimum_tile_size) side = job->minimum_tile_size;
+    for (uint32_t j = 0; j < tile->height; j += side) {
+        for (uint32_t i = 0; i < tile->width; i += side) {
+            const struct mlrt_rectangle piece = mlrt_cut_piece(tile, i, j, side);
+            trace_level(job, worker, &piece, side, entry);
+        }
+    }
+}
+
+static void trace_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+{
+    struct entry_list root;
+    root.count = 1;
+    root.axis_code = NO_OUTLINES;
+    root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
+    COUNT(&worker->counters, ray_count, (uint64_t)tile->width * tile->height);
+    if (job->method == MLRT_METHOD_MULTILEVEL && job->tree->float_safe) {
+        trace_level(job, worker, tile, job->initial_tile_size, &root.entries[0]);
+    } else {
+        trace_blocks(job, worker, tile, &root);
+    }
+}
+
+#endif

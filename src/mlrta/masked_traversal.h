@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Masked traversal: a packet of 2x2 rays goes down the tree together, each ray with its own interval of distances, and
+ * visits a child if any of its rays does.
+ *
+ * Per ray, the distance to a plane is computed and bounded as in interval_traversal.h.
+ *
+ * Based on: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing",
+ * Eurographics 2001.
+ */
+#ifndef MLRT_MLRTA_MASKED_TRAVERSAL_H
+#define MLRT_MLRTA_MASKED_TRAVERSAL_H
+
+#include "base/counters.h"
+#include "mlrta/kdtree.h"
+#include "mlrta/packet_filter.h"
+#include "mlrta/ray_group.h"
+#include "mlrta/setups.h"
+#include "mlrta/triangle_setup.h"
+#include "rays/extremes.h"
+#include "simd/simd.h"
+
+/* Vectors that hold the four lanes of a 2x2 packet, or the one vector that holds them and others. */
+#define PACKET2_VECTORS (VW < 4 ? 4 / VW : 1)
+
+struct masked_interval {
+    vf lo[PACKET2_VECTORS];
+    vf hi[PACKET2_VECTORS];
+};
+
+struct masked_cell {
+    uint32_t node;
+    uint32_t lanes;
+    struct masked_interval part;
+};
+
+struct ray_axis {
+    vf origin[PACKET2_VECTORS];
+    vf small[PACKET2_VECTORS]; /* 1 / d, moved down and up in magnitude */
+    vf large[PACKET2_VECTORS];
+};
+
+struct lane_distances {
+    vf lo;
+    vf hi;
+};
+
+MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *axis, int i, float c)
+{
+    const vf x = v_sub(v_set1(c), axis->origin[i]);
+    const vf a = v_mul(x, axis->small[i]), b = v_mul(x, axis->large[i]);
+    return (struct lane_distances){v_min(a, b), v_max(a, b)};
+}
+
+/* Traces lanes of equal signs, all in the vectors from first_lane on. */
+static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
+                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const struct mlrt_tree *tree = job->tree;
+    mlrt_counters *counters = &worker->counters;
+    struct ray_axis axis[3];
+    struct ray_group group = {.lanes = lanes};
+    uint32_t negative[3];
+    struct direction_range range;
+    find_directions(packet, lanes, &range);
+    for (int k = 0; k < 3; ++k) {
+        negative[k] = range.lo[k] < 0;
+        group.axis[k].reach = negative[k] ? -range.lo[k] : range.hi[k];
+        for (int i = 0; i < PACKET2_VECTORS; ++i) {
+            const int v = first_lane + i * VW;
+            const vf reciprocal = v_div(v_set1(1), v_load(packet->direction[k] + v));
+            axis[k].origin[i] = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+            axis[k].small[i] = v_mul(reciprocal, v_set1(1 - RECIPROCAL_SLACK));
+            axis[k].large[i] = v_mul(reciprocal, v_set1(1 + RECIPROCAL_SLACK));
+        }
+    }
+
+    set_main_axis(&group);
+
+    struct masked_interval part;
+    uint32_t inside = 0;
+    for (int i = 0; i < PACKET2_VECTORS; ++i) {
+        const int v = first_lane + i * VW;
+        part.lo[i] = v_load(packet->t_min + v);
+        part.hi[i] = v_load(packet->hi + v);
+        for (int k = 0; k < 3; ++k) {
+            const float near = negative[k] ? tree->bounds.hi[k] : tree->bounds.lo[k];
+            const float far = negative[k] ? tree->bounds.lo[k] : tree->bounds.hi[k];
+            part.lo[i] = v_max(lane_plane_distances(&axis[k], i, near).lo, part.lo[i]);
+            part.hi[i] = v_min(lane_plane_distances(&axis[k], i, far).hi, part.hi[i]);
+        }
+        inside |= m_bits(v_le(part.lo[i], part.hi[i])) << v;
+    }
+    group.lanes &= inside;
+    if (!group.lanes) return;
+
+    struct masked_cell stack[MLRT_DEPTH_LIMIT];
+    int pending_count = 0;
+    uint32_t node = 0;
+    uint32_t alive = group.lanes; /* rays still looking for a hit */
+    COUNT(counters, packet_count, 1);
+    for (;;) {
+        const struct mlrt_node *here = &tree->nodes[node];
+        COUNT(counters, cell_count, 1);
+        const uint32_t k = mlrt_node_axis(here);
+        if (k != 3) {
+            const uint32_t child = mlrt_node_child(here), first = child + negative[k], second = child + !negative[k];
+            struct masked_interval far;
+            struct masked_interval near;
+            uint32_t near_lanes = 0, far_lanes = 0;
+            for (int i = 0; i < PACKET2_VECTORS; ++i) {
+                const int v = first_lane + i * VW;
+                const struct lane_distances plane = lane_plane_distances(&axis[k], i, here->u.split);
+                near_lanes |= (~m_bits(v_gt(part.lo[i], plane.hi)) & ALL_LANES) << v;
+                far_lanes |= (~m_bits(v_lt(part.hi[i], plane.lo)) & ALL_LANES) << v;
+                far.lo[i] = v_max(plane.lo, part.lo[i]);
+                far.hi[i] = part.hi[i];
+                near.lo[i] = part.lo[i];
+                near.hi[i] = v_min(plane.hi, part.hi[i]);
+            }
+            near_lanes &= group.lanes;
+            far_lanes &= group.lanes;
+            if (!far_lanes) {
+                node = first;
+            } else if (!near_lanes) {
+                node = second;
+            } else {
+                stack[pending_count++] = (struct masked_cell){second, far_lanes, far};
+                part = near;
+                group.lanes = near_lanes;
+                node = first;
+            }
+            continue;
+        }
+        const uint32_t *entries = tree->references + here->u.offset;
+        const uint32_t count = mlrt_leaf_count(here);
+        for (uint32_t i = 0; i < count; ++i) {
+            struct mlrt_triangle_setup *setup = NULL;
+            if (packet->has_apex) {
+                /* One entry is kept, for its terms only: this method looks at no outlines. */
+                setup = &worker->setups[0];
+                if (setup->number != entries[i] || setup->main_axis != group.axis_code || !setup->has_terms) {
+                    setup->number = entries[i];
+                    setup->main_axis = group.axis_code;
+                    set_up_terms(&tree->triangles[entries[i]], packet->apex, setup);
+                }
+                if (setup->in_plane) continue;
+            }
+            COUNT(counters, triangle_test_count, 1);
+            const uint32_t changed =
+                setup ? test_triangle_from_apex(tree, entries[i], setup, &group, group.lanes, packet, worker)
+                      : test_triangle_from_anywhere(tree, entries[i], &group, group.lanes, packet, worker);
+            if (job->any) {
+                alive &= ~changed;
+                group.lanes &= alive;
+                if (!group.lanes) break;
+            }
+        }
+        do {
+            if (pending_count == 0) return;
+            --pending_count;
+            node = stack[pending_count].node;
+            part = stack[pending_count].part;
+            group.lanes = stack[pending_count].lanes & alive;
+            uint32_t before = 0;
+            for (int i = 0; i < PACKET2_VECTORS; ++i) {
+                const int v = first_lane + i * VW;
+                const vf nearest = v_load(packet->hi + v);
+                before |= (~m_bits(v_gt(part.lo[i], nearest)) & ALL_LANES) << v;
+                part.hi[i] = v_min(nearest, part.hi[i]);
+            }
+            group.lanes &= before;
+        } while (!group.lanes);
+    }
+}
+
+/* Traces a packet's active rays, 2x2 at a time, from the root. */
+static void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    for (int square = 0; square < MLRT_PACKET_RAYS; square += 4) {
+        const int first_lane = square - square % VW;
+        for (uint32_t left = packet->active & (0xFu << square); left;) {
+            const uint32_t same = same_sign_lanes(packet, left);
+            traverse_masked_group(job, same, first_lane, packet, worker);
+            left &= ~same;
+        }
+    }
+}
+
+#endif

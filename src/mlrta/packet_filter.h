@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A packet against one triangle, as triangle_filter.h has it: rays of one origin by the triangle's set-up, others lane
+ * by lane.
+ */
+#ifndef MLRT_MLRTA_PACKET_FILTER_H
+#define MLRT_MLRTA_PACKET_FILTER_H
+
+#include "base/counters.h"
+#include "hits/close_calls.h"
+#include "hits/outcome.h"
+#include "hits/triangle_filter.h"
+#include "mlrta/ray_group.h"
+#include "mlrta/setups.h"
+#include "scene/masks.h"
+#include "simd/simd.h"
+
+/* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
+struct triangle_terms {
+    vf cross[4][3]; /* (a + b) x (b - a) and so on relative to the origin, and n; each scaled by its size */
+    vf distance;    /* N' */
+    vf distance_bound;
+};
+
+/* Terms for rays of different origins, lane by lane. */
+MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], uint32_t main_axis,
+                           struct triangle_terms *terms)
+{
+    vf vertex[3][3], edge[3][3], sum[3];
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            const float from = triangle->v[i][k], to = triangle->v[(i + 1) % 3][k];
+            vertex[i][k] = v_sub(v_set1(from), origin[k]);
+            edge[i][k] = v_set1(to - from);
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) sum[k] = v_add(vertex[i][k], vertex[(i + 1) % 3][k]);
+        scaled_cross_product(sum, edge[i], main_axis, terms->cross[i]);
+    }
+    /* n = (b - a) x (c - a) = (a - c) x (b - a) */
+    scaled_cross_product(edge[2], edge[0], main_axis, terms->cross[3]);
+    terms->distance = dot_product(vertex[0], terms->cross[3]);
+    const vf other = v_max(v_abs(vertex[0][(main_axis + 1) % 3]), v_abs(vertex[0][(main_axis + 2) % 3]));
+    const vf farthest = v_max(v_abs(vertex[0][main_axis]), v_mul(other, v_set1(2)));
+    terms->distance_bound = v_add(v_mul(farthest, v_set1(DISTANCE_BOUND)), v_set1(DISTANCE_FLOOR));
+}
+
+/* Terms for rays of one origin, from what was set up. */
+MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, struct triangle_terms *terms)
+{
+    for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 3; ++k) terms->cross[i][k] = v_set1(setup->cross[k][i]);
+    }
+    terms->distance = v_set1(setup->distance);
+    terms->distance_bound = v_set1(setup->distance_bound);
+}
+
+/* The best guess of a decision, for builds that measure what better ones cost (platform.h). */
+MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, const struct mlrt_packet *packet, int v,
+                                        vm active)
+{
+    const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
+                     v_load(packet->direction[2] + v)};
+    const vf zero = v_set1(0);
+    const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
+             ca = dot_product(d, terms->cross[2]);
+    const vm above = m_and(m_and(v_ge(ab, zero), v_ge(bc, zero)), v_ge(ca, zero));
+    const vm below = m_and(m_and(v_le(ab, zero), v_le(bc, zero)), v_le(ca, zero));
+    struct verdict verdict;
+    verdict.nearer = m_and(active, m_or(above, below));
+    verdict.undecided = verdict.inside = m_andnot(active, active);
+    verdict.lo = verdict.hi = zero;
+    if (!m_bits(verdict.nearer)) return verdict;
+    const vf t = v_div(terms->distance, dot_product(d, terms->cross[3]));
+    verdict.lo = verdict.hi = t;
+    verdict.nearer = m_and(verdict.nearer, m_and(v_gt(t, v_load(packet->t_min + v)), v_lt(t, v_load(packet->hi + v))));
+    return verdict;
+}
+
+/* `reach` is R. */
+MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, float reach,
+                                         const struct mlrt_packet *packet, int v, vm active)
+{
+    if (MLRT_GUESS) return guess_vector(terms, packet, v, active);
+    const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
+                     v_load(packet->direction[2] + v)};
+    const vf ab = dot_product(d, terms->cross[0]), bc = dot_product(d, terms->cross[1]),
+             ca = dot_product(d, terms->cross[2]);
+    struct float_test test;
+    test.least = v_min(v_min(ab, bc), ca);
+    test.greatest = v_max(v_max(ab, bc), ca);
+    test.above = v_set1(EDGE_BOUND * reach);
+    test.below = v_set1(-EDGE_BOUND * reach);
+    const vm candidates = may_be_inside(&test, active);
+    if (!m_bits(candidates)) return (struct verdict){candidates, candidates, candidates, v_set1(0), v_set1(0)};
+    test.determinant = dot_product(d, terms->cross[3]);
+    test.plane_bound = v_set1(PLANE_BOUND * reach);
+    test.distance = terms->distance;
+    test.distance_bound = terms->distance_bound;
+    return compare_distances(&test, candidates, v_load(packet->t_min + v), v_load(packet->lo + v),
+                             v_load(packet->hi + v), 0);
+}
+
+/* The float part of test_triangle. `apex_terms` is NULL, or not, at compile time. */
+MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t number,
+                                        const struct triangle_terms *apex_terms, const struct ray_group *group,
+                                        uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct outcome outcome = {0, 0, 0};
+    if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        if (!(lanes >> v & ALL_LANES)) continue;
+        const vm active = concerned_rays(packet, lanes, number, v);
+        if (!m_bits(active)) continue;
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
+        struct triangle_terms terms;
+        if (!apex_terms) {
+            const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
+                                  v_load(packet->origin[2] + v)};
+            set_terms(&tree->triangles[number], origin, group->axis_code & 3, &terms);
+        }
+        const struct verdict verdict = filter_vector(apex_terms ? apex_terms : &terms, group->reach, packet, v, active);
+        keep_verdict(&verdict, number, v, packet, &outcome);
+    }
+    return outcome;
+}
+
+/*
+ * Tests the rays of `group` in the lanes `lanes` against triangle `number` and updates their nearest hits.
+ * `apex_terms` are those of the triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest
+ * hit changed.
+ */
+MLRT_INLINE uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number,
+                                   const struct triangle_terms *apex_terms, const struct ray_group *group,
+                                   uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const struct outcome outcome = filter_lanes(tree, number, apex_terms, group, lanes, packet, worker);
+    if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
+    return outcome.nearer |
+           decide_lanes(tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
+}
+
+/* The same for rays of one origin, and for rays of different ones. */
+static uint32_t test_triangle_from_apex(const struct mlrt_tree *tree, uint32_t number,
+                                        const struct mlrt_triangle_setup *setup, const struct ray_group *group,
+                                        uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct triangle_terms terms;
+    set_apex_terms(setup, &terms);
+    return test_triangle(tree, number, &terms, group, lanes, packet, worker);
+}
+
+static uint32_t test_triangle_from_anywhere(const struct mlrt_tree *tree, uint32_t number,
+                                            const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
+                                            struct mlrt_worker *worker)
+{
+    return test_triangle(tree, number, NULL, group, lanes, packet, worker);
+}
+
+#endif

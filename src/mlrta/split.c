@@ -1,0 +1,507 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where to split a cell: see split.h.
+ *
+ * Areas, sums and costs are doubles: extents are at most 2^129 and at least 2^-149, so nothing here overflows, and a
+ * cell with extents in two axes has an area above 0.
+ */
+#include "mlrta/split.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/platform.h"
+#include "base/progress.h"
+#include "scene/clip.h"
+
+uint32_t mlrt_float_key(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+static float key_float(uint32_t key)
+{
+    uint32_t bits = key & 0x80000000u ? key & 0x7FFFFFFFu : ~key;
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* ---- sorting ------------------------------------------------------------------------------------------------- */
+
+/* Up to here, insertion beats counting digits: four passes over 256 counters cost as much as 48 keys inserted. */
+#define INSERTION_LIMIT 48
+
+static void insertion_sort(uint32_t *keys, size_t count)
+{
+    for (size_t i = 1; i < count; i++) {
+        uint32_t key = keys[i];
+        size_t j = i;
+        for (; j > 0 && keys[j - 1] > key; j--) keys[j] = keys[j - 1];
+        keys[j] = key;
+    }
+}
+
+static void count_digits(const uint32_t *keys, size_t count, uint32_t counts[4][256])
+{
+    memset(counts, 0, 4 * sizeof counts[0]);
+    for (size_t i = 0; i < count; i++)
+        for (int digit = 0; digit < 4; digit++) counts[digit][keys[i] >> (8 * digit) & 255]++;
+}
+
+static void sort_by_digit(const uint32_t *keys, size_t count, int shift, const uint32_t counts[256], uint32_t *sorted)
+{
+    uint32_t place[256];
+    uint32_t sum = 0;
+    for (int value = 0; value < 256; value++) {
+        place[value] = sum;
+        sum += counts[value];
+    }
+    for (size_t i = 0; i < count; i++) sorted[place[keys[i] >> shift & 255]++] = keys[i];
+}
+
+void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count)
+{
+    if (count <= INSERTION_LIMIT) {
+        insertion_sort(keys, count);
+        return;
+    }
+    uint32_t counts[4][256];
+    count_digits(keys, count, counts);
+    uint32_t *from = keys, *to = spare;
+    for (int digit = 0; digit < 4; digit++) {
+        if (counts[digit][keys[0] >> (8 * digit) & 255] == count) continue;
+        sort_by_digit(from, count, 8 * digit, counts[digit], to);
+        uint32_t *swap = from;
+        from = to;
+        to = swap;
+    }
+    if (from != keys) memcpy(keys, from, count * sizeof *keys);
+}
+
+/* ---- boxes --------------------------------------------------------------------------------------------------- */
+
+static double extent(const struct mlrt_box *box, uint32_t axis)
+{
+    return (double)box->hi[axis] - box->lo[axis];
+}
+
+static double cross_section(const struct mlrt_box *box, uint32_t axis)
+{
+    return extent(box, (axis + 1) % 3) * extent(box, (axis + 2) % 3);
+}
+
+double mlrt_half_area(const struct mlrt_box *box)
+{
+    return cross_section(box, 0) + cross_section(box, 1) + cross_section(box, 2);
+}
+
+static int is_planar(const struct mlrt_box *box, uint32_t axis)
+{
+    return box->lo[axis] == box->hi[axis];
+}
+
+struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count,
+                                         struct mlrt_progress *progress)
+{
+    struct mlrt_content content = {references[0].box, {0, 0, 0}};
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+        const struct mlrt_box *box = &references[i].box;
+        for (uint32_t k = 0; k < 3; k++) {
+            content.bounds.lo[k] = box->lo[k] < content.bounds.lo[k] ? box->lo[k] : content.bounds.lo[k];
+            content.bounds.hi[k] = box->hi[k] > content.bounds.hi[k] ? box->hi[k] : content.bounds.hi[k];
+            if (is_planar(box, k)) content.planar_area[k] += cross_section(box, k);
+        }
+    }
+    return content;
+}
+
+/* ---- rule 1: empty space ------------------------------------------------------------------------------------- */
+
+/* The paper's value: an empty side must be more than this part of the cell's volume. */
+#define EMPTY_SIDE 0.1
+
+int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *content, struct mlrt_split *split)
+{
+    double largest = EMPTY_SIDE;
+    for (uint32_t k = 0; k < 3; k++) {
+        double below = (double)content->lo[k] - cell->lo[k], above = (double)cell->hi[k] - content->hi[k];
+        double gap = below > above ? below : above;
+        if (gap <= largest * extent(cell, k)) continue;
+        largest = gap / extent(cell, k);
+        split->axis = k;
+        split->planar_above = gap == below;
+        split->position = split->planar_above ? content->lo[k] : content->hi[k];
+    }
+    return largest > EMPTY_SIDE;
+}
+
+/* ---- rule 2: covered planes ---------------------------------------------------------------------------------- */
+
+/* Areas of triangles that cover a rectangle add up to its own but for rounding: 2^-20 is far above the error. */
+#define COVERED (1 - 0x1p-20)
+
+/* Planar area is first added up in this many slices: few of them hold enough, and only those are looked at closely. */
+#define SLICE_COUNT 64
+
+struct slicing {
+    double start;
+    double scale;
+};
+
+/* Slices (and bins) are numbered by a function that never decreases with x, so that counts per slice are exact. */
+static struct slicing cut_slices(double lo, double hi, int count)
+{
+    struct slicing slicing = {lo, count / (hi - lo)};
+    return slicing;
+}
+
+MLRT_INLINE int slice_of(const struct slicing *slicing, float x, int count)
+{
+    int slice = (int)((x - slicing->start) * slicing->scale);
+    return slice < count ? slice : count - 1;
+}
+
+static int may_be_covered_along(const struct mlrt_box *cell, const struct mlrt_content *content, uint32_t axis)
+{
+    return extent(cell, axis) > 0 && cross_section(cell, axis) > 0 &&
+           content->planar_area[axis] >= COVERED * cross_section(cell, axis);
+}
+
+int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *content)
+{
+    return may_be_covered_along(cell, content, 0) || may_be_covered_along(cell, content, 1) ||
+           may_be_covered_along(cell, content, 2);
+}
+
+/* The positions of planar references, sorted, each once, from slices that hold enough area. Returns how many. */
+static size_t gather_planes(const struct mlrt_box *cell, const struct mlrt_reference *references, size_t count,
+                            uint32_t axis, struct mlrt_progress *progress, uint32_t *keys)
+{
+    struct slicing slicing = cut_slices(cell->lo[axis], cell->hi[axis], SLICE_COUNT);
+    double slice_area[SLICE_COUNT] = {0};
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+        const struct mlrt_box *box = &references[i].box;
+        if (is_planar(box, axis))
+            slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] += cross_section(box, axis);
+    }
+    size_t key_count = 0;
+    double enough = COVERED * cross_section(cell, axis);
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+        const struct mlrt_box *box = &references[i].box;
+        if (is_planar(box, axis) && slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] >= enough)
+            keys[key_count++] = mlrt_float_key(box->lo[axis]);
+    }
+    mlrt_sort_keys(keys, keys + key_count, key_count);
+    size_t unique_count = 0;
+    for (size_t i = 0; i < key_count; i++)
+        if (unique_count == 0 || keys[unique_count - 1] != keys[i]) keys[unique_count++] = keys[i];
+    return unique_count;
+}
+
+/* Where `key` is in ascending keys, or key_count. */
+static size_t find_key(const uint32_t *keys, size_t key_count, uint32_t key)
+{
+    size_t first = 0, last = key_count;
+    while (first < last) {
+        size_t middle = first + (last - first) / 2;
+        if (keys[middle] < key)
+            first = middle + 1;
+        else
+            last = middle;
+    }
+    return first < key_count && keys[first] == key ? first : key_count;
+}
+
+static int lies_in_plane(const struct mlrt_triangle *triangle, uint32_t axis)
+{
+    return triangle->v[0][axis] == triangle->v[1][axis] && triangle->v[0][axis] == triangle->v[2][axis];
+}
+
+/*
+ * The area of each plane's references. Their boxes are added up first; only where these are `enough`, the triangles
+ * themselves are. The others' area is set to -1.
+ */
+static void measure_planes(const struct mlrt_triangle *triangles, const struct mlrt_reference *references, size_t count,
+                           uint32_t axis, double enough, const uint32_t *keys, size_t key_count,
+                           struct mlrt_progress *progress, double *areas)
+{
+    memset(areas, 0, key_count * sizeof *areas);
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+        const struct mlrt_box *box = &references[i].box;
+        size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
+        if (plane < key_count) areas[plane] += cross_section(box, axis);
+    }
+    for (size_t plane = 0; plane < key_count; plane++) areas[plane] = areas[plane] >= enough ? 0 : -1;
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+        const struct mlrt_box *box = &references[i].box;
+        size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
+        const struct mlrt_triangle *triangle = &triangles[references[i].triangle];
+        if (plane < key_count && areas[plane] >= 0 && lies_in_plane(triangle, axis))
+            areas[plane] += mlrt_clipped_area(triangle, box, axis);
+    }
+}
+
+int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_box *cell,
+                            const struct mlrt_reference *references, size_t count, const struct mlrt_content *content,
+                            struct mlrt_progress *progress, uint32_t *keys, double *areas, struct mlrt_split *split)
+{
+    double best = -1;
+    for (uint32_t k = 0; k < 3; k++) {
+        if (!may_be_covered_along(cell, content, k)) continue;
+        double enough = COVERED * cross_section(cell, k);
+        size_t plane_count = gather_planes(cell, references, count, k, progress, keys);
+        measure_planes(triangles, references, count, k, enough, keys, plane_count, progress, areas);
+        for (size_t plane = 0; plane < plane_count; plane++) {
+            float position = key_float(keys[plane]);
+            double below = (double)position - cell->lo[k], above = (double)cell->hi[k] - position;
+            double smaller = (above < below ? above : below) / extent(cell, k);
+            if (areas[plane] < enough || smaller <= best) continue;
+            best = smaller;
+            split->axis = k;
+            split->position = position;
+            split->planar_above = above < below;
+        }
+    }
+    return best >= 0;
+}
+
+/* ---- surface area heuristic ---------------------------------------------------------------------------------- */
+
+/* A cell as seen along an axis, and what a split of it costs. */
+struct sweep {
+    const struct mlrt_cost_model *model;
+    double lo;
+    double hi;
+    double cross_section;
+    double perimeter; /* half of it */
+    double per_area;
+    uint32_t axis;
+};
+
+static struct sweep start_sweep(const struct mlrt_cost_model *model, const struct mlrt_box *cell, uint32_t axis)
+{
+    struct sweep sweep = {model, cell->lo[axis], cell->hi[axis], cross_section(cell, axis), 0, 0, axis};
+    sweep.perimeter = extent(cell, (axis + 1) % 3) + extent(cell, (axis + 2) % 3);
+    sweep.per_area = model->intersection / mlrt_half_area(cell);
+    return sweep;
+}
+
+MLRT_INLINE double cost_at(const struct sweep *sweep, double position, size_t below_count, size_t above_count)
+{
+    double below_area = sweep->cross_section + (position - sweep->lo) * sweep->perimeter;
+    double above_area = sweep->cross_section + (sweep->hi - position) * sweep->perimeter;
+    double tests = sweep->per_area * (below_area * (double)below_count + above_area * (double)above_count);
+    double factor = below_count == 0 || above_count == 0 ? sweep->model->empty_factor : 1;
+    return factor * (sweep->model->traversal + tests);
+}
+
+double mlrt_split_cost(const struct mlrt_cost_model *model, const struct mlrt_box *cell, const struct mlrt_split *split,
+                       size_t below_count, size_t above_count)
+{
+    struct sweep sweep = start_sweep(model, cell, split->axis);
+    return cost_at(&sweep, split->position, below_count, above_count);
+}
+
+static void offer_split(const struct sweep *sweep, float position, size_t below_count, size_t above_count,
+                        int planar_above, struct mlrt_split *best)
+{
+    double cost = cost_at(sweep, position, below_count, above_count);
+    if (cost < best->cost) {
+        best->cost = cost;
+        best->position = position;
+        best->axis = sweep->axis;
+        best->planar_above = planar_above;
+    }
+}
+
+/* Bounds of references along an axis, sorted: of those that are not planar where they start and end, and of the others.
+ */
+struct events {
+    uint32_t *starts;
+    uint32_t *ends;
+    uint32_t *planars;
+    size_t start_count;
+    size_t end_count;
+    size_t planar_count;
+};
+
+MLRT_INLINE size_t skip_equal(const uint32_t *keys, size_t count, size_t *next, uint32_t key)
+{
+    size_t first = *next;
+    while (*next < count && keys[*next] == key) ++*next;
+    return *next - first;
+}
+
+static uint32_t first_key(const uint32_t *keys, size_t count, size_t next, uint32_t key)
+{
+    return next < count && keys[next] < key ? keys[next] : key;
+}
+
+/*
+ * Tries a split at every event: a plane first leaves behind what ends or is planar in it, then meets what starts there.
+ * `below_count` references start before the first event, `above_count` do not end before it. A face of the cell is a
+ * split only if that takes planar references out of the rest of the cell.
+ */
+static void sweep_events(const struct sweep *sweep, const struct events *events, size_t below_count, size_t above_count,
+                         struct mlrt_split *best)
+{
+    size_t start = 0, end = 0, planar = 0;
+    while (start < events->start_count || end < events->end_count || planar < events->planar_count) {
+        uint32_t key = first_key(events->starts, events->start_count, start, UINT32_MAX);
+        key = first_key(events->ends, events->end_count, end, key);
+        key = first_key(events->planars, events->planar_count, planar, key);
+        size_t planar_here = skip_equal(events->planars, events->planar_count, &planar, key);
+        above_count -= skip_equal(events->ends, events->end_count, &end, key) + planar_here;
+        float position = key_float(key);
+        if (position > sweep->lo && (planar_here > 0 || position < sweep->hi))
+            offer_split(sweep, position, below_count, above_count + planar_here, 1, best);
+        if (planar_here > 0 && position < sweep->hi)
+            offer_split(sweep, position, below_count + planar_here, above_count, 0, best);
+        below_count += skip_equal(events->starts, events->start_count, &start, key) + planar_here;
+    }
+}
+
+static void sort_events(struct events *events, uint32_t *spare)
+{
+    mlrt_sort_keys(events->starts, spare, events->start_count);
+    mlrt_sort_keys(events->ends, spare, events->end_count);
+    mlrt_sort_keys(events->planars, spare, events->planar_count);
+}
+
+/* Starts fill the keys from the front, planars from the middle down, ends from the middle up. */
+static struct events gather_all_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
+                                       uint32_t *keys)
+{
+    uint32_t *middle = keys + count;
+    struct events events = {keys, middle, middle, 0, 0, 0};
+    for (size_t i = 0; i < count; i++) {
+        const struct mlrt_box *box = &references[i].box;
+        if (is_planar(box, axis)) {
+            *--events.planars = mlrt_float_key(box->lo[axis]);
+            events.planar_count++;
+        } else {
+            events.starts[events.start_count++] = mlrt_float_key(box->lo[axis]);
+            events.ends[events.end_count++] = mlrt_float_key(box->hi[axis]);
+        }
+    }
+    sort_events(&events, keys + 2 * count);
+    return events;
+}
+
+void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
+                           const struct mlrt_reference *references, size_t count, uint32_t *keys,
+                           struct mlrt_split *split)
+{
+    split->cost = HUGE_VAL;
+    for (uint32_t k = 0; k < 3; k++) {
+        if (extent(cell, k) <= 0) continue;
+        struct sweep sweep = start_sweep(model, cell, k);
+        struct events events = gather_all_events(references, count, k, keys);
+        sweep_events(&sweep, &events, 0, count, split);
+    }
+}
+
+/* ---- the same with bins -------------------------------------------------------------------------------------- */
+
+/* Planes tried per axis before the exact search around the best of them. */
+#define BIN_COUNT 256
+
+/* References that start and end in each bin. */
+struct bins {
+    struct slicing slicing;
+    uint32_t starts[BIN_COUNT];
+    uint32_t ends[BIN_COUNT];
+};
+
+static void fill_bins(const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
+                      struct mlrt_progress *progress, struct bins bins[3])
+{
+    memset(bins, 0, 3 * sizeof *bins);
+    for (uint32_t k = 0; k < 3; k++) {
+        if (extent(content, k) <= 0) continue;
+        struct bins *axis_bins = &bins[k];
+        axis_bins->slicing = cut_slices(content->lo[k], content->hi[k], BIN_COUNT);
+        for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+            axis_bins->starts[slice_of(&axis_bins->slicing, references[i].box.lo[k], BIN_COUNT)]++;
+            axis_bins->ends[slice_of(&axis_bins->slicing, references[i].box.hi[k], BIN_COUNT)]++;
+        }
+    }
+}
+
+/* The bin boundary with the cheapest split, as the number of the bin above it; 0 = none is cheaper than *cost. */
+static int find_best_boundary(const struct sweep *sweep, const struct bins *bins, size_t count, double *cost)
+{
+    int best = 0;
+    size_t below_count = 0, above_count = count;
+    for (int bin = 1; bin < BIN_COUNT; bin++) {
+        below_count += bins->starts[bin - 1];
+        above_count -= bins->ends[bin - 1];
+        double boundary_cost =
+            cost_at(sweep, bins->slicing.start + bin / bins->slicing.scale, below_count, above_count);
+        if (boundary_cost < *cost) {
+            *cost = boundary_cost;
+            best = bin;
+        }
+    }
+    return best;
+}
+
+/* The events of the bins first_bin and first_bin + 1, as gather_all_events arranges them. */
+static struct events gather_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
+                                   const struct slicing *slicing, int first_bin, struct mlrt_progress *progress,
+                                   uint32_t *keys)
+{
+    uint32_t *middle = keys + count;
+    struct events events = {keys, middle, middle, 0, 0, 0};
+    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+        const struct mlrt_box *box = &references[i].box;
+        int starts = (unsigned)(slice_of(slicing, box->lo[axis], BIN_COUNT) - first_bin) < 2;
+        int ends = (unsigned)(slice_of(slicing, box->hi[axis], BIN_COUNT) - first_bin) < 2;
+        if (is_planar(box, axis)) {
+            if (starts) {
+                *--events.planars = mlrt_float_key(box->lo[axis]);
+                events.planar_count++;
+            }
+            continue;
+        }
+        if (starts) events.starts[events.start_count++] = mlrt_float_key(box->lo[axis]);
+        if (ends) events.ends[events.end_count++] = mlrt_float_key(box->hi[axis]);
+    }
+    sort_events(&events, keys + 2 * count);
+    return events;
+}
+
+void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
+                            const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
+                            struct mlrt_progress *progress, uint32_t *keys, struct mlrt_split *split)
+{
+    struct bins bins[3];
+    fill_bins(references, count, content, progress, bins);
+    double cost = HUGE_VAL;
+    int best = 0;
+    uint32_t axis = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        if (extent(content, k) <= 0) continue;
+        struct sweep sweep = start_sweep(model, cell, k);
+        int boundary = find_best_boundary(&sweep, &bins[k], count, &cost);
+        if (boundary > 0) {
+            best = boundary;
+            axis = k;
+        }
+    }
+    split->cost = HUGE_VAL;
+    if (best > 0) {
+        size_t below_count = 0, above_count = count;
+        for (int bin = 0; bin < best - 1; bin++) {
+            below_count += bins[axis].starts[bin];
+            above_count -= bins[axis].ends[bin];
+        }
+        struct sweep sweep = start_sweep(model, cell, axis);
+        struct events events = gather_events(references, count, axis, &bins[axis].slicing, best - 1, progress, keys);
+        sweep_events(&sweep, &events, below_count, above_count, split);
+    }
+    if (split->cost == HUGE_VAL) mlrt_find_exact_split(model, cell, references, count, keys, split);
+}

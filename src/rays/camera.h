@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The camera: the one formula that makes a pixel's ray (rule R7).
+ */
+#ifndef MLRT_RAYS_CAMERA_H
+#define MLRT_RAYS_CAMERA_H
+
+#include "mlrt.h"
+
+/* A checked camera. Pixels are counted from the crop's first. */
+struct mlrt_view {
+    int parallel;
+    uint32_t width; /* of the crop */
+    uint32_t height;
+    uint32_t first_x;
+    uint32_t first_y;
+    float eye[3];       /* pinhole: every origin */
+    float direction[3]; /* parallel: every direction */
+    float d00[3];
+    float dx[3];
+    float dy[3];
+    float sample_x;
+    float sample_y;
+    float t_min;
+    float t_max; /* inf = no limit */
+};
+
+/* Checks a camera (its struct_size is right) and resolves its defaults. */
+int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view);
+
+/* fl(i + sample) for a pixel's column or row. */
+static inline float mlrt_sample_position(uint32_t first, uint32_t i, float sample)
+{
+    return (float)(first + i) + sample;
+}
+
+/* p of the formula: the direction of a pinhole camera's ray, the origin of a parallel one's. */
+static inline void mlrt_view_point(const struct mlrt_view *view, uint32_t i, uint32_t j, float p[3])
+{
+    const float x = mlrt_sample_position(view->first_x, i, view->sample_x);
+    const float y = mlrt_sample_position(view->first_y, j, view->sample_y);
+    for (int k = 0; k < 3; ++k) p[k] = (view->d00[k] + x * view->dx[k]) + y * view->dy[k];
+}
+
+#endif

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What nearest.h's mlrt_make_segment and source.h's mlrt_is_safe_ray say of one ray, for the rays of a packet as a source
+ * gave them (mlrt_fetch_packet), a vector at a time.
+ */
+#ifndef MLRT_RAYS_CHECK_PACKET_H
+#define MLRT_RAYS_CHECK_PACKET_H
+
+#include <math.h>
+
+#include "rays/source.h"
+#include "simd/simd.h"
+
+/* What there is to know of vectors, a lane each. */
+struct checked_vectors {
+    vf size;      /* the greatest component, unless that is no number */
+    vm is_finite; /* all components are */
+    vm is_safe;   /* float arithmetic carries them safely: they are 0 or of magnitude 2^-60 .. 2^60 */
+};
+
+MLRT_INLINE struct checked_vectors check_vectors(const vf a[3])
+{
+    const vf zero = v_set1(0);
+    struct checked_vectors checked = {zero, v_eq(zero, zero), v_eq(zero, zero)};
+    vf none = zero; /* or NaN where a component is not finite */
+    for (int k = 0; k < 3; ++k) {
+        const vf size = v_abs(a[k]);
+        checked.is_safe = m_and(checked.is_safe, m_or(v_eq(a[k], zero), v_ge(size, v_set1(MLRT_SAFE_MIN))));
+        checked.size = v_max(size, checked.size);
+        none = v_mul_add(a[k], zero, none);
+    }
+    checked.is_safe = m_and(checked.is_safe, v_le(checked.size, v_set1(MLRT_SAFE_MAX)));
+    checked.is_finite = v_eq(none, zero);
+    return checked;
+}
+
+/*
+ * The same of many vectors, as long as none of them is unusual: the least component, and the greatest sum of three. One
+ * that is no number makes the sum none, which is not dropped.
+ */
+struct usual_vectors {
+    vf least;
+    vf sum;
+};
+
+#define NO_VECTORS ((struct usual_vectors){v_set1(INFINITY), v_set1(0)})
+
+MLRT_INLINE void add_usual_vectors(const vf a[3], struct usual_vectors *all)
+{
+    const vf x = v_abs(a[0]), y = v_abs(a[1]), z = v_abs(a[2]);
+    all->least = v_min(v_min(v_min(x, y), z), all->least);
+    all->sum = v_add(v_add(v_add(x, y), z), all->sum);
+}
+
+/* Are all components surely of magnitude 2^-60 .. 2^60? */
+MLRT_INLINE int are_usual(const struct usual_vectors *all)
+{
+    const vm small = v_le(all->sum, v_set1(MLRT_SAFE_MAX)), large = v_ge(all->least, v_set1(MLRT_SAFE_MIN));
+    return MLRT_LIKELY(m_bits(m_and(small, large)) == ALL_LANES);
+}
+
+/* Lanes whose vectors are finite, carried by float, and not 0: origins and directions must be the first for a ray that
+ * can hit something, directions the last. */
+struct checked_lanes {
+    uint32_t finite;
+    uint32_t safe;
+    uint32_t nonzero;
+};
+
+MLRT_INLINE void add_checked_vectors(const struct checked_vectors *checked, int v, struct checked_lanes *lanes)
+{
+    lanes->finite |= m_bits(checked->is_finite) << v;
+    lanes->safe |= m_bits(checked->is_safe) << v;
+    lanes->nonzero |= m_bits(v_gt(checked->size, v_set1(0))) << v;
+}
+
+/* Directions of VW lanes from lane v on: checked, and put where they belong. -0 becomes 0. */
+MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packet, struct checked_lanes *lanes)
+{
+    const struct checked_vectors checked = check_vectors(d);
+    add_checked_vectors(&checked, v, lanes);
+    for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(d[k], v_set1(0)));
+}
+
+static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
+{
+    struct usual_vectors all = NO_VECTORS;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
+        add_usual_vectors(a, &all);
+    }
+    *lanes = (struct checked_lanes){0xFFFF, 0xFFFF, 0xFFFF};
+    if (are_usual(&all)) return;
+    *lanes = (struct checked_lanes){0, 0, 0};
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf a[3] = {v_load(rows[0] + v), v_load(rows[1] + v), v_load(rows[2] + v)};
+        const struct checked_vectors checked = check_vectors(a);
+        add_checked_vectors(&checked, v, lanes);
+    }
+}
+
+/* Where rays begin and end, and that nothing was hit so far. */
+MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *packet)
+{
+    v_store(packet->t_min + v, t_min);
+    v_store(packet->t_max + v, t_max);
+    v_store(packet->lo + v, t_max);
+    v_store(packet->hi + v, t_max);
+    i_store(packet->triangle + v, i_set1(MLRT_NONE));
+}
+
+/* Rule R1 (exact/nearest.h), and which rays float can carry (packet.h). */
+MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
+{
+    struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */
+    uint32_t is_interval = 0;
+    if (!packet->has_apex) {
+        check_lanes(packet->origin, &origins);
+    } else if (MLRT_UNLIKELY(!mlrt_are_float_safe(packet->apex))) {
+        origins.safe = 0;
+    }
+    check_lanes(packet->direction, &directions);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        for (int k = 0; k < 3; ++k) { /* -0 becomes 0 */
+            v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
+        }
+        const vf given = v_load(packet->t_min + v), t_max = v_load(packet->t_max + v);
+        const vf t_min = v_select(v_lt(given, v_set1(0)), v_set1(0), given);
+        take_limits(t_min, t_max, v, packet);
+        is_interval |= m_bits(v_lt(t_min, t_max)) << v;
+    }
+    const uint32_t valid = lanes & is_interval & origins.finite & directions.finite & directions.nonzero;
+    packet->active = valid & origins.safe & directions.safe;
+    packet->single = valid & ~packet->active;
+}
+
+/* A mesh that was looked up, and its triangles. At first it is that of nothing. */
+struct known_mesh {
+    uint32_t id;
+    struct mlrt_mesh_range range;
+};
+
+#define NO_MESH ((struct known_mesh){MLRT_NONE, {0, 0}})
+
+/* Numbers of triangles of the mesh with this id. */
+MLRT_INLINE void find_mesh(const struct mlrt_tree *tree, uint32_t id, struct known_mesh *known)
+{
+    if (known->id != id) *known = (struct known_mesh){id, mlrt_find_mesh(tree, id)};
+}
+
+MLRT_INLINE vi numbers_in_mesh(const struct known_mesh *mesh, vi triangle)
+{
+    const vi number = i_sub(triangle, i_set1(0u - mesh->range.first));
+    return i_select(i_lt(triangle, i_set1(mesh->range.count)), number, i_set1(MLRT_NONE));
+}
+
+#endif

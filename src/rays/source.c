@@ -1,0 +1,494 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where rays come from: reading them out of the caller's arrays, one by one and sixteen at a time.
+ *
+ * Arrays are aligned to 4 bytes only and have any stride, and nothing beside their elements may be read. A whole block
+ * is four rows of four neighbours, which are read together; elements of other blocks one by one. What is known of all
+ * sixteen rays is found on vectors (check_packet.h).
+ */
+#include "rays/source.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/structs.h"
+#include "exact/nearest.h"
+#include "simd/quad.h"
+
+/* ---- checking ---- */
+
+/* Resolves a stride: bytes from element to element, or 0 if all rays have one. 0: it cannot be read as 4-byte numbers.
+ */
+static int resolve_array(const mlrt_const_array *array, size_t element_size, int required, mlrt_const_array *resolved)
+{
+    *resolved = *array;
+    if (!array->data) return !required;
+    if (array->stride == 0) resolved->stride = element_size;
+    if (array->stride == MLRT_STRIDE_ALL) resolved->stride = 0;
+    return resolved->stride <= MLRT_STRIDE_LIMIT && resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
+}
+
+void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
+{
+    source->width = row_length && source->rays_per_origin <= 1 ? row_length : 4;
+    const uint32_t widest = source->count > 4 ? source->count : 4;
+    if (source->width > widest) source->width = widest;
+    source->height = source->count / source->width + (source->count % source->width != 0);
+}
+
+/* Do the elements of an array lie beside those of another, in one struct? */
+static int lie_together(const mlrt_const_array *array, const mlrt_const_array *other)
+{
+    const uintptr_t apart = (uintptr_t)array->data - (uintptr_t)other->data;
+    return array->stride == other->stride && apart + 63 <= 126;
+}
+
+/* Finds the arrays that have an element for each ray, one of those that lie together. */
+static void find_streams(struct mlrt_source *source)
+{
+    const mlrt_const_array *arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
+                                         &source->skip};
+    source->stream_count = 0;
+    for (int i = 0; i < 5; ++i) {
+        int is_new = arrays[i]->data && arrays[i]->stride;
+        for (uint32_t j = 0; j < source->stream_count; ++j) is_new &= !lie_together(arrays[i], &source->streams[j]);
+        if (is_new) source->streams[source->stream_count++] = *arrays[i];
+    }
+}
+
+static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
+{
+    find_streams(source);
+    if (count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
+    source->count = (uint32_t)count;
+    mlrt_set_rows(row_length, source);
+    return MLRT_OK;
+}
+
+int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source)
+{
+    source->kind = MLRT_SOURCE_CAMERA;
+    source->rays_per_origin = 1;
+    source->mask.data = NULL;
+    source->stream_count = 0;
+    int32_t status = mlrt_make_view(camera, &source->view);
+    if (status != MLRT_OK) return status;
+    source->width = source->view.width;
+    source->height = source->view.height;
+    source->count = source->width * source->height;
+    return MLRT_OK;
+}
+
+int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
+{
+    source->kind = MLRT_SOURCE_RAYS;
+    source->tree = tree;
+    source->rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1;
+    const int required = rays->count > 0;
+    if (!resolve_array(&rays->origins, 12, required, &source->points) ||
+        !resolve_array(&rays->directions, 12, required, &source->directions) ||
+        !resolve_array(&rays->t_min, 4, 0, &source->t_min) || !resolve_array(&rays->t_max, 4, 0, &source->t_max) ||
+        !resolve_array(&rays->skip, 8, 0, &source->skip) || !resolve_array(&rays->mask, 4, 0, &source->mask)) {
+        return MLRT_ERROR_ARGUMENT;
+    }
+    return set_extent(source, rays->count, rays->row_length);
+}
+
+int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
+{
+    if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
+    source->kind = light->kind == MLRT_LIGHT_POINT ? MLRT_SOURCE_POINT_LIGHT : MLRT_SOURCE_DIRECTIONAL_LIGHT;
+    for (int k = 0; k < 3; ++k) {
+        if (!isfinite(light->position[k])) return MLRT_ERROR_ARGUMENT;
+        source->light[k] = light->position[k];
+    }
+    return MLRT_OK;
+}
+
+int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                               struct mlrt_source *source)
+{
+    const int32_t status = mlrt_set_light(light, source);
+    if (status != MLRT_OK) return status;
+    source->directions.data = source->t_min.data = source->t_max.data = source->mask.data = NULL;
+    source->tree = tree;
+    source->rays_per_origin = 1;
+    if (!resolve_array(&points->positions, 12, points->count > 0, &source->points) ||
+        !resolve_array(&points->skip, 8, 0, &source->skip)) {
+        return MLRT_ERROR_ARGUMENT;
+    }
+    return set_extent(source, points->count, points->row_length);
+}
+
+void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source)
+{
+    if (!tree->masks) source->mask.data = NULL;
+    source->common_mask = tree->masks && !source->mask.data && common ? common : MLRT_MASK_ALL;
+    source->has_masks = source->mask.data || (source->common_mask != MLRT_MASK_ALL && !leaves_are_filtered);
+}
+
+/* ---- reading rays ---- */
+
+int mlrt_are_float_safe(const float vector[3])
+{
+    return mlrt_is_float_safe(vector[0]) && mlrt_is_float_safe(vector[1]) && mlrt_is_float_safe(vector[2]);
+}
+
+static const float *float_at(const mlrt_const_array *array, uint32_t i)
+{
+    return (const float *)(const void *)((const unsigned char *)array->data + (size_t)i * array->stride);
+}
+
+struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
+{
+    const struct mlrt_mesh_range none = {0, 0};
+    uint32_t below = 0, above = tree->mesh_count;
+    while (below < above) {
+        uint32_t middle = below + (above - below) / 2;
+        if (tree->mesh_ids[tree->mesh_by_id[middle]] < mesh_id) {
+            below = middle + 1;
+        } else {
+            above = middle;
+        }
+    }
+    if (below == tree->mesh_count) return none;
+    const uint32_t mesh = tree->mesh_by_id[below];
+    if (tree->mesh_ids[mesh] != mesh_id) return none;
+    return (struct mlrt_mesh_range){tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
+}
+
+MLRT_INLINE uint32_t number_in_mesh(struct mlrt_mesh_range mesh, uint32_t triangle)
+{
+    return triangle < mesh.count ? mesh.first + triangle : MLRT_NONE;
+}
+
+uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, uint32_t triangle)
+{
+    return number_in_mesh(mlrt_find_mesh(tree, mesh_id), triangle);
+}
+
+/* The element of ray i in an array with one for each `group` rays. Mostly that is 1, and not worth a division. */
+MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
+{
+    return MLRT_LIKELY(group == 1) ? i : i / group;
+}
+
+/* What ray i skips. */
+static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
+{
+    if (!source->skip.data) return MLRT_NONE;
+    const uint32_t element = element_of_ray(i, source->rays_per_origin);
+    const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->skip, element);
+    return mlrt_triangle_number(source->tree, pair[0], pair[1]);
+}
+
+static uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
+{
+    if (!source->mask.data) return source->common_mask;
+    const uint32_t mask =
+        *(const uint32_t *)(const void *)((const unsigned char *)source->mask.data + (size_t)i * source->mask.stride);
+    return mask ? mask : MLRT_MASK_ALL;
+}
+
+static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray)
+{
+    float p[3];
+    mlrt_view_point(view, x, y, p);
+    return view->parallel ? mlrt_make_segment(p, view->direction, view->t_min, view->t_max, ray)
+                          : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
+}
+
+/* Ray i of arrays. */
+static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray)
+{
+    const uint32_t origin = element_of_ray(i, source->rays_per_origin);
+    const float *point = float_at(&source->points, origin);
+    if (source->kind == MLRT_SOURCE_RAYS) {
+        return mlrt_make_segment(point, float_at(&source->directions, i),
+                                 source->t_min.data ? *float_at(&source->t_min, origin) : 0,
+                                 source->t_max.data ? *float_at(&source->t_max, i) : INFINITY, ray);
+    }
+    if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return mlrt_make_segment(point, source->light, 0, INFINITY, ray);
+    const float direction[3] = {point[0] - source->light[0], point[1] - source->light[1], point[2] - source->light[2]};
+    return mlrt_make_segment(source->light, direction, 0, 1, ray);
+}
+
+int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
+{
+    if (skip) *skip = MLRT_NONE;
+    if (source->kind == MLRT_SOURCE_CAMERA) {
+        if (!get_camera_ray(&source->view, x, y, ray)) return 0;
+        ray->mask = source->common_mask;
+        return 1;
+    }
+    const uint64_t position = (uint64_t)y * source->width + x;
+    if (position >= source->count) return 0;
+    const uint32_t i = (uint32_t)position;
+    if (skip) *skip = skip_at(source, i);
+    if (!get_array_ray(source, i, ray)) return 0;
+    ray->mask = mask_at(source, i);
+    return 1;
+}
+
+/* ---- packets ---- */
+
+/*
+ * A block of at most 4x4 elements: its first, the distance between rows, and the lanes that exist, the first among
+ * them. Behind the end of a short last row there are none; then the first is any other element.
+ */
+struct block {
+    uint32_t first;
+    uint32_t row_length;
+    uint32_t lanes;
+};
+
+/*
+ * The element of a lane. Lanes that do not exist get that of the block's first ray, which does: nothing may be read
+ * beside the elements.
+ */
+MLRT_INLINE uint32_t element_of_lane(const struct block *block, uint32_t lane)
+{
+    const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
+    return block->first + (block->lanes >> lane & 1 ? row * block->row_length + column : 0);
+}
+
+MLRT_INLINE int is_whole(const struct block *block)
+{
+    return block->lanes == 0xFFFF;
+}
+
+/* Puts two rows of a block, an even one and the next, where their lanes are. */
+MLRT_INLINE void put_rows(f4 even, f4 odd, void *lanes)
+{
+    f4_store_any(lanes, f4_low(even, odd));
+    f4_store_any((unsigned char *)lanes + 16, f4_high(even, odd));
+}
+
+/* A row of four elements: where it begins, and the distance between neighbours. */
+struct row {
+    const unsigned char *at;
+    size_t step;
+};
+
+/* Are the rows of a block evenly spaced elements? With an element for several rays they are, if whole rows share one. */
+MLRT_INLINE int has_rows(const struct block *block, uint32_t group)
+{
+    return MLRT_LIKELY(is_whole(block) && group % 4 <= (group == 1));
+}
+
+MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct block *block, uint32_t group,
+                                    uint32_t row)
+{
+    const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
+    return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
+}
+
+/* The vectors of a row, by axis. */
+MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
+{
+    const float *at = (const float *)(const void *)row.at;
+    if (MLRT_LIKELY(row.step == 12)) {
+        f4_triples(at, by_axis);
+    } else {
+        f4_gather_triples(at, row.step / sizeof *at, by_axis);
+    }
+}
+
+/* Words of elements, lane by lane: word k of lane l goes to words[k][l]. The array has one for each `group` rays. */
+static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
+                        void *const *words)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
+        for (int k = 0; k < word_count; ++k) memcpy((unsigned char *)words[k] + 4 * lane, element + k, 4);
+    }
+}
+
+static void fetch_vectors(const mlrt_const_array *array, const struct block *block, uint32_t group,
+                          float vectors[3][MLRT_PACKET_RAYS])
+{
+    if (!has_rows(block, group)) {
+        fetch_lanes(array, block, group, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        f4 even[3], odd[3];
+        load_vectors(row_of_block(array, block, group, row), even);
+        load_vectors(row_of_block(array, block, group, row + 1), odd);
+        put_rows(even[0], odd[0], vectors[0] + 4 * row);
+        put_rows(even[1], odd[1], vectors[1] + 4 * row);
+        put_rows(even[2], odd[2], vectors[2] + 4 * row);
+    }
+}
+
+/* The numbers of a row. */
+MLRT_INLINE f4 load_numbers(struct row row)
+{
+    const float *at = (const float *)(const void *)row.at;
+    return row.step == sizeof *at ? f4_load_any(at) : f4_gather(at, row.step / sizeof *at);
+}
+
+MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
+{
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store(numbers + lane, f4_set1(value));
+}
+
+/* Numbers out of an array, or `standard` if there is none. */
+MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, uint32_t group, float standard,
+                               float numbers[MLRT_PACKET_RAYS])
+{
+    if (!array->data) {
+        fill(standard, numbers);
+        return;
+    }
+    if (!has_rows(block, group)) {
+        fetch_lanes(array, block, group, 1, (void *const[]){numbers});
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        put_rows(load_numbers(row_of_block(array, block, group, row)),
+                 load_numbers(row_of_block(array, block, group, row + 1)), numbers + 4 * row);
+    }
+}
+
+/* Pairs of words of a row, firsts and seconds. */
+MLRT_INLINE void load_pairs(struct row row, f4 *firsts, f4 *seconds)
+{
+    uint32_t pairs[8];
+    if (MLRT_UNLIKELY(row.step != sizeof *pairs * 2)) {
+        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, row.at + i * row.step, 8);
+        row.at = (const unsigned char *)pairs;
+    }
+    const f4 low = f4_load_any(row.at), high = f4_load_any(row.at + 16);
+    *firsts = f4_evens(low, high);
+    *seconds = f4_odds(low, high);
+}
+
+void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                      struct mlrt_packet *packet)
+{
+    const mlrt_const_array *array = &source->skip;
+    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
+    packet->has_skip = array->data != NULL;
+    if (!array->data) return;
+    if (!has_rows(&block, source->rays_per_origin)) {
+        fetch_lanes(array, &block, source->rays_per_origin, 2, (void *const[]){packet->skip_mesh, packet->skip});
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        f4 even[2], odd[2];
+        load_pairs(row_of_block(array, &block, source->rays_per_origin, row), &even[0], &even[1]);
+        load_pairs(row_of_block(array, &block, source->rays_per_origin, row + 1), &odd[0], &odd[1]);
+        put_rows(even[0], odd[0], packet->skip_mesh + 4 * row);
+        put_rows(even[1], odd[1], packet->skip + 4 * row);
+    }
+}
+
+static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        float p[3];
+        mlrt_view_point(view, x + (uint32_t)mlrt_lane_x[lane], y + (uint32_t)mlrt_lane_y[lane], p);
+        for (int k = 0; k < 3; ++k) {
+            packet->origin[k][lane] = view->parallel ? p[k] : view->eye[k];
+            packet->direction[k][lane] = view->parallel ? view->direction[k] : p[k];
+        }
+    }
+    fill(view->t_min, packet->t_min);
+    fill(view->t_max, packet->t_max);
+}
+
+static void fetch_light_rays(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
+{
+    const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    fetch_vectors(&source->points, block, 1, is_point ? packet->direction : packet->origin);
+    for (int k = 0; k < 3; ++k) {
+        const f4 light = f4_set1(source->light[k]);
+        float *direction = packet->direction[k];
+        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) {
+            f4_store(direction + lane, is_point ? f4_sub(f4_load(direction + lane), light) : light);
+        }
+    }
+    fill(0, packet->t_min);
+    fill(is_point ? 1 : INFINITY, packet->t_max);
+    packet->has_apex = is_point;
+    memcpy(packet->apex, source->light, sizeof packet->apex);
+}
+
+/* Those of lanes that do not exist are anything. */
+static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
+{
+    mlrt_set_common_mask(source, packet);
+    for (uint32_t lane = 0; source->mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
+        packet->mask[lane] = mask_at(source, element_of_lane(block, lane));
+    }
+}
+
+void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet)
+{
+    packet->has_masks = 1;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->mask[lane] = source->common_mask;
+}
+
+void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                       struct mlrt_packet *packet)
+{
+    const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
+    packet->has_apex = packet->has_skip = packet->has_limits = 0;
+    packet->has_masks = 0;
+    if (MLRT_UNLIKELY(source->has_masks)) fetch_masks(source, &block, packet);
+    if (source->kind == MLRT_SOURCE_CAMERA) {
+        packet->has_limits = source->view.t_min > 0;
+        fetch_camera_rays(&source->view, x, y, packet);
+        return;
+    }
+    if (source->kind == MLRT_SOURCE_RAYS) {
+        packet->has_limits = source->t_min.data || source->t_max.data;
+        fetch_vectors(&source->points, &block, source->rays_per_origin, packet->origin);
+        fetch_vectors(&source->directions, &block, 1, packet->direction);
+        fetch_numbers(&source->t_min, &block, source->rays_per_origin, 0, packet->t_min);
+        fetch_numbers(&source->t_max, &block, 1, INFINITY, packet->t_max);
+    } else {
+        fetch_light_rays(source, &block, packet);
+    }
+    mlrt_fetch_skips(source, x, y, lanes, packet);
+}
+
+void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
+{
+    uint32_t id = packet->skip_mesh[0];
+    struct mlrt_mesh_range mesh = mlrt_find_mesh(tree, id);
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        if (packet->skip_mesh[lane] != id) mesh = mlrt_find_mesh(tree, id = packet->skip_mesh[lane]);
+        packet->skip[lane] = number_in_mesh(mesh, packet->skip[lane]);
+    }
+}
+
+uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
+{
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint64_t row = y + (uint32_t)mlrt_lane_y[lane];
+        if (row * source->width + x + (uint32_t)mlrt_lane_x[lane] >= source->count) lanes &= ~(1u << lane);
+    }
+    return lanes;
+}
+
+/* ---- ahead of time ---- */
+
+/* Of an array, a row of `width` elements from `first` on. Always inlined: to the compiler a function that only prefetches
+ * does nothing, and a call of it is dropped. */
+MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t width)
+{
+    const char *row = (const char *)array->data + first * array->stride;
+    const size_t size = width * array->stride;
+    for (size_t i = 0; i < size; i += 64) mlrt_prefetch(row + i);
+    mlrt_prefetch(row + size - 1);
+}
+
+void mlrt_prefetch_row(const struct mlrt_source *source, uint32_t x, uint32_t y)
+{
+    if (x >= source->width || y >= source->height) return;
+    const uint32_t width = source->width - x < 16 ? source->width - x : 16;
+    const size_t first = (size_t)y * source->width + x;
+    for (uint32_t i = 0; i < source->stream_count; ++i) prefetch_elements(&source->streams[i], first, width);
+}

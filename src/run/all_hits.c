@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * All hits of rays: one by one, shared out among workers in pieces of a few hundred.
+ */
+#include "run/all_hits.h"
+
+#include <math.h>
+
+#include "base/counters.h"
+#include "base/progress.h"
+#include "base/run_options.h"
+#include "base/scheduler.h"
+#include "base/structs.h"
+#include "exact/hit_list.h"
+#include "job/sink.h"
+#include "run/trace_ray.h"
+
+#define ITEM_RAYS 256
+
+/* The caller's arrays, with strides resolved. */
+enum { T, U, V, MESH, TRIANGLE, FACING, CROSSING, TOTAL, CROSSING_TOTAL, ARRAY_COUNT };
+
+struct worker {
+    struct mlrt_hit_list list;
+    mlrt_counters counters;
+};
+
+struct run {
+    const struct mlrt_tree *tree;
+    const struct mlrt_source *source;
+    uint32_t capacity; /* 0 = no arrays of hits */
+    mlrt_array arrays[ARRAY_COUNT];
+    uint32_t outputs; /* what mlrt_report_hit has to work out */
+    int counting;
+    struct worker *workers;
+    struct mlrt_progress progress; /* by items */
+};
+
+static int32_t resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
+{
+    const mlrt_array arrays[ARRAY_COUNT] = {lists->t,        lists->u,        lists->v,
+                                            lists->mesh,     lists->triangle, lists->facing,
+                                            lists->crossing, lists->total,    lists->crossing_total};
+    for (int c = 0; c < ARRAY_COUNT; ++c) {
+        const size_t size = c == CROSSING ? 1 : 4;
+        mlrt_array *array = &run->arrays[c];
+        *array = arrays[c];
+        if (!array->data) continue;
+        if (array->stride == 0) array->stride = size;
+        if (array->stride > MLRT_STRIDE_LIMIT || array->stride % size != 0 || (uintptr_t)array->data % size != 0)
+            return MLRT_ERROR_ARGUMENT;
+        if (c >= TOTAL) continue;
+        if (lists->capacity == 0) return MLRT_ERROR_ARGUMENT;
+        run->capacity = lists->capacity; // without arrays of hits nothing has to be put in order
+    }
+    run->outputs = (lists->t.data ? MLRT_OUTPUT_T : 0u) | (lists->u.data || lists->v.data ? MLRT_OUTPUT_UV : 0u) |
+                   (lists->facing.data ? MLRT_OUTPUT_FACING : 0u);
+    return MLRT_OK;
+}
+
+static void *element(const mlrt_array *array, size_t i)
+{
+    return (unsigned char *)array->data + i * array->stride;
+}
+
+static void write_word(const mlrt_array *array, size_t i, uint32_t value)
+{
+    if (array->data) *(uint32_t *)element(array, i) = value;
+}
+
+static void write_float(const mlrt_array *array, size_t i, float value)
+{
+    if (array->data) *(float *)element(array, i) = value;
+}
+
+/* One hit of a ray, or with number = MLRT_NONE a miss, to element i. */
+static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray, uint32_t number, int crossing,
+                      size_t i)
+{
+    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
+    uint32_t mesh, triangle;
+    mlrt_find_ids(run->tree, number, &mesh, &triangle);
+    if (run->outputs && number != MLRT_NONE) {
+        mlrt_report_hit(ray, &run->tree->triangles[number], run->outputs, &report);
+    }
+    write_float(&run->arrays[T], i, report.t);
+    write_float(&run->arrays[U], i, report.u);
+    write_float(&run->arrays[V], i, report.v);
+    write_word(&run->arrays[MESH], i, mesh);
+    write_word(&run->arrays[TRIANGLE], i, triangle);
+    if (run->arrays[FACING].data) *(int32_t *)element(&run->arrays[FACING], i) = report.facing;
+    if (run->arrays[CROSSING].data) *(uint8_t *)element(&run->arrays[CROSSING], i) = (uint8_t)crossing;
+}
+
+static uint32_t count_crossings(const struct run *run, const struct mlrt_ray_segment *ray,
+                                const struct mlrt_hit_list *list)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < list->count; ++i) {
+        count += (uint32_t)mlrt_crosses_triangle(ray, &run->tree->triangles[list->hits[i].triangle]);
+    }
+    return count;
+}
+
+/* Ray i, from reading it to its results. Returns 0 if there was no memory. */
+static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
+{
+    const struct mlrt_source *source = run->source;
+    struct mlrt_hit_list *list = &worker->list;
+    mlrt_counters *counters = run->counting ? &worker->counters : NULL;
+    struct mlrt_ray_segment ray;
+    uint32_t skip;
+    list->count = 0;
+    ++worker->counters.ray_count;
+    if (mlrt_get_ray(source, i % source->width, i / source->width, &ray, &skip)) {
+        ++worker->counters.packet_count;
+        mlrt_gather_hits(run->tree, &ray, skip, list, counters);
+        mlrt_order_hits(run->tree->triangles, &ray, run->capacity, list, counters);
+    }
+    if (list->failed) return 0;
+    write_word(&run->arrays[TOTAL], i, list->count);
+    if (run->arrays[CROSSING_TOTAL].data) write_word(&run->arrays[CROSSING_TOTAL], i, count_crossings(run, &ray, list));
+    for (uint32_t j = 0; j < run->capacity; ++j) {
+        const uint32_t number = j < list->count ? list->hits[j].triangle : MLRT_NONE;
+        const int crossing = number != MLRT_NONE && run->arrays[CROSSING].data &&
+                             mlrt_crosses_triangle(&ray, &run->tree->triangles[number]);
+        write_hit(run, &ray, number, crossing, (size_t)i * run->capacity + j);
+    }
+    return 1;
+}
+
+static MLRT_NOINLINE int trace_rays(const struct run *run, struct worker *worker, uint32_t begin, uint32_t end)
+{
+    for (uint32_t i = begin; i < end; ++i) {
+        if (!trace_ray(run, worker, i)) return 0;
+    }
+    return 1;
+}
+
+static int32_t run_item(void *work, uint32_t item, uint32_t number)
+{
+    struct run *run = work;
+    const uint32_t begin = item * ITEM_RAYS, left = run->source->count - begin;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int done = trace_rays(run, &run->workers[number], begin, begin + (left < ITEM_RAYS ? left : ITEM_RAYS));
+    mlrt_leave_fp_environment(environment);
+    if (!done) return MLRT_ERROR_OUT_OF_MEMORY;
+    return mlrt_advance(&run->progress, 1) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+}
+
+int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source *source, const mlrt_hit_lists *lists,
+                          const struct mlrt_run_options *options)
+{
+    struct run run = {.tree = tree, .source = source, .counting = options->counters != NULL};
+    int32_t status = resolve_arrays(lists, &run);
+    if (status != MLRT_OK) return status;
+    if (source->count == 0) return mlrt_end_nothing(&options->host);
+    const uint32_t worker_count = mlrt_worker_count(options->pool);
+    const uint32_t item_count = (source->count - 1) / ITEM_RAYS + 1;
+    struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
+    run.workers = mlrt_allocate_zeroed(&memory, worker_count, sizeof *run.workers);
+    if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
+    for (uint32_t w = 0; w < worker_count; ++w) run.workers[w].list.memory = memory;
+    mlrt_begin_progress(&options->host, item_count, &run.progress);
+    status = mlrt_run_items(options->pool, item_count, run_item, &run);
+    for (uint32_t w = 0; w < worker_count; ++w) {
+        if (options->counters) mlrt_add_counters(options->counters, &run.workers[w].counters);
+        mlrt_free_hit_list(&run.workers[w].list);
+    }
+    mlrt_free(&memory, run.workers, worker_count, sizeof *run.workers);
+    return mlrt_end_progress(&run.progress, status);
+}

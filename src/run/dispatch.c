@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which processor gets which kernels. What it can do is asked once per process: CPUID takes long in a virtual machine.
+ *
+ * Who counts gets the kernels in plain C, which do the same work in more steps: one that counts for each instruction
+ * set is not worth its size. Where there is SSE nobody is in a hurry with plain C, and it always counts. So do the
+ * kernels of the kd-tree.
+ */
+#include "run/dispatch.h"
+
+#if MLRT_HAVE_SSE
+#include <cpuid.h>
+
+/* What of the wide registers the operating system saves. */
+static uint32_t saved_registers(void)
+{
+    uint32_t low, high;
+    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    return low;
+}
+
+/*
+ * The widest instruction set that there is. The bits: Intel, "Intel 64 and IA-32 Architectures Software Developer's
+ * Manual", volume 1, sections 14.3 and 15.2-15.4: OSXSAVE and FMA; AVX2, AVX512F and AVX512DQ; the registers.
+ */
+static int32_t find_widest(void)
+{
+    const uint32_t avx2 = bit_AVX2, avx512 = bit_AVX512F | bit_AVX512DQ, needed = bit_OSXSAVE | bit_FMA;
+    uint32_t a, b, c, d;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || (c & needed) != needed) return MLRT_ISA_SSE;
+    const uint32_t saved = saved_registers();
+    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & avx2) || (saved & 0x06) != 0x06) return MLRT_ISA_SSE;
+    return (b & avx512) == avx512 && (saved & 0xE6) == 0xE6 ? MLRT_ISA_AVX512 : MLRT_ISA_AVX2;
+}
+
+static int32_t known_isa; /* all that the library ever writes down for itself; 0: not yet */
+
+/* Looked up once. Threads that come together find the same. */
+static int32_t widest_isa(void)
+{
+    int32_t isa = __atomic_load_n(&known_isa, __ATOMIC_RELAXED);
+    if (!isa) __atomic_store_n(&known_isa, isa = find_widest(), __ATOMIC_RELAXED);
+    return isa;
+}
+#endif
+
+/* The kernels for boxes of each instruction set, MLRT_ISA_*. */
+static const struct mlrt_kernels *const kernels_of_isa[MLRT_ISA_AVX512 + 1] = {
+#if MLRT_HAVE_SSE
+    [MLRT_ISA_SCALAR] = &mlrt_kernels_scalar_counting,
+    [MLRT_ISA_SSE] = &mlrt_kernels_sse,
+    [MLRT_ISA_AVX2] = &mlrt_kernels_avx2,
+    [MLRT_ISA_AVX512] = &mlrt_kernels_avx512,
+#else
+    [MLRT_ISA_SCALAR] = &mlrt_kernels_scalar,
+#endif
+};
+
+const struct mlrt_kernels *mlrt_widest_kernels(void)
+{
+#if MLRT_HAVE_SSE
+    return kernels_of_isa[widest_isa()];
+#else
+    return kernels_of_isa[MLRT_ISA_SCALAR];
+#endif
+}
+
+const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting)
+{
+#if MLRT_HAVE_SSE
+    const int32_t widest = widest_isa();
+#else
+    const int32_t widest = MLRT_ISA_SCALAR;
+#endif
+    if (isa == MLRT_ISA_AUTO) isa = widest;
+    if (isa > widest) return NULL;
+    if (method != MLRT_METHOD_TILE) return &mlrt_kernels_kdtree;
+    return counting ? &mlrt_kernels_scalar_counting : kernels_of_isa[isa];
+}

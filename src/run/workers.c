@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * From a job to its results: the picture is cut into tiles of initial_tile_size, which workers trace one by one, each
+ * into the caller's frame and into its own tile buffer for the callback.
+ */
+#include "run/workers.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "base/progress.h"
+#include "base/run_options.h"
+#include "base/scheduler.h"
+#include "hits/undecided.h"
+#include "job/sink.h"
+#include "mlrta/setups.h"
+#include "rays/rectangle.h"
+#include "simd/sixteen.h"
+#include "trace/bundle.h"
+
+struct run {
+    const struct mlrt_job *job;
+    struct mlrt_worker *workers;
+    uint32_t column_count;
+    struct mlrt_progress progress; /* by pixels */
+};
+
+static uint32_t tile_count(uint32_t length, uint32_t size)
+{
+    return length / size + (length % size != 0);
+}
+
+/* The tile for the callback: the arrays that it asked for, over a tile of this width. */
+static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *worker, uint32_t number, uint32_t width,
+                          uint32_t height, mlrt_tile *tile)
+{
+    const struct mlrt_sink *sink = &worker->tile;
+    *tile = (mlrt_tile){sizeof *tile,
+                        number,
+                        job->source.view.first_x + worker->tile_x,
+                        job->source.view.first_y + worker->tile_y,
+                        width,
+                        height,
+                        (const float *)(const void *)sink->channel[MLRT_CHANNEL_T].data,
+                        (const float *)(const void *)sink->channel[MLRT_CHANNEL_U].data,
+                        (const float *)(const void *)sink->channel[MLRT_CHANNEL_V].data,
+                        (const uint32_t *)(const void *)sink->channel[MLRT_CHANNEL_MESH].data,
+                        (const uint32_t *)(const void *)sink->channel[MLRT_CHANNEL_TRIANGLE].data,
+                        (const int32_t *)(const void *)sink->channel[MLRT_CHANNEL_FACING].data,
+                        sink->channel[MLRT_CHANNEL_OCCLUDED].data};
+}
+
+static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *worker,
+                                     const struct mlrt_rectangle *area)
+{
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
+    }
+    mlrt_group_channels(&worker->tile);
+    worker->tile_x = area->x;
+    worker->tile_y = area->y;
+    run->job->kernels->trace_tile(run->job, worker, area);
+}
+
+static int32_t run_item(void *work, uint32_t item, uint32_t number)
+{
+    struct run *run = work;
+    const struct mlrt_job *job = run->job;
+    struct mlrt_worker *worker = &run->workers[number];
+    const uint32_t size = job->initial_tile_size;
+    const struct mlrt_rectangle whole = {0, 0, job->source.width, job->source.height};
+    const struct mlrt_rectangle area =
+        mlrt_cut_piece(&whole, item % run->column_count * size, item / run->column_count * size, size);
+
+    worker->pixels_told = 0;
+    worker->environment = mlrt_enter_fp_environment();
+    trace_item(run, worker, &area);
+    mlrt_leave_fp_environment(worker->environment);
+    if (worker->stopped) return 1;
+    if (job->callback) {
+        mlrt_tile tile;
+        describe_tile(job, worker, number, area.width, area.height, &tile);
+        if (job->callback(job->user, &tile) != 0) return 1;
+    }
+    return mlrt_advance(&run->progress, (double)area.width * area.height - worker->pixels_told);
+}
+
+static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
+{
+    static const uint32_t output[MLRT_CHANNEL_COUNT] = {
+        MLRT_OUTPUT_T,     MLRT_OUTPUT_UV, MLRT_OUTPUT_UV, MLRT_OUTPUT_IDS, MLRT_OUTPUT_IDS | MLRT_OUTPUT_TRIANGLE,
+        MLRT_OUTPUT_FACING};
+    if (!job->callback) return 0;
+    if (channel == MLRT_CHANNEL_OCCLUDED && job->light_count) return (job->outputs & MLRT_OUTPUT_OCCLUDED) != 0;
+    return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->outputs & output[channel]) != 0;
+}
+
+/* Bytes of tile buffers per worker. */
+static size_t tile_buffer_size(const struct mlrt_job *job)
+{
+    const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
+    size_t size = 0;
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        if (wants_channel(job, (enum mlrt_channel)c)) size += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
+    }
+    return size;
+}
+
+/* So few rays that they would not pay for large tables? */
+static int is_small(const struct mlrt_job *job)
+{
+    return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
+}
+
+/* As a power of two, how many set-ups of leaves are kept. */
+static uint32_t leaf_setup_bits(const struct mlrt_job *job)
+{
+    return is_small(job) ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
+}
+
+static uint32_t pair_bits(const struct mlrt_job *job)
+{
+    return is_small(job) ? MLRT_FEW_PAIR_BITS : MLRT_PAIR_BITS;
+}
+
+static uint32_t known_plane_bits(const struct mlrt_job *job)
+{
+    return is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
+}
+
+/* Closest hits (0) and any hits (1) have set-ups of their own: a picture's shadows go in turn with its tiles. */
+static int keeps_leaves(const struct mlrt_job *job, int any)
+{
+    return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
+}
+
+static int uses_bundles(const struct mlrt_job *job)
+{
+    return job->method == MLRT_METHOD_TILE;
+}
+
+/* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
+static uint32_t setup_count(const struct mlrt_job *job)
+{
+    return uses_bundles(job) ? 0 : job->shared_setups ? MLRT_SETUP_COUNT : 1;
+}
+
+/*
+ * Bytes that a worker has besides its state: set-ups of leaves and of triangles, known planes and pairs, and the
+ * callback's arrays.
+ */
+static size_t share_size(const struct mlrt_job *job)
+{
+    size_t size = tile_buffer_size(job) + (sizeof(struct mlrt_known_plane) << known_plane_bits(job)) +
+                  (sizeof(struct mlrt_triangle_pair) << pair_bits(job));
+    for (int any = 0; any < 2; ++any) {
+        if (keeps_leaves(job, any)) {
+            size += sizeof(struct mlrt_bundle_leaf) << leaf_setup_bits(job);
+        }
+    }
+    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) + setup_count(job) * sizeof(struct mlrt_triangle_setup);
+    return (size + 63) / 64 * 64;
+}
+
+/* Leaves first, since their lines are whole. Returns what is left. */
+static unsigned char *share_out_leaves(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
+{
+    struct mlrt_bundle_leaf *leaves = (struct mlrt_bundle_leaf *)(void *)next;
+    const uint32_t bits = leaf_setup_bits(job);
+    next += sizeof *leaves * ((size_t)(keeps_leaves(job, 0) + keeps_leaves(job, 1)) << bits);
+    worker->bundle_caches = (struct mlrt_bundle_cache *)(void *)next;
+    for (int any = 0; any < 2; ++any) {
+        struct mlrt_bundle_cache *cache = &worker->bundle_caches[any];
+        cache->waist.main_axis = -1;
+        cache->waist_count = 0;
+        cache->bits = bits;
+        cache->leaves = leaves;
+        if (keeps_leaves(job, any)) leaves += (size_t)1 << bits;
+    }
+    return next + 2 * sizeof *worker->bundle_caches;
+}
+
+static void share_out(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
+{
+    const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
+    worker->setups = (struct mlrt_triangle_setup *)(void *)next;
+    next += setup_count(job) * sizeof *worker->setups;
+    worker->setup_mask = setup_count(job) - 1;
+    if (uses_bundles(job)) next = share_out_leaves(job, next, worker);
+    worker->planes = (struct mlrt_known_plane *)(void *)next;
+    next += sizeof *worker->planes << known_plane_bits(job);
+    worker->pairs = (struct mlrt_triangle_pair *)(void *)next;
+    next += sizeof *worker->pairs << pair_bits(job);
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+        if (!wants_channel(job, (enum mlrt_channel)c)) continue;
+        worker->tile.channel[c].data = next;
+        worker->tile.channel[c].stride = mlrt_channel_size((enum mlrt_channel)c);
+        next += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
+    }
+}
+
+/* A call of few rays should not pay for clearing tables: an apex that no ray has says that they are empty. */
+static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
+{
+    memset(&worker->counters, 0, sizeof worker->counters);
+    memset(&worker->tile, 0, sizeof worker->tile);
+    share_out(job, share, worker);
+    mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
+    for (int k = 0; k < 3; ++k) {
+        worker->apex[k] = NAN;
+    }
+    mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
+    worker->mask = job->source.common_mask;
+    worker->open_bundles[0] = worker->open_bundles[1] = 0;
+    worker->lane_tiles[0] = worker->lane_tiles[1] = 0;
+    worker->open_tiles = MLRT_FIRST_OPEN_TILES;
+    worker->open_squares = MLRT_FIRST_OPEN_SQUARES;
+    worker->mesh = 0;
+    worker->progress = NULL;
+    worker->slow_steps = 0;
+    worker->scaled = NULL;
+    worker->stopped = 0;
+}
+
+static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
+                         struct run *run)
+{
+    mlrt_begin_progress(&options->host, (double)run->job->source.width * run->job->source.height, &run->progress);
+    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w) run->workers[w].progress = &run->progress;
+    const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
+    for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
+        mlrt_add_counters(options->counters, &run->workers[w].counters);
+    }
+    return mlrt_end_progress(&run->progress, answer ? MLRT_ERROR_CANCELLED : MLRT_OK);
+}
+
+int32_t mlrt_run_job(const struct mlrt_job *job, const struct mlrt_run_options *options)
+{
+    const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
+    const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
+    if (item_count == 0) return mlrt_end_nothing(&options->host);
+
+    const uint32_t worker_count = mlrt_worker_count(options->pool);
+    const size_t share = share_size(job);
+    struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
+    struct run run = {.job = job, .column_count = columns};
+    run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers + share);
+    if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
+    unsigned char *shares = (unsigned char *)(run.workers + worker_count);
+    for (uint32_t w = 0; w < worker_count; ++w) begin_worker(job, shares + w * share, &run.workers[w]);
+    const int32_t status = run_items(options, (uint32_t)item_count, worker_count, &run);
+    mlrt_free(&memory, run.workers, worker_count, sizeof *run.workers + share);
+    return status;
+}

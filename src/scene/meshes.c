@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The caller's meshes: see meshes.h.
+ */
+#include "scene/meshes.h"
+
+#include <string.h>
+
+#include "base/host.h"
+#include "base/progress.h"
+#include "base/structs.h"
+#include "scene/masks.h"
+
+/* Triangles that are copied between two looks at whether the call goes on: less than a millisecond. */
+#define CHUNK_SIZE 8192
+
+#define FIRST_SIZE MLRT_SIZE_UP_TO(mlrt_mesh, mask)
+
+/* ---- one mesh ---- */
+
+static const void *given_mesh(const mlrt_mesh *meshes, size_t i)
+{
+    return (const unsigned char *)meshes + i * meshes->struct_size;
+}
+
+mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i)
+{
+    mlrt_mesh mesh;
+    (void)mlrt_take_struct(given_mesh(meshes, i), FIRST_SIZE, &mesh, sizeof mesh);
+    if (mesh.index_size == 0) mesh.index_size = 4;
+    if (mesh.vertex_stride == 0) mesh.vertex_stride = 12;
+    if (mesh.triangle_stride == 0) mesh.triangle_stride = 3 * (size_t)mesh.index_size;
+    if (mesh.mask == 0) mesh.mask = MLRT_MASK_ALL;
+    return mesh;
+}
+
+static int32_t check_mesh(const mlrt_mesh *meshes, size_t i)
+{
+    mlrt_mesh given;
+    const int32_t status = mlrt_take_struct(given_mesh(meshes, i), FIRST_SIZE, &given, sizeof given);
+    if (status != MLRT_OK) return status;
+    if (((const mlrt_mesh *)given_mesh(meshes, i))->struct_size != meshes->struct_size) return MLRT_ERROR_STRUCT_SIZE;
+    const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
+    if (mesh.index_size != 2 && mesh.index_size != 4) return MLRT_ERROR_ARGUMENT;
+    if (mesh.triangle_count == 0) return MLRT_OK;
+    if (mesh.triangle_count > MLRT_TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
+    if (!mesh.vertices && mesh.vertex_count) return MLRT_ERROR_ARGUMENT;
+    if (mesh.vertex_stride > MLRT_STRIDE_LIMIT || mesh.triangle_stride > MLRT_STRIDE_LIMIT) return MLRT_ERROR_ARGUMENT;
+    if (mesh.vertex_stride % 4 || mesh.vertex_stride < 12) return MLRT_ERROR_ARGUMENT;
+    if ((uintptr_t)mesh.vertices % 4 || (uintptr_t)mesh.indices % mesh.index_size) return MLRT_ERROR_ARGUMENT;
+    if (mesh.triangle_stride % mesh.index_size || mesh.triangle_stride < 3 * (size_t)mesh.index_size) {
+        return MLRT_ERROR_ARGUMENT;
+    }
+    return MLRT_OK;
+}
+
+int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *triangle_count)
+{
+    uint64_t sum = 0;
+    *triangle_count = 0;
+    if (!meshes && mesh_count) return MLRT_ERROR_ARGUMENT;
+    if (mesh_count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
+    for (size_t i = 0; i < mesh_count; ++i) {
+        const int32_t status = check_mesh(meshes, i);
+        if (status != MLRT_OK) return status;
+        sum += mlrt_mesh_at(meshes, i).triangle_count;
+        if (sum > MLRT_TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
+    }
+    *triangle_count = (uint32_t)sum;
+    return MLRT_OK;
+}
+
+/* Vertex number `corner` of a triangle. */
+static uint64_t vertex_index(const mlrt_mesh *mesh, size_t triangle, int corner)
+{
+    if (!mesh->indices) return (uint64_t)triangle * 3 + (uint64_t)corner;
+    const unsigned char *triple = (const unsigned char *)mesh->indices + triangle * mesh->triangle_stride;
+    if (mesh->index_size == 2) return ((const uint16_t *)(const void *)triple)[corner];
+    return ((const uint32_t *)(const void *)triple)[corner];
+}
+
+int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_triangle *copy, uint64_t *index)
+{
+    for (int corner = 0; corner < 3; ++corner) {
+        *index = vertex_index(mesh, triangle, corner);
+        if (*index >= mesh->vertex_count) return 0;
+        memcpy(copy->v[corner], (const unsigned char *)mesh->vertices + (size_t)*index * mesh->vertex_stride, 12);
+    }
+    return 1;
+}
+
+/* ---- ids ---- */
+
+/* In a heap of positions with the greatest id on top. (Here, too: qsort may take memory that is not the host's.) */
+static void sink(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count)
+{
+    const uint32_t sinking = heap[i];
+    for (uint32_t child; (child = 2 * i + 1) < count; i = child) {
+        if (child + 1 < count && ids[heap[child + 1]] > ids[heap[child]]) ++child;
+        if (ids[heap[child]] <= ids[sinking]) break;
+        heap[i] = heap[child];
+    }
+    heap[i] = sinking;
+}
+
+/* Not MLRT_NONE, and each once. Sorting by id makes equal ones neighbours. */
+static int32_t sort_mesh_ids(struct mlrt_tree *tree)
+{
+    const uint32_t *ids = tree->mesh_ids, count = tree->mesh_count;
+    uint32_t *sorted = tree->mesh_by_id;
+    for (uint32_t i = 0; i < count; ++i) sorted[i] = i;
+    for (uint32_t i = count / 2; i-- > 0;) sink(ids, sorted, i, count);
+    for (uint32_t left = count; left > 1;) {
+        const uint32_t greatest = sorted[0];
+        sorted[0] = sorted[--left];
+        sorted[left] = greatest;
+        sink(ids, sorted, 0, left);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        if (ids[sorted[i]] == MLRT_NONE || (i > 0 && ids[sorted[i]] == ids[sorted[i - 1]])) return MLRT_ERROR_ARGUMENT;
+    }
+    return MLRT_OK;
+}
+
+/* Ids as given, or positions if all are 0. */
+static int32_t set_mesh_ids(const mlrt_mesh *meshes, struct mlrt_tree *tree)
+{
+    uint32_t any = 0;
+    for (uint32_t i = 0; i < tree->mesh_count; ++i) any |= tree->mesh_ids[i] = mlrt_mesh_at(meshes, i).id;
+    for (uint32_t i = 0; i < tree->mesh_count && !any; ++i) tree->mesh_ids[i] = i;
+    return sort_mesh_ids(tree);
+}
+
+/* ---- triangles and masks ---- */
+
+static int32_t copy_triangles(const mlrt_mesh *mesh, uint32_t position, const struct mlrt_voice *voice,
+                              struct mlrt_progress *progress, struct mlrt_triangle *triangles)
+{
+    uint64_t index;
+    for (size_t i = 0; i < mesh->triangle_count; ++i) {
+        if (!mlrt_copy_triangle(mesh, i, &triangles[i], &index)) {
+            mlrt_explain(voice, "mesh %lu, triangle %lu: vertex index %lu is out of range (vertex_count is %lu)",
+                         (unsigned long)position, (unsigned long)i, (unsigned long)index,
+                         (unsigned long)mesh->vertex_count);
+            return MLRT_ERROR_INDEX_RANGE;
+        }
+        if ((i + 1) % CHUNK_SIZE == 0 && mlrt_advance(progress, CHUNK_SIZE * MLRT_COPY_WORK)) {
+            return MLRT_ERROR_CANCELLED;
+        }
+    }
+    return MLRT_OK;
+}
+
+int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count)
+{
+    uint32_t common = MLRT_MASK_ALL;
+    for (size_t i = 0; i < mesh_count; ++i) common &= mlrt_mesh_at(meshes, i).mask;
+    return common != MLRT_MASK_ALL;
+}
+
+/* A word for each triangle, if some mesh has a mask. */
+static int32_t set_masks(const mlrt_mesh *meshes, struct mlrt_tree *tree)
+{
+    if (!mlrt_have_masks(meshes, tree->mesh_count)) return MLRT_OK;
+    tree->masks = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->masks);
+    if (!tree->masks) return MLRT_ERROR_OUT_OF_MEMORY;
+    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
+        const uint32_t mask = mlrt_mesh_at(meshes, i).mask;
+        for (uint32_t j = tree->mesh_first[i]; j < tree->mesh_first[i + 1]; ++j) tree->masks[j] = mask;
+    }
+    return MLRT_OK;
+}
+
+static int allocate_tables(struct mlrt_tree *tree)
+{
+    tree->mesh_ids = mlrt_allocate(&tree->memory, tree->mesh_count, sizeof *tree->mesh_ids);
+    tree->mesh_by_id = mlrt_allocate(&tree->memory, tree->mesh_count, sizeof *tree->mesh_by_id);
+    tree->mesh_first = mlrt_allocate(&tree->memory, (size_t)tree->mesh_count + 1, sizeof *tree->mesh_first);
+    tree->triangles = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->triangles);
+    return tree->mesh_ids && tree->mesh_by_id && tree->mesh_first && tree->triangles;
+}
+
+int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, const struct mlrt_voice *voice,
+                         struct mlrt_progress *progress, struct mlrt_tree *tree)
+{
+    tree->mesh_count = (uint32_t)mesh_count;
+    if (!allocate_tables(tree)) return MLRT_ERROR_OUT_OF_MEMORY;
+    int32_t status = set_mesh_ids(meshes, tree);
+    tree->mesh_first[0] = 0;
+    for (uint32_t i = 0; i < tree->mesh_count && status == MLRT_OK; ++i) {
+        const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
+        tree->mesh_first[i + 1] = tree->mesh_first[i] + (uint32_t)mesh.triangle_count;
+        status = copy_triangles(&mesh, i, voice, progress, tree->triangles + tree->mesh_first[i]);
+    }
+    return status == MLRT_OK ? set_masks(meshes, tree) : status;
+}
+
+void mlrt_free_meshes(struct mlrt_tree *tree)
+{
+    mlrt_free(&tree->memory, tree->triangles, tree->triangle_count, sizeof *tree->triangles);
+    mlrt_free(&tree->memory, tree->masks, tree->triangle_count, sizeof *tree->masks);
+    mlrt_free(&tree->memory, tree->mesh_ids, tree->mesh_count, sizeof *tree->mesh_ids);
+    mlrt_free(&tree->memory, tree->mesh_by_id, tree->mesh_count, sizeof *tree->mesh_by_id);
+    mlrt_free(&tree->memory, tree->mesh_first, (size_t)tree->mesh_count + 1, sizeof *tree->mesh_first);
+}

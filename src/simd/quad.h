@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Four floats for code that is compiled once, not for each instruction set: what every processor of this kind has.
+ */
+#ifndef MLRT_QUAD_H
+#define MLRT_QUAD_H
+
+#include "base/platform.h"
+
+#if MLRT_HAVE_SSE
+#include "simd/quad_sse.h"
+#else
+#include "simd/quad_scalar.h"
+#endif
+
+#endif

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Four floats, whatever the width of vectors is: the corners or edges of a triangle, and a fourth. In plain C: what
+ * every other quad_*.h must mean.
+ */
+#ifndef MLRT_QUAD_SCALAR_H
+#define MLRT_QUAD_SCALAR_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "base/platform.h"
+
+/* clang-format off: a table of words */
+typedef struct {
+    float x[4];
+} f4;
+MLRT_INLINE f4 f4_set1(float a)
+{
+    return (f4){{a, a, a, a}};
+}
+MLRT_INLINE f4 f4_load(const float *p)
+{
+    return (f4){{p[0], p[1], p[2], p[3]}};
+} /* aligned to 16 bytes */
+MLRT_INLINE void f4_store(float *p, f4 a)
+{
+    memcpy(p, a.x, sizeof a.x);
+} /* aligned to 16 bytes */
+/* any four words, as they are, aligned or not */
+MLRT_INLINE f4 f4_load_any(const void *p)
+{
+    f4 a;
+    memcpy(a.x, p, sizeof a.x);
+    return a;
+}
+MLRT_INLINE void f4_store_any(void *p, f4 a)
+{
+    memcpy(p, a.x, sizeof a.x);
+}
+/* two of them: the first ones, the last ones */
+MLRT_INLINE void f4_store_low(void *p, f4 a)
+{
+    memcpy(p, a.x, 2 * sizeof a.x[0]);
+}
+MLRT_INLINE void f4_store_high(void *p, f4 a)
+{
+    memcpy(p, a.x + 2, 2 * sizeof a.x[0]);
+}
+/* bits of those of any four words that are `word` */
+MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
+{
+    uint32_t words[4];
+    memcpy(words, p, sizeof words);
+    return (words[0] == word) | (words[1] == word) << 1 | (words[2] == word) << 2 | (words[3] == word) << 3;
+}
+/* bits of those that are 0, and of those that are 0 or whose magnitude is lo .. hi */
+MLRT_INLINE unsigned f4_zeros(f4 a)
+{
+    return (unsigned)((a.x[0] == 0) | (a.x[1] == 0) << 1 | (a.x[2] == 0) << 2 | (a.x[3] == 0) << 3);
+}
+MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
+{
+    unsigned bits = f4_zeros(a);
+    for (int i = 0; i < 4; ++i) bits |= (unsigned)(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) << i;
+    return bits;
+}
+/* the last three, and the last one again */
+MLRT_INLINE f4 f4_rest(f4 a)
+{
+    return (f4){{a.x[1], a.x[2], a.x[3], a.x[3]}};
+}
+/* a where the sign bit of `sign` is set, else b */
+MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
+{
+    f4 c;
+    for (int i = 0; i < 4; ++i) c.x[i] = signbit(sign.x[i]) ? a.x[i] : b.x[i];
+    return c;
+}
+/* so_far, but 0 where any four words are not those of a */
+MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
+{
+    uint32_t words[4], wanted[4];
+    memcpy(words, p, sizeof words);
+    memcpy(wanted, a.x, sizeof wanted);
+    for (int i = 0; i < 4; ++i) so_far.x[i] = words[i] == wanted[i] ? so_far.x[i] : 0;
+    return so_far;
+}
+/* bits of those that have the sign bit */
+MLRT_INLINE unsigned f4_signs(f4 a)
+{
+    uint32_t words[4];
+    memcpy(words, a.x, sizeof words);
+    return (words[0] >> 31) | (words[1] >> 31) << 1 | (words[2] >> 31) << 2 | (words[3] >> 31) << 3;
+}
+MLRT_INLINE f4 f4_add(f4 a, f4 b)
+{
+    return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}};
+}
+MLRT_INLINE f4 f4_sub(f4 a, f4 b)
+{
+    return (f4){{a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2], a.x[3] - b.x[3]}};
+}
+MLRT_INLINE f4 f4_mul(f4 a, f4 b)
+{
+    return (f4){{a.x[0] * b.x[0], a.x[1] * b.x[1], a.x[2] * b.x[2], a.x[3] * b.x[3]}};
+}
+MLRT_INLINE f4 f4_div(f4 a, f4 b)
+{
+    return (f4){{a.x[0] / b.x[0], a.x[1] / b.x[1], a.x[2] / b.x[2], a.x[3] / b.x[3]}};
+}
+MLRT_INLINE f4 f4_min(f4 a, f4 b)
+{
+    return (f4){{a.x[0] < b.x[0] ? a.x[0] : b.x[0], a.x[1] < b.x[1] ? a.x[1] : b.x[1],
+                 a.x[2] < b.x[2] ? a.x[2] : b.x[2], a.x[3] < b.x[3] ? a.x[3] : b.x[3]}};
+}
+MLRT_INLINE f4 f4_max(f4 a, f4 b)
+{
+    return (f4){{a.x[0] > b.x[0] ? a.x[0] : b.x[0], a.x[1] > b.x[1] ? a.x[1] : b.x[1],
+                 a.x[2] > b.x[2] ? a.x[2] : b.x[2], a.x[3] > b.x[3] ? a.x[3] : b.x[3]}};
+}
+MLRT_INLINE f4 f4_abs(f4 a)
+{
+    return (f4){{fabsf(a.x[0]), fabsf(a.x[1]), fabsf(a.x[2]), fabsf(a.x[3])}};
+}
+/* a, negated if b is negative */
+MLRT_INLINE f4 f4_flip(f4 a, float b)
+{
+    return b < 0 ? (f4){{-a.x[0], -a.x[1], -a.x[2], -a.x[3]}} : a;
+}
+/* 1, 2, 0, 1 of a */
+MLRT_INLINE f4 f4_next(f4 a)
+{
+    return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}};
+}
+/* 0, 1, 2 of a, and 2 of b */
+MLRT_INLINE f4 f4_join(f4 a, f4 b)
+{
+    return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}};
+}
+MLRT_INLINE float f4_last(f4 a)
+{
+    return a.x[3];
+}
+MLRT_INLINE float f4_hmin(f4 a)
+{
+    const float b = a.x[0] < a.x[2] ? a.x[0] : a.x[2], c = a.x[1] < a.x[3] ? a.x[1] : a.x[3];
+    return b < c ? b : c;
+}
+MLRT_INLINE float f4_hmax(f4 a)
+{
+    const float b = a.x[0] > a.x[2] ? a.x[0] : a.x[2], c = a.x[1] > a.x[3] ? a.x[1] : a.x[3];
+    return b > c ? b : c;
+}
+/* 0, 1 of a and of b */
+MLRT_INLINE f4 f4_low(f4 a, f4 b)
+{
+    return (f4){{a.x[0], a.x[1], b.x[0], b.x[1]}};
+}
+/* 2, 3 of a and of b */
+MLRT_INLINE f4 f4_high(f4 a, f4 b)
+{
+    return (f4){{a.x[2], a.x[3], b.x[2], b.x[3]}};
+}
+/* 0, 2 of a and of b */
+MLRT_INLINE f4 f4_evens(f4 a, f4 b)
+{
+    return (f4){{a.x[0], a.x[2], b.x[0], b.x[2]}};
+}
+/* 1, 3 of a and of b */
+MLRT_INLINE f4 f4_odds(f4 a, f4 b)
+{
+    return (f4){{a.x[1], a.x[3], b.x[1], b.x[3]}};
+}
+/* Four vectors of three coordinates, whose starts are `step` floats apart: by_axis[k] has those along axis k. */
+MLRT_INLINE f4 f4_gather(const float *p, size_t step)
+{
+    return (f4){{p[0], p[step], p[2 * step], p[3 * step]}};
+}
+MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
+{
+    for (int k = 0; k < 3; ++k, ++p) by_axis[k] = (f4){{p[0], p[step], p[2 * step], p[3 * step]}};
+}
+/* The same of vectors that lie side by side. */
+MLRT_INLINE void f4_triples(const float *p, f4 by_axis[3])
+{
+    f4_gather_triples(p, 3, by_axis);
+}
+/* From three corners of three coordinates each: corner[k] has those along axis k, of a, b, c and a. */
+MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
+{
+    for (int k = 0; k < 3; ++k) corner[k] = (f4){{v[0][k], v[1][k], v[2][k], v[0][k]}};
+}
+
+#endif

@@ -1,0 +1,504 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Triangles against the hulls of all packets of a bundle at once. As long as all that a packet met was one triangle that
+ * all of its rays hit, and what is surely behind that, the packet is closed: no ray of it is tested, and all that is known
+ * is the triangle and how near and far its hits are. A packet that meets anything else is opened.
+ *
+ * WHAT IS COMPUTED. Edge functions and D over the hull of a packet lie within middle -+ radius, as in leaf.h, with
+ * the same doubled bounds. At depth z = N / D a ray at x + s z meets the plane, N = n . (a - w) - n_j x_j - n_l x_l. A place
+ * as computed is off by no more than blur (hulls.h), and |n_j|, |n_l| <= 2 in units of its size: so N over the hull is off
+ * by DISTANCE_ERROR F + 4 blur, and twice that is taken, which pays for the roundings of middle and radius. D has W as
+ * there. Where D has one certain sign, which is made 1, z lies between the quotients of the ends of N, each by that end of D
+ * which makes it the least or the greatest, as the sign of N says; each quotient has one rounding, and is moved by SLOPE_SLACK
+ * of itself.
+ *
+ * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
+ * first, the line of their planes does (pair_line.c): an edge function, which is bounded over the hull as those of
+ * leaf.h are, with its own error in place of EDGE_ERROR. So walls that are there twice leave packets closed.
+ *
+ * BEGINS AND ENDS. Rays begin on surfaces, and end on them. Where D has one certain sign over the hull, say 1, a ray does not
+ * hit the triangle if N < 0, as t < 0, or if N > t_max D. Both are told in double, lane by lane, with the determinants and
+ * sizes of close_calls.h. N - t_max D has one rounding more for the product and one for the difference: with those of N and
+ * D no more than 10.01 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is told.
+ *
+ * Rays that a light's cell stands for end before the plane of the triangle that they pass, S, on the light's side (shadow_ray.h).
+ * The hull has the direction to a point of S, and D of S one sign over it (find_order), so all rays go towards S, and end at a
+ * t below that of S. A triangle that the line says is met later, or that lies in the plane of S, is not hit.
+ *
+ * Based on: Reshetov et al. 2005, section 4.1 (an object that every possible ray hits ends the search).
+ */
+#ifndef MLRT_TRACE_COVER_H
+#define MLRT_TRACE_COVER_H
+
+#include <math.h>
+
+#include "hits/close_calls.h"
+#include "hits/triangle_filter.h"
+#include "job/stop.h"
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+#include "trace/hulls.h"
+#include "trace/leaf.h"
+#include "trace/make_rays.h"
+#include "trace/pair_line.h"
+#include "trace/units.h"
+
+/* One triangle as the packets of a vector meet it. */
+struct triangle_of_packets {
+    vm out;      /* no ray hits it */
+    vm inside;   /* all rays pass inside its edges */
+    vm sure;     /* D has one sign: */
+    vm backward; /* -1 */
+    vf least_d;
+    vf greatest_d;
+    vf near; /* where `sure`: depths between which the rays cross its plane */
+    vf far;
+};
+
+/* An edge function, or D, over the hulls of a vector of packets. */
+MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float constant,
+                                    const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], uint32_t triangle, int term_count,
+                                    vf *least, vf *greatest)
+{
+    vf middle = v_set1(constant), radius = v_set1(0);
+    MLRT_UNROLL
+    for (int i = 0; i < term_count; ++i) {
+        const vf c = v_set1(coefficient[i][triangle]);
+        middle = v_mul_add(c, v_load(hulls->middle[i] + v), middle);
+        radius = v_mul_add(v_abs(c), v_load(hulls->radius[i] + v), radius);
+    }
+    *least = v_sub(middle, radius);
+    *greatest = v_add(middle, radius);
+}
+
+/* N over the hulls, and from it the depths. */
+MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                              int v, int has_places, struct triangle_of_packets *of)
+{
+    const vm backward = of->backward;
+    vf middle = v_set1(leaf->distance[triangle]), radius = v_set1(0), error = v_set1(0);
+    if (!MLRT_GUESS) {
+        error = v_set1(2 * DISTANCE_ERROR * leaf->away[triangle] + 2 * DISTANCE_FLOOR);
+        error = v_mul_add(v_load(hulls->blur + v), v_set1(has_places ? 8 : 0), error);
+    }
+    MLRT_UNROLL
+    for (int i = 0; has_places && i < 2; ++i) {
+        const vf n = v_set1(leaf->normal[1 + i][triangle]);
+        middle = v_sub(middle, v_mul(n, v_load(hulls->middle[MLRT_PLACE_J + i] + v)));
+        radius = v_mul_add(v_abs(n), v_load(hulls->radius[MLRT_PLACE_J + i] + v), radius);
+    }
+    const vf width = v_mul(v_load(hulls->reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
+    const vf n = v_select(backward, v_sub(zero, middle), middle), room = v_add(radius, error);
+    const vf least_n = v_sub(n, room), greatest_n = v_add(n, room);
+    const vf from = v_sub(v_select(backward, v_sub(zero, of->greatest_d), of->least_d), width);
+    const vf to = v_add(v_select(backward, v_sub(zero, of->least_d), of->greatest_d), width);
+    const vf near = v_div(least_n, v_select(v_gt(least_n, zero), to, from));
+    const vf far = v_div(greatest_n, v_select(v_gt(greatest_n, zero), from, to));
+    const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
+    of->near = v_sub(near, v_mul_add(v_abs(near), slack, floor));
+    of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
+}
+
+MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf,
+                                         uint32_t triangle, int v, int has_places, struct triangle_of_packets *of)
+{
+    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
+    const vf reach = v_load(hulls->reach + v), zero = v_set1(0);
+    vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), inner_low = lowest, inner_high = highest, least,
+       greatest;
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        bound_over_packets(hulls, v, leaf->edge_constant[i][triangle], leaf->edge[i], triangle, term_count, &least,
+                           &greatest);
+        lowest = v_min(greatest, lowest);
+        highest = v_max(least, highest);
+        inner_low = v_min(least, inner_low);
+        inner_high = v_max(greatest, inner_high);
+    }
+    vf bound = v_mul(reach, v_set1(2 * EDGE_ERROR));
+    if (has_places && !MLRT_GUESS) {
+        bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * leaf->steepness[triangle]), bound);
+    }
+    const vf width = v_mul(reach, v_set1(2 * PLANE_BOUND));
+    bound_over_packets(hulls, v, leaf->normal[0][triangle], leaf->normal + 1, triangle, 2, &least, &greatest);
+    const vm below = v_lt(lowest, v_sub(zero, bound)), above = v_gt(highest, bound);
+    const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(zero, width));
+    of->out = has_places ? m_or(m_and(below, m_or(above, forward)), m_and(above, backward)) : m_or(below, backward);
+    of->inside = m_and(forward, v_gt(inner_low, bound));
+    if (has_places) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
+    of->sure = m_or(forward, backward);
+    of->backward = backward;
+    of->least_d = least;
+    of->greatest_d = greatest;
+}
+
+/*
+ * A triangle and a cover are only put in order by their line where the depths of both begin and end near each other: no
+ * farther apart than so much of their widths, or of the depth itself. What is not close, but meets the cover, as walls
+ * meet, would be opened all the same (erw6, arrays: 2 % of the time).
+ */
+#define MOST_APART   0.25f
+#define ALWAYS_CLOSE 1e-4f
+
+/* Of packets, those in which all rays that hit a triangle do so behind what covers them, and before it. */
+struct order_of_packets {
+    vm farther;
+    vm nearer;
+};
+
+/* Finds them for packets that have one cover, by the line of both (pair_line.c). */
+MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, int v,
+                            const struct triangle_of_packets *of, struct order_of_packets *order)
+{
+    const vf reach = v_load(hulls->reach + v), zero = v_set1(0), width = v_mul(reach, v_set1(2 * PLANE_BOUND));
+    const vf error = v_mul(reach, v_set1(2 * line->error));
+    const vf bound = v_mul_add(v_mul(v_load(hulls->blur + v), reach), v_set1(2 * line->steepness), error);
+    vf f = v_set1(line->constant), d = v_set1(line->normal[0]), f_radius = zero, d_radius = zero;
+    for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
+        const vf middle = v_load(hulls->middle[i] + v), radius = v_load(hulls->radius[i] + v);
+        f = v_mul_add(v_set1(line->coefficient[i]), middle, f);
+        f_radius = v_mul_add(v_abs(v_set1(line->coefficient[i])), radius, f_radius);
+        if (i >= 2) continue;
+        d = v_mul_add(v_set1(line->normal[1 + i]), middle, d);
+        d_radius = v_mul_add(v_abs(v_set1(line->normal[1 + i])), radius, d_radius);
+    }
+    const vm above = v_gt(v_sub(f, f_radius), bound), below = v_lt(v_add(f, f_radius), v_sub(zero, bound));
+    const vm forward_2 = v_gt(v_sub(d, d_radius), width), backward_2 = v_lt(v_add(d, d_radius), v_sub(zero, width));
+    const vm forward = m_andnot(of->sure, of->backward);
+    const vm same = m_or(m_and(forward_2, forward), m_and(backward_2, of->backward));
+    const vm other = m_or(m_and(forward_2, of->backward), m_and(backward_2, forward));
+    order->farther = m_or(m_and(above, same), m_and(below, other));
+    order->nearer = m_or(m_and(below, same), m_and(above, other));
+}
+
+/* Have the rays of a packet been made? */
+MLRT_INLINE int has_rays(const struct mlrt_bundle *bundle, uint32_t place)
+{
+    return bundle->tile && bundle->tile->made >> place & 1;
+}
+
+/*
+ * Makes the rays of a packet of which only the hull was known. Returns 0 if they do not go on with the bundle: if they can
+ * hit nothing, float does not carry them, or they turn out not to be what a bundle bears.
+ */
+static MLRT_NOINLINE int make_rays_of_packet(const struct mlrt_job *job, struct mlrt_bundle *bundle, uint32_t place)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const int v = (int)(place - place % VW);
+    mlrt_make_rays(job, bundle->tile, place);
+    if (MLRT_UNLIKELY(bundle->unit != 1)) check_packet_in_units(packet->active | packet->single, bundle->unit, packet);
+    int fits = packet->active && !packet->single;
+    if (fits && (bundle->unit != 1 || bundle->tile->seen)) { /* closer than what was known before */
+        const float last = bundle->hulls.last[place];        /* that of its cover, too */
+        fits = !(packet->active & ~bound_from_anywhere(bundle, place)) && hulls_fit(bundle, 1u << place);
+        finish_depths(bundle, 1u << place, v);
+        if (last < bundle->hulls.last[place]) bundle->hulls.last[place] = last;
+        finish_hulls(bundle, v);
+    } else if (fits) {
+        fits = !may_have_tiny_slopes(&bundle->hulls, place) || !has_tiny_slopes(bundle, packet);
+    }
+    if (fits) return 1;
+    leave_bundle(bundle, place);
+    bundle->set_aside |= packet->active ? 1u << place : 0;
+    return 0;
+}
+
+/*
+ * Opens a closed packet: has its rays hit what covers it, at distances between those of the cover over all rays. One that
+ * stands for a tile leaves the bundle.
+ */
+static MLRT_NOINLINE void open_bundle_packet(const struct mlrt_job *job, struct mlrt_bundle *bundle, uint32_t place)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    bundle->closed &= ~(1u << place);
+    if (!bundle->tile) {
+        leave_bundle(bundle, place);
+        return;
+    }
+    if (!has_rays(bundle, place) && !make_rays_of_packet(job, bundle, place)) return;
+    need_lanes(bundle, place);
+    if (hulls->cover[place] == MLRT_NONE) return;
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const vf near = v_set1(hulls->cover_near[place]), far = v_set1(hulls->last[place]),
+             away = v_set1(hulls->away[place]);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm active = m_from_bits(packet->active >> v);
+        const vf z = v_load(rays->to_waist[0] + v), slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
+        const vf lo = v_sub(v_add(near, z), v_mul_add(v_add(v_abs(near), away), slack, floor));
+        const vf hi = v_add(v_add(far, z), v_mul_add(v_add(v_abs(far), away), slack, floor));
+        v_store(rays->lo + v, v_select(active, v_max(lo, v_set1(0)), v_load(rays->lo + v)));
+        v_store(rays->hi + v, v_select(active, hi, v_load(rays->hi + v)));
+        i_store(packet->triangle + v, i_select(active, i_set1(hulls->cover[place]), i_load(packet->triangle + v)));
+    }
+}
+
+/* Ends a packet whose rays were never looked at: all of them hit what covers it, if that is something. */
+MLRT_INLINE void finish_untouched_packet(struct mlrt_bundle *bundle, uint32_t place)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const vi cover = i_set1(bundle->hulls.cover[place]), none = i_set1(MLRT_NONE);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        i_store(packet->triangle + v, i_select(m_from_bits(packet->active >> v), cover, none));
+    }
+}
+
+/* The rays of a packet that pass the triangle. */
+MLRT_INLINE uint32_t passing_lanes(const struct mlrt_bundle *bundle, uint32_t place, uint32_t number)
+{
+    const struct mlrt_packet *packet = &bundle->tile->packets[place];
+    uint32_t passing = 0;
+    for (int v = 0; packet->has_skip && v < MLRT_PACKET_RAYS; v += VW) {
+        passing |= m_bits(i_eq(i_load(packet->skip + v), i_set1(number))) << v;
+    }
+    return passing & packet->active;
+}
+
+/* Ends packets that were set aside, as a triangle hides all of their rays. */
+static MLRT_NOINLINE void hide_riding_packets(struct mlrt_bundle *bundle, uint32_t places, uint32_t number)
+{
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places);
+        struct mlrt_packet *packet = &bundle->tile->packets[place];
+        if (passing_lanes(bundle, place, number)) continue;
+        bundle->riding &= ~(1u << place);
+        bundle->hulls.cover[place] = number;
+        finish_untouched_packet(bundle, place);
+        packet->active = 0;
+    }
+}
+
+/*
+ * Offers a triangle to closed packets `doubtful` of the vector that begins at `v`, whose covers are so close to it that
+ * distances do not tell which comes first. What is behind a cover wherever a ray hits it changes nothing, and what is
+ * before it may cover the packet instead. Of two in one plane the first in the input wins. Returns the packets that this
+ * settles.
+ */
+static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                            struct mlrt_bundle *bundle, uint32_t number, uint32_t doubtful,
+                                            uint32_t may_cover, int v, const struct triangle_of_packets *of)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const vf far = v_load(hulls->last + v), near = v_load(hulls->cover_near + v);
+    const vf apart = v_add(v_abs(v_sub(of->near, near)), v_abs(v_sub(of->far, far)));
+    const vf width = v_sub(v_add(of->far, far), v_add(of->near, near));
+    const vf close = v_mul_add(width, v_set1(MOST_APART), v_mul(v_abs(of->far), v_set1(ALWAYS_CLOSE)));
+    uint32_t settled = 0;
+    doubtful &= m_bits(m_andnot(v_le(apart, close), i_eq(i_load(hulls->cover + v), i_set1(MLRT_NONE))));
+    if (doubtful && mlrt_is_stopped_in_step(worker)) return doubtful;
+    while (doubtful) {
+        const uint32_t cover = hulls->cover[(uint32_t)v + mlrt_lowest_bit(doubtful)];
+        const uint32_t same = doubtful & m_bits(i_eq(i_load(hulls->cover + v), i_set1(cover)));
+        doubtful &= ~same;
+        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, cover, worker, bundle->cache);
+        uint32_t replaced = 0;
+        if (line->kind == MLRT_ONE_PLANE) {
+            replaced = number < cover ? same & m_bits(of->inside) : 0;
+            settled |= number < cover ? replaced : same;
+        } else if (line->kind == MLRT_LINE) {
+            struct order_of_packets order;
+            find_order(hulls, line, v, of, &order);
+            replaced = same & m_bits(order.nearer) & may_cover;
+            settled |= replaced | (same & m_bits(order.farther));
+            const vm kept = m_from_bits(replaced);
+            const vf last = v_load(hulls->last + v);
+            v_store(hulls->last + v, v_select(kept, v_min(of->far, last), last));
+            v_store(hulls->cover_near + v, v_select(kept, of->near, v_load(hulls->cover_near + v)));
+        }
+        i_store(hulls->cover + v, i_select(m_from_bits(replaced), i_set1(number), i_load(hulls->cover + v)));
+    }
+    return settled;
+}
+
+/*
+ * Rays of a packet that surely do not come to a plane, by the sign of N - t D where they begin, at t = 0, or end, in
+ * double: those that leave it, or end before it. `sign` is that of D.
+ */
+MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end,
+                                double sign)
+{
+    const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
+    vd n = d_set1(0), n_size = n;
+    uint32_t apart = 0;
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        if (lane == 0 || !packet->has_apex) {
+            n = n_size = d_set1(0);
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+                const vd to = d_sub(d_set1(plane->point[k]), origin);
+                n = d_add(n, d_mul(to, d_set1(plane->normal[k])));
+                n_size = d_add(n_size, d_mul(d_abs(to), d_set1(plane->size[k])));
+            }
+        }
+        vd height = n, size = n_size;
+        if (at_end) {
+            const vd t_max = d_load(packet->t_max + lane);
+            vd d = d_set1(0), d_size = d;
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                const vd direction = d_load(packet->direction[k] + lane);
+                d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
+                d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
+            }
+            height = d_sub(n, d_mul(t_max, d));
+            size = d_add(n_size, d_mul(t_max, d_size));
+        }
+        apart |= d_gt(d_flip(height, signs), d_mul(size, error)) << lane;
+    }
+    return apart;
+}
+
+/*
+ * Closed packets that meet a triangle where they begin or end, and none of whose rays comes to it: most of them leave the
+ * surface that it is part of, or do not reach it. D has one sign for all rays of each, that of the waist being turned with
+ * its axis.
+ */
+static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, const struct mlrt_bundle *bundle,
+                                                 uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
+{
+    struct mlrt_plane plane;
+    uint32_t apart = 0, has_plane = 0;
+    if (bundle->waist.sign < 0) backward = ~backward;
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places);
+        const struct mlrt_packet *packet = &bundle->tile->packets[place];
+        const uint32_t lanes = packet->active & ~passing_lanes(bundle, place, number);
+        if (lanes && !has_plane) {
+            mlrt_set_plane(&tree->triangles[number], &plane);
+            has_plane = 1;
+        }
+        if (!lanes || !(lanes & ~find_apart(&plane, packet, at_end >> place & 1, backward >> place & 1 ? -1 : 1))) {
+            apart |= places & (0u - places);
+        }
+    }
+    return apart;
+}
+
+/*
+ * Packets without rays that end before the triangle that they pass (shadow_cells.c), and so before another one that they
+ * come to later, or that lies in its plane. They may come to that plane beside the triangle: what a line without an error
+ * says, of rays that hit it, does not hold for them.
+ */
+static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                  struct mlrt_bundle *bundle, uint32_t number, uint32_t places, int v,
+                                                  const struct triangle_of_packets *of)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    uint32_t behind = 0;
+    if (mlrt_is_stopped_in_step(worker)) return places;
+    while (places) {
+        const uint32_t skip = hulls->skip[(uint32_t)v + mlrt_lowest_bit(places)];
+        const uint32_t same = places & m_bits(i_eq(i_load(hulls->skip + v), i_set1(skip)));
+        places &= ~same;
+        if (skip == MLRT_NONE || skip == number) continue;
+        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, skip, worker, bundle->cache);
+        if (line->kind == MLRT_ONE_PLANE) {
+            behind |= same;
+        } else if (line->kind == MLRT_LINE && line->error > 0) {
+            struct order_of_packets order;
+            find_order(hulls, line, v, of, &order);
+            behind |= same & m_bits(order.farther);
+        }
+    }
+    return behind;
+}
+
+/*
+ * Offers a triangle to packets. Returns those that are open, or had to be opened, and whose rays may hit it; packets of
+ * which all rays are done, as any hit will do, leave the bundle.
+ */
+MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                         uint32_t triangle, uint32_t among, int has_places)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const uint32_t number = leaf->numbers[triangle];
+    uint32_t may = 0, covered = 0, left_alone = 0;
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        if (!((among | bundle->riding) >> v & ALL_LANES)) continue;
+        const uint32_t seeing = among >> v & packets_seeing(bundle, leaf, triangle, v, has_places);
+        if (!seeing && !(bundle->riding >> v & ALL_LANES)) continue;
+        struct triangle_of_packets of;
+        see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
+        if (!((seeing & ~m_bits(of.out) & bundle->closed >> v) | (bundle->riding >> v & ALL_LANES))) {
+            may |= (seeing & ~m_bits(of.out)) << v;
+            continue;
+        }
+        bound_depths(hulls, leaf, triangle, v, has_places, &of);
+        if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D as it is */
+        const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
+        const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
+                 passed = m_and(of.sure, beside);
+        const vm core = m_and(v_gt(of.near, v_load(hulls->core_first + v)), v_lt(of.far, v_load(hulls->core_last + v)));
+        const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
+        const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
+        if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
+        uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), passing = 0;
+        if (met & bundle->closed >> v) {
+            const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
+            const vf core_last = v_load(hulls->core_last + v), ends = v_sub(last, core_last);
+            const vf close = v_mul_add(v_abs(of.far), v_set1(ALWAYS_CLOSE), v_add(ends, ends));
+            const vm near_end = m_and(v_gt(of.far, core_last), v_le(v_sub(of.far, of.near), close));
+            /* Who crosses more than where they end is opened all the same (shadow rays of erw6: 1.5 % of the time). */
+            const uint32_t may_be = m_bits(m_and(of.sure, m_or(near_begin, near_end))) & met;
+            const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v,
+                           those = (may_be & made) << v & bundle->closed;
+            const uint32_t others = may_be & bundle->closed >> v & ~made;
+            if (others && job->any) met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
+            if (those) {
+                met &= ~(find_packets_apart(job->tree, bundle, number, those, ~m_bits(near_begin) << v,
+                                            m_bits(of.backward) << v) >>
+                         v);
+            }
+        }
+        for (uint32_t left = met & bundle->closed >> v; left; left &= left - 1) {
+            const uint32_t place = (uint32_t)v + mlrt_lowest_bit(left), bit = left & (0u - left);
+            if (!has_rays(bundle, place)) {
+                if (hulls->skip[place] == number) met &= ~bit;
+                continue;
+            }
+            const uint32_t lanes = passing_lanes(bundle, place, number);
+            if (lanes == bundle->tile->packets[place].active) met &= ~bit;
+            if (lanes) passing |= bit;
+        }
+        may |= met << v;
+        left_alone |= m_bits(known) << v;
+        const uint32_t closed = met & bundle->closed >> v & ~(m_bits(known) | passing);
+        const uint32_t these = m_bits(covers) & closed;
+        if (these) {
+            const vm kept = m_from_bits(these);
+            covered |= these << v;
+            v_store(hulls->last + v, v_select(kept, v_min(of.far, last), last));
+            v_store(hulls->cover_near + v, v_select(kept, of.near, cover_near));
+            i_store(hulls->cover + v, i_select(kept, i_set1(number), i_load(hulls->cover + v)));
+        }
+        const uint32_t doubtful = job->any ? 0 : closed & ~these;
+        if (!doubtful) continue;
+        may &= ~(settle_covers(job, worker, bundle, number, doubtful, m_bits(m_and(of.inside, core)), v, &of) << v);
+    }
+    may &= among & ~covered & ~(left_alone & bundle->closed);
+    for (uint32_t left = may & bundle->closed; left; left &= left - 1)
+        open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
+    if (job->any) bundle->covered |= covered;
+    for (uint32_t left = job->any ? covered : 0; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        leave_bundle(bundle, place);
+        if (!has_rays(bundle, place)) continue;
+        finish_untouched_packet(bundle, place);
+        bundle->tile->packets[place].active = 0;
+    }
+    return may & bundle->going;
+}
+
+static MLRT_NOINLINE uint32_t offer_to_packets(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                               struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                               uint32_t triangle, uint32_t among)
+{
+    return bundle->has_places ? offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 1)
+                              : offer_to_packets_by(job, worker, bundle, leaf, triangle, among, 0);
+}
+
+#endif

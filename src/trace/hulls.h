@@ -1,0 +1,849 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The rays of a tile as a bundle (bundle.h): its waist, the terms of its rays, and the hulls of its packets.
+ *
+ * WHAT IS COMPUTED, u = 2^-24. With the main axis' sign o' = o - w, 1 rounding per component; a slope s_j = d_j /
+ * |d_main| has 1 as lanes have it, and 2 in hulls, which make it with a reciprocal. Let A be at least |o'_main|, 2
+ * |o'_j|, 2 |o'_l| of all rays of a packet and R at least 1 and 2 |s_j|. A place x_j = o'_j - s_j o'_main is off by u
+ * |o'_j| and, for what is relative to |s_j o'_main|, 3.01 u, in hulls 4.01 u; and its own rounding of at most u
+ * (|o'_j| + |s_j o'_main|): together by less than 2 u |o'_j| + 5.1 u |s_j o'_main| <= (1 + 2.55) u R A. PLACE_ERROR
+ * makes 4 u of it. A ray from the waist has o' = 0, and place 0 exactly.
+ *
+ * HULLS are made from rays as they were read, and hold their slopes and places as they are, but for PLACE_ERROR R A:
+ * to the middle of terms 2^-21 of itself is added, and 2^-20 to their radius, for 2.001 u of a slope and the
+ * roundings of both. The moment's interval is made of those of its factors (product_over_hull), and A of depths,
+ * slopes and places (hulls_fit).
+ *
+ * UNDERFLOW. A slope is 0 or at least LEAST_SLOPE, or all slopes of a packet lose 2^-150 at most and are 0. The
+ * product s_j o'_main may lose 2^-150, and so may one of a slope and a depth; where R A is less than 2^-128,
+ * PLACE_ERROR R A is less than that. PLACE_FLOOR pays for both.
+ *
+ * BOXES. At depth z a ray is at x_j + s_j z. For a box, as computed, c = fl(c_j - w_j) and z = fl(c_main - w_main)
+ * are off by u of themselves, the product with a slope and the sum with a place by u each. Slopes and places of hulls
+ * are moved apart by SLOPE_SLACK, 2^-20 of themselves (and places by PLACE_ERROR R A): 16 u |s| |z| and 16 u |x|.
+ * That pays for all: a box is compared as c <= fl(x) + fl(s z) where both sides differ by at most 3 u |s z| + 3 u
+ * (|x| + |s z|) from what they stand for, and u |c| matters only where c is as large as that. Depths where rays begin
+ * and end, o'_main + tau, are moved by SLOPE_SLACK (|z| + A). docs/accuracy.md, "Bundles", has all of this as lemmas.
+ *
+ * Based on, for frusta against boxes: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
+ */
+#ifndef MLRT_TRACE_HULLS_H
+#define MLRT_TRACE_HULLS_H
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "bvh/unit.h"
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+#include "trace/ray_tile.h"
+
+#define PLACE_ERROR (4 * 0x1p-24f)
+#define PLACE_FLOOR 0x1p-140f
+
+/* Slopes, places and depths of hulls are moved apart by this at least: what underflow loses is less. */
+#define HULL_FLOOR 0x1p-110f
+
+/* Lane errors of edge functions per place: see leaf.h. */
+#define BLUR_OF_PLACE (13 * 0x1p-24f)
+
+/* ---- the waist ---- */
+
+/* Components of the origins of a vector of lanes. */
+MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
+{
+    return packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+}
+
+/* Paces, |d_main| in units, that t is divided and multiplied by. */
+#define LEAST_PACE    0x1p-125f
+#define GREATEST_PACE 0x1p125f
+
+/* The least slope but 0: smaller ones are denormal, or close to it, and SLOPE_SLACK of them is nothing. */
+#define LEAST_SLOPE 0x1p-100f
+
+/* A distance that is finite is kept as no more than this, and so can be multiplied. */
+#define GREATEST_DISTANCE 0x1p126f
+
+/* A few rays of a tile, from which its waist is guessed: no answer depends on it. */
+#define SAMPLE_LIMIT 6
+
+struct ray_sample {
+    float origin[3];
+    float direction[3];
+};
+
+/* Takes a ray of a packet as a sample; 0 if float does not carry it. */
+static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float unit, struct ray_sample *sample)
+{
+    float largest = 0;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        sample->origin[k] = (packet->has_apex ? packet->apex[k] : packet->origin[k][lane]) * unit;
+        sample->direction[k] = packet->direction[k][lane];
+        if (!(fabsf(sample->origin[k]) <= MLRT_SAFE_MAX && fabsf(sample->direction[k]) <= GREATEST_PACE)) return 0;
+        largest = larger_of(fabsf(sample->direction[k]), largest);
+    }
+    return largest >= LEAST_PACE;
+}
+
+/* Samples from corners and middle of a tile. Returns how many there are. */
+static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, float unit,
+                             struct ray_sample samples[SAMPLE_LIMIT])
+{
+    static const uint8_t order[MLRT_BUNDLE_PACKETS] = {5, 15, 0, 3, 12, 10, 6, 9, 1, 2, 4, 7, 8, 11, 13, 14};
+    uint32_t count = 0;
+    for (int i = 0; i < MLRT_BUNDLE_PACKETS && count < SAMPLE_LIMIT; ++i) {
+        const struct mlrt_packet *packet = &tile->packets[order[i]];
+        if (!(places >> order[i] & 1) || !packet->active) continue;
+        uint32_t lane = mlrt_lowest_bit(packet->active);
+        if (i & 1 && packet->active >> 15) lane = 15;
+        count += (uint32_t)take_sample(packet, lane, unit, &samples[count]);
+    }
+    return count;
+}
+
+/* Means over samples of slopes and places relative to the first one's origin, and how they vary together. */
+struct sample_spread {
+    float slope[2];
+    float place[2];
+    float slope_slope;
+    float slope_place;
+    float place_place;
+};
+
+static void find_spread(const struct ray_sample *samples, uint32_t count, const struct mlrt_waist *from,
+                        struct sample_spread *of)
+{
+    const int a = from->main_axis;
+    float taken = 0;
+    memset(of, 0, sizeof *of);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float pace = samples[i].direction[a] * from->sign, scale = 1 / pace;
+        const float depth = (samples[i].origin[a] - from->point[a]) * from->sign;
+        if (!(pace > 0)) continue;
+        taken += 1;
+        MLRT_UNROLL
+        for (int side = 0; side < 2; ++side) {
+            const int j = mlrt_slope_axis(a, side);
+            const float s = samples[i].direction[j] * scale, x = samples[i].origin[j] - from->point[j] - s * depth;
+            of->slope[side] += s;
+            of->place[side] += x;
+            of->slope_slope += s * s;
+            of->slope_place += s * x;
+            of->place_place += x * x;
+        }
+    }
+    const float share = 1 / taken;
+    of->slope_slope *= share;
+    of->slope_place *= share;
+    of->place_place *= share;
+    MLRT_UNROLL
+    for (int side = 0; side < 2; ++side) {
+        of->slope[side] *= share;
+        of->place[side] *= share;
+        of->slope_slope -= of->slope[side] * of->slope[side];
+        of->slope_place -= of->slope[side] * of->place[side];
+        of->place_place -= of->place[side] * of->place[side];
+    }
+}
+
+/*
+ * Sets the waist for rays of which these are samples: the depth where their places vary least, about -cov(x, s) / var(s).
+ * The waist that the last tile had is kept while it is nearly as good, so that set-ups of leaves are shared. 0 if there
+ * is none.
+ */
+static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
+                                      const struct mlrt_waist *last, struct mlrt_waist *waist)
+{
+    struct sample_spread of;
+    if (!count) return 0;
+    mlrt_set_main_axis(samples[0].direction, waist);
+    const int a = waist->main_axis;
+    memcpy(waist->point, samples[0].origin, sizeof waist->point);
+    int is_apex = 1;
+    for (uint32_t i = 1; i < count; ++i) {
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) is_apex &= samples[i].origin[k] == waist->point[k];
+    }
+    if (is_apex) return 1;
+    find_spread(samples, count, waist, &of);
+    const float size = bounds->hi[a] - bounds->lo[a];
+    const float lowest = waist->sign > 0 ? bounds->lo[a] - waist->point[a] : waist->point[a] - bounds->hi[a];
+    const int is_narrow = !(of.slope_slope * size * size > 1e-8f * size * size + 1e-5f * of.place_place);
+    float depth = is_narrow ? lowest + 0.5f * size : -of.slope_place / of.slope_slope;
+    if (!(depth > lowest - size)) depth = lowest - size;
+    if (depth > lowest + 2 * size) depth = lowest + 2 * size;
+    if (last->main_axis == a && last->sign == waist->sign && last->is_beam == is_narrow) {
+        const float there = (last->point[a] - waist->point[a]) * waist->sign, away = fabsf(there - lowest);
+        const float variance = of.place_place + there * (2 * of.slope_place + there * of.slope_slope);
+        const float least = of.place_place + depth * (2 * of.slope_place + depth * of.slope_slope);
+        const float other = (away + size) * (away + size);
+        const float turn = (of.slope[0] - last->slope[0]) * (of.slope[0] - last->slope[0]) +
+                           (of.slope[1] - last->slope[1]) * (of.slope[1] - last->slope[1]);
+        const int is_along = is_narrow && turn * size * size <= 0.25f * of.place_place;
+        if (variance <= 1.5f * least + 1e-3f * of.slope_slope * other && (is_narrow ? is_along : away <= 3 * size)) {
+            *waist = *last;
+            return 1;
+        }
+    }
+    waist->is_beam = is_narrow;
+    MLRT_UNROLL
+    for (int side = 0; side < 2; ++side) {
+        const float slope = of.slope[side];
+        waist->slope[side] = is_narrow && fabsf(slope) <= STEEPEST_SLOPE ? slope : 0;
+    }
+    float step[3];
+    step[a] = waist->sign * depth;
+    MLRT_UNROLL
+    for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.place[side] + of.slope[side] * depth;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) { /* where odd samples overflow it is the first one's origin */
+        if (fabsf(waist->point[k] + step[k]) <= MLRT_SAFE_MAX) waist->point[k] += step[k];
+    }
+    return 1;
+}
+
+/* ---- rays and hulls ---- */
+
+/* After hits: the greatest depths at which packets still look. */
+static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_t places)
+{
+    for (; places; places &= places - 1) {
+        const uint32_t place = mlrt_lowest_bit(places), active = bundle->tile->packets[place].active;
+        const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+        vf greatest = v_set1(-INFINITY);
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            vf depth = v_load(rays->hi + v);
+            if (bundle->has_places) depth = v_sub(depth, v_load(rays->to_waist[0] + v));
+            greatest = v_max(v_select(m_from_bits(active >> v), depth, v_set1(-INFINITY)), greatest);
+        }
+        const float depth = v_hmax(greatest);
+        const float to = depth + (SLOPE_SLACK * (fabsf(depth) + bundle->hulls.away[place]) + HULL_FLOOR);
+        if (to < bundle->hulls.last[place]) bundle->hulls.last[place] = to;
+    }
+}
+
+/*
+ * Puts extremes over the rays of a packet where its hull is made of them: the least of slopes, negated slopes, places,
+ * negated places, of where they begin, that negated, of where they end negated, and that.
+ */
+MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlrt_hulls *hulls)
+{
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        hulls->term[MLRT_SLOPE_J + i].lo[place] = least[i];
+        hulls->term[MLRT_SLOPE_J + i].hi[place] = -least[2 + i];
+        hulls->term[MLRT_PLACE_J + i].lo[place] = least[4 + i];
+        hulls->term[MLRT_PLACE_J + i].hi[place] = 0 - least[6 + i];
+    }
+    hulls->first[place] = least[8];
+    hulls->core_first[place] = -least[9];
+    hulls->last[place] = -least[10];
+    hulls->core_last[place] = least[11];
+}
+
+/* Bounds a packet anew by its active lanes. */
+static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t place)
+{
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const uint32_t active = bundle->tile->packets[place].active;
+    const vf inf = v_set1(INFINITY);
+    vf least[12];
+    for (int i = 0; i < 12; ++i) least[i] = inf;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        static const int term[4] = {MLRT_SLOPE_J, MLRT_SLOPE_L, MLRT_PLACE_J, MLRT_PLACE_L};
+        const vm lanes = m_from_bits(active >> v);
+        const vf to_waist = v_load(rays->to_waist[0] + v), zero = v_set1(0);
+        MLRT_UNROLL
+        for (int i = 0; i < 4; ++i) {
+            const vf value = v_load(rays->term[term[i]] + v);
+            const int at = (i & 2) * 2 + (i & 1);
+            least[at] = v_min(v_select(lanes, value, inf), least[at]);
+            least[at + 2] = v_min(v_select(lanes, v_sub(zero, value), inf), least[at + 2]);
+        }
+        const vf first = v_sub(v_load(rays->begin + v), to_waist);
+        least[8] = v_min(v_select(lanes, first, inf), least[8]);
+        least[9] = v_min(v_select(lanes, v_sub(zero, first), inf), least[9]);
+        least[10] = v_min(v_select(lanes, v_sub(to_waist, v_load(rays->hi + v)), inf), least[10]);
+        least[11] = v_min(v_select(lanes, v_sub(v_load(rays->lo + v), to_waist), inf), least[11]);
+    }
+    MLRT_ALIGNED(16) float of[12];
+    MLRT_UNROLL
+    for (int i = 0; i < 12; i += 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
+    keep_extremes(of, place, &bundle->hulls);
+}
+
+/* Do all rays of a packet start at the waist? Says so in the packet, too. A unit that is not exact for it is none. */
+MLRT_INLINE int starts_at_waist(const struct mlrt_bundle *bundle, struct mlrt_packet *packet)
+{
+    float apex[3];
+    vm same = m_from_bits(ALL_LANES);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        apex[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][0];
+        if (apex[k] * bundle->unit != bundle->waist.point[k]) return 0;
+        if (MLRT_UNLIKELY(bundle->unit != 1) && bundle->waist.point[k] / bundle->unit != apex[k]) return 0;
+    }
+    for (int v = 0; !packet->has_apex && v < MLRT_PACKET_RAYS; v += VW) {
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(v_load(packet->origin[k] + v), v_set1(apex[k])));
+    }
+    if (m_bits(same) != ALL_LANES) return 0;
+    packet->has_apex = 1;
+    memcpy(packet->apex, apex, sizeof packet->apex);
+    return 1;
+}
+
+/* A vector of rays of a packet as they are given: what a bundle's numbers are made of. */
+struct given_rays {
+    vf pace; /* |d_main|, not in units */
+    vf across[2];
+    vf from_waist[3]; /* o - w: depth, place j, place l */
+};
+
+MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int has_places,
+                                 int v, struct given_rays *rays)
+{
+    const int a = bundle->waist.main_axis, axis[3] = {a, mlrt_slope_axis(a, 0), mlrt_slope_axis(a, 1)};
+    const vf sign = v_set1(bundle->waist.sign), unit = v_set1(bundle->unit);
+    rays->pace = v_flip(v_load(packet->direction[a] + v), sign);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) rays->across[i] = v_load(packet->direction[axis[1 + i]] + v);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        rays->from_waist[k] = v_set1(0);
+        if (!has_places) continue;
+        const vf w = v_set1(bundle->waist.point[axis[k]]);
+        const vf away = v_mul_sub(origin_component(packet, axis[k], v), unit, w); /* the product is exact */
+        rays->from_waist[k] = k == 0 ? v_flip(away, sign) : away;
+    }
+}
+
+/* Origins that are exact in a unit below 1. */
+MLRT_INLINE vm exact_in_units(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int v)
+{
+    vm exact = m_from_bits(ALL_LANES);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vf given = origin_component(packet, k, v), origin = v_mul(given, v_set1(bundle->unit));
+        exact = m_and(exact, v_eq(v_mul(origin, v_set1(1 / bundle->unit)), given));
+    }
+    return exact;
+}
+
+/* Makes rays of lanes that are not active like one that is, so that all count as active when they are bounded. */
+static MLRT_NOINLINE void fill_idle_lanes(struct mlrt_packet *packet)
+{
+    const uint32_t first = mlrt_lowest_bit(packet->active);
+    for (uint32_t left = ~packet->active & 0xFFFF; left; left &= left - 1) {
+        const uint32_t lane = mlrt_lowest_bit(left);
+        for (int k = 0; k < 3; ++k) {
+            packet->direction[k][lane] = packet->direction[k][first];
+            if (!packet->has_apex) packet->origin[k][lane] = packet->origin[k][first];
+        }
+        packet->t_min[lane] = packet->t_min[first];
+        packet->t_max[lane] = packet->t_max[first];
+    }
+}
+
+/* Of vectors of a packet's lanes: the first one, or its minimum with the others. */
+MLRT_INLINE void take_least(vf value, int v, vf *least)
+{
+    *least = v ? v_min(value, *least) : value;
+}
+
+/*
+ * Bounds a packet whose rays have just been read; has_places is 0 if they all begin at the waist. Returns the lanes of
+ * rays that can go with the bundle, unless hulls_fit says otherwise; if one cannot, the bounds are anything.
+ *
+ * Slopes are products with a reciprocal here, those of make_lanes are quotients: see the head of this file.
+ */
+MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, int has_places)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const int has_ends = packet->has_limits || packet->t_max[0] != INFINITY;
+    const vf unit = v_set1(bundle->unit), zero = v_set1(0);
+    vf least[12]; /* slopes, slopes negated, places, negated, first, negated, negated last, last */
+    vf longest = zero;
+    uint32_t fit = 0;
+    if (MLRT_UNLIKELY(packet->active != 0xFFFF)) {
+        if (packet->single) return 0; /* these lanes are not idle */
+        fill_idle_lanes(packet);
+    }
+    least[4] = least[5] = least[6] = least[7] = zero;
+    least[10] = v_set1(-INFINITY), least[11] = v_set1(INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        struct given_rays rays;
+        load_given_rays(bundle, packet, has_places, v, &rays);
+        const vf pace = v_mul(rays.pace, unit), inverse = v_div(v_set1(1), rays.pace);
+        vf term[4] = {zero, zero, zero, zero}, first = rays.from_waist[0];
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            term[i] = v_mul(rays.across[i], inverse);
+            take_least(term[i], v, &least[i]);
+            take_least(v_sub(zero, term[i]), v, &least[2 + i]);
+            if (!has_places) continue;
+            term[2 + i] = v_sub(rays.from_waist[1 + i], v_mul(term[i], rays.from_waist[0]));
+            take_least(term[2 + i], v, &least[4 + i]);
+            take_least(v_sub(zero, term[2 + i]), v, &least[6 + i]);
+        }
+        /* A number that is none is in the sum. */
+        const vf sum = has_places ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
+        vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
+        fits = m_and(fits, v_le(sum, v_set1(MLRT_SAFE_MAX)));
+        if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) { /* a reciprocal that is denormal would not do, either */
+            fits = m_and(fits, m_and(exact_in_units(bundle, packet, v), v_le(rays.pace, v_set1(GREATEST_PACE))));
+        }
+        if (packet->has_limits) {
+            const vf given = v_load(packet->t_min + v), begin = v_mul(v_max(given, zero), pace);
+            fits = m_and(fits, m_and(v_eq(given, given), v_lt(given, v_load(packet->t_max + v))));
+            longest = v_max(begin, longest);
+            first = v_add(first, begin);
+        }
+        if (has_ends) {
+            const vf t_max = v_load(packet->t_max + v), last = v_mul_add(t_max, pace, rays.from_waist[0]);
+            fits = m_and(fits, v_gt(t_max, zero));
+            take_least(v_sub(zero, last), v, &least[10]);
+            take_least(last, v, &least[11]);
+        }
+        take_least(first, v, &least[8]);
+        take_least(v_sub(zero, first), v, &least[9]);
+        fit |= m_bits(fits) << v;
+    }
+    MLRT_ALIGNED(16) float of[12] = {0};
+    MLRT_UNROLL
+    for (int i = 0; i < 12; i += 4) {
+        if (has_places || i != 4) f4_store(of + i, v_hmin4(least[i], least[i + 1], least[i + 2], least[i + 3]));
+    }
+    hulls->begin[place] = packet->has_limits ? v_hmax(longest) : 0;
+    keep_extremes(of, place, hulls);
+    return fit;
+}
+
+static MLRT_NOINLINE uint32_t bound_rays(struct mlrt_bundle *bundle, uint32_t place)
+{
+    return bound_rays_by(bundle, place, 1);
+}
+
+static MLRT_NOINLINE uint32_t bound_apex_rays(struct mlrt_bundle *bundle, uint32_t place)
+{
+    return bound_rays_by(bundle, place, 0);
+}
+
+/* Bounds a packet. Returns the lanes of rays that can go with the bundle. */
+static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
+{
+    const int is_apex = bundle->is_apex && starts_at_waist(bundle, &bundle->tile->packets[place]);
+    bundle->apexes |= (uint32_t)is_apex << place;
+    return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
+}
+
+/* May a packet have slopes so small that float does not carry them, by its hull? */
+MLRT_INLINE int may_have_tiny_slopes(const struct mlrt_hulls *hulls, uint32_t place)
+{
+    int may = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i)
+        may |= hulls->term[i].lo[place] < LEAST_SLOPE && hulls->term[i].hi[place] > -LEAST_SLOPE;
+    return may;
+}
+
+/* Has a packet rays whose slope is so small that float does not carry it, but not 0? */
+static MLRT_NOINLINE int has_tiny_slopes(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet)
+{
+    uint32_t tiny = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        struct given_rays rays;
+        load_given_rays(bundle, packet, 0, v, &rays);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf slope = v_abs(v_div(rays.across[i], rays.pace));
+            const vm is_zero = v_eq(rays.across[i], v_set1(0)), is_usual = v_ge(slope, v_set1(LEAST_SLOPE));
+            tiny |= (~m_bits(m_or(is_zero, is_usual)) & ALL_LANES) << v;
+        }
+    }
+    return (tiny & packet->active) != 0;
+}
+
+/*
+ * Sets A of packets that were bounded, and returns those that float carries: slopes are not steep and not tiny, and origins
+ * not far away. Depths of origins are within `begin` of where rays begin, |o'_j| <= |x_j| + |s_j o'_main|, and 2 |s_j| <= R.
+ */
+static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t places)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const float *w = bundle->waist.point;
+    const int is_near =
+        fabsf(w[0]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[1]) < 0.5f * MLRT_SAFE_MAX && fabsf(w[2]) < 0.5f * MLRT_SAFE_MAX;
+    const vf farthest = v_set1(is_near ? 0.5f * MLRT_SAFE_MAX : 0); /* from the waist: so origins are safe */
+    uint32_t fit = 0, small = 0;
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        const vf least = v_set1(LEAST_SLOPE), below = v_set1(-LEAST_SLOPE), zero = v_set1(0), two = v_set1(2);
+        const vf first = v_load(hulls->first + v), core_first = v_load(hulls->core_first + v);
+        vm fits = v_le(core_first, v_set1(MLRT_BVH_FAR)), is_small = m_from_bits(0);
+        vf steepest = v_set1(0.5f), aside = zero;
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
+            const vf from = v_load(hulls->term[MLRT_PLACE_J + i].lo + v),
+                     to = v_load(hulls->term[MLRT_PLACE_J + i].hi + v);
+            steepest = v_max(v_max(v_abs(lo), v_abs(hi)), steepest);
+            aside = v_max(v_max(v_abs(from), v_abs(to)), aside);
+            fits = m_and(fits, m_and(v_ge(lo, v_set1(-STEEPEST_SLOPE)), v_le(hi, v_set1(STEEPEST_SLOPE))));
+            const vm is_zero = m_and(v_eq(lo, zero), v_eq(hi, zero));
+            is_small = m_or(is_small, m_andnot(m_and(v_lt(lo, least), v_gt(hi, below)), is_zero));
+        }
+        const vf deep = v_add(v_max(v_abs(first), v_abs(core_first)), v_load(hulls->begin + v));
+        const vf away = v_mul(v_mul(v_mul_add(steepest, deep, aside), two), v_set1(1 + SLOPE_SLACK));
+        v_store(hulls->away + v, v_select(m_from_bits(places >> v), away, v_load(hulls->away + v)));
+        fit |= m_bits(m_and(fits, v_le(away, farthest))) << v;
+        small |= m_bits(is_small) << v;
+    }
+    fit &= places;
+    for (uint32_t left = small & fit; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (has_tiny_slopes(bundle, &bundle->tile->packets[place])) fit &= ~(1u << place);
+    }
+    return fit;
+}
+
+/* Makes the numbers of a packet's rays, lane by lane: nothing is hit so far. */
+static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const vf zero = v_set1(0), unit = v_set1(bundle->unit);
+    bundle->made |= 1u << place;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        struct given_rays given;
+        vf slope[2], at[2], to_waist[3];
+        load_given_rays(bundle, packet, bundle->has_places, v, &given);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            to_waist[k] = v_sub(zero, given.from_waist[k]);
+            v_store(rays->to_waist[k] + v, to_waist[k]);
+        }
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            slope[i] = v_div(given.across[i], given.pace);
+            at[i] = bundle->has_places ? v_mul_sub(slope[i], to_waist[0], to_waist[1 + i]) : zero;
+            v_store(rays->term[MLRT_SLOPE_J + i] + v, slope[i]);
+            v_store(rays->term[MLRT_PLACE_J + i] + v, at[i]);
+        }
+        if (bundle->has_places) {
+            v_store(rays->term[MLRT_MOMENT] + v, v_mul_sub(slope[1], at[0], v_mul(slope[0], at[1])));
+        }
+        const vf pace = v_mul(given.pace, unit), end = v_mul(v_load(packet->t_max + v), pace);
+        const vf t_min = packet->has_limits ? v_max(v_load(packet->t_min + v), zero) : zero;
+        v_store(rays->pace + v, pace);
+        v_store(rays->begin + v, v_mul(t_min, pace));
+        v_store(rays->lo + v, v_min(v_mul(end, v_set1(1 - SLOPE_SLACK)), v_set1(GREATEST_DISTANCE)));
+        v_store(rays->hi + v, v_mul(end, v_set1(1 + SLOPE_SLACK)));
+        v_store(packet->t_min + v, t_min);
+        i_store(packet->triangle + v, i_set1(MLRT_NONE));
+    }
+}
+
+/* Has the numbers of a packet's rays made, if they are not there. */
+MLRT_INLINE void need_lanes(struct mlrt_bundle *bundle, uint32_t place)
+{
+    if (!(bundle->made >> place & 1)) make_lanes(bundle, place);
+}
+
+/* Moves the depths that bound_packet found apart by what rounding may change, and cuts them to where there is something:
+ * for the packets `places` of a vector. */
+MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int v)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const vm these = m_from_bits(places >> v);
+    const vf first = v_load(hulls->first + v), last = v_load(hulls->last + v), away = v_load(hulls->away + v);
+    const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
+    const vf from = v_sub(first, v_mul_add(v_add(v_abs(first), away), slack, floor));
+    const vf to = v_add(last, v_mul_add(v_add(v_abs(last), away), slack, floor));
+    v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene_first)), first));
+    v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene_last)), last));
+    const vf core_first = v_load(hulls->core_first + v);
+    const vf core_last = v_min(v_load(hulls->core_last + v), v_set1(FLT_MAX)); /* inf - inf is no number */
+    const vf core_from = v_add(core_first, v_mul_add(v_add(v_abs(core_first), away), slack, floor));
+    const vf core_to = v_sub(core_last, v_mul_add(v_add(v_abs(core_last), away), slack, floor));
+    v_store(hulls->core_first + v, v_select(these, core_from, core_first));
+    v_store(hulls->core_last + v, v_select(these, core_to, core_last));
+}
+
+/*
+ * The moment s_l x_j - s_j x_l where the terms lie in intervals: the products of the middles, and what radii add to them.
+ * Its roundings are paid for by 4 u of the products and 16 u of the radius.
+ */
+MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_moment, vf *around)
+{
+    const vf first = v_mul(middle[MLRT_SLOPE_L], middle[MLRT_PLACE_J]);
+    const vf second = v_mul(middle[MLRT_SLOPE_J], middle[MLRT_PLACE_L]);
+    vf sum = v_set1(0);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        const vf slope = radius[MLRT_SLOPE_J + i], at = radius[MLRT_PLACE_L - i];
+        sum = v_mul_add(v_add(v_abs(middle[MLRT_SLOPE_J + i]), slope), at, sum);
+        sum = v_mul_add(slope, v_abs(middle[MLRT_PLACE_L - i]), sum);
+    }
+    *of_moment = v_sub(first, second);
+    sum = v_mul(sum, v_set1(1 + SLOPE_SLACK));
+    *around = v_mul_add(v_add(v_abs(first), v_abs(second)), v_set1(0.25f * SLOPE_SLACK), sum);
+}
+
+/*
+ * Makes hulls of what bound_packet found, for the vector of packets from `v` on.
+ *
+ * Middles and radii need no floor: underflow takes less than 2^-148 of a term, whose coefficients are at most 2^21, and the
+ * bound of an edge function has 0.9 u R to spare. Ends of slopes and places do: they are compared with boxes, which may be as
+ * near as a denormal.
+ */
+static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const vm going = m_from_bits(bundle->going >> v);
+    const vf away = v_load(hulls->away + v), one = v_set1(1), inf = v_set1(INFINITY), none = v_set1(-INFINITY);
+    vf reach = one, largest = v_set1(0), middle[MLRT_RAY_TERMS], radius[MLRT_RAY_TERMS];
+    MLRT_UNROLL
+    for (int i = 0; i < 4; ++i) {
+        const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v);
+        const vf size = v_max(v_abs(lo), v_abs(hi));
+        middle[i] = v_mul(v_add(lo, hi), v_set1(0.5f));
+        radius[i] = v_mul(v_sub(hi, lo), v_set1(0.5f * (1 + SLOPE_SLACK)));
+        radius[i] = v_mul_add(v_abs(middle[i]), v_set1(0.5f * SLOPE_SLACK), radius[i]);
+        if (i < 2) reach = v_max(v_mul(size, v_set1(2)), reach);
+        if (i >= 2) largest = v_max(size, largest);
+    }
+    product_over_hull(middle, radius, &middle[MLRT_MOMENT], &radius[MLRT_MOMENT]);
+    MLRT_UNROLL
+    for (int i = 0; i < MLRT_RAY_TERMS; ++i) {
+        v_store(hulls->middle[i] + v, middle[i]);
+        v_store(hulls->radius[i] + v, radius[i]);
+    }
+    const vf error = v_mul_add(v_mul(reach, away), v_set1(PLACE_ERROR), v_set1(PLACE_FLOOR));
+    v_store(hulls->reach + v, reach);
+    v_store(hulls->blur + v, v_mul_add(largest, v_set1(BLUR_OF_PLACE), error));
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        const vf lo = v_load(hulls->term[i].lo + v), hi = v_load(hulls->term[i].hi + v), slack = v_set1(SLOPE_SLACK);
+        const vf floor = v_set1(HULL_FLOOR), blur = v_add(error, floor);
+        v_store(hulls->slope[i].lo + v, v_select(going, v_sub(lo, v_mul_add(v_abs(lo), slack, floor)), inf));
+        v_store(hulls->slope[i].hi + v, v_select(going, v_add(hi, v_mul_add(v_abs(hi), slack, floor)), none));
+        const vf from = v_load(hulls->term[2 + i].lo + v), to = v_load(hulls->term[2 + i].hi + v);
+        v_store(hulls->place[i].lo + v, v_select(going, v_sub(from, v_mul_add(v_abs(from), slack, blur)), inf));
+        v_store(hulls->place[i].hi + v, v_select(going, v_add(to, v_mul_add(v_abs(to), slack, blur)), none));
+    }
+}
+
+/* What holds for all packets that go. */
+static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    struct mlrt_hull *whole = &bundle->whole;
+    struct extremes slope[2] = {NO_EXTREMES, NO_EXTREMES}, place[2] = {NO_EXTREMES, NO_EXTREMES};
+    vf first = v_set1(INFINITY), last = v_set1(-INFINITY);
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            slope[i].least = v_min(v_load(hulls->slope[i].lo + v), slope[i].least);
+            slope[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->slope[i].hi + v)), slope[i].negated);
+            place[i].least = v_min(v_load(hulls->place[i].lo + v), place[i].least);
+            place[i].negated = v_min(v_sub(v_set1(0), v_load(hulls->place[i].hi + v)), place[i].negated);
+        }
+        first = v_min(v_load(hulls->first + v), first);
+        last = v_max(v_load(hulls->last + v), last);
+    }
+    MLRT_ALIGNED(16) float least[4];
+    f4_store(least, v_hmin4(slope[0].least, slope[1].least, slope[0].negated, slope[1].negated));
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) whole->slope_lo[i] = least[i], whole->slope_hi[i] = -least[2 + i];
+    f4_store(least, v_hmin4(place[0].least, place[1].least, place[0].negated, place[1].negated));
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        whole->place_lo[i] = least[i];
+        whole->place_hi[i] = -least[2 + i];
+    }
+    whole->first = v_hmin(first);
+    whole->last = v_hmax(last);
+}
+
+MLRT_INLINE void set_whole_last(struct mlrt_bundle *bundle)
+{
+    vf last = v_set1(-INFINITY);
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) last = v_max(v_load(bundle->hulls.last + v), last);
+    bundle->whole.last = v_hmax(last);
+}
+
+/* A packet that goes with the others no longer. */
+static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    bundle->going &= ~(1u << place);
+    hulls->first[place] = INFINITY;
+    hulls->last[place] = -INFINITY;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        hulls->slope[i].lo[place] = hulls->place[i].lo[place] = INFINITY;
+        hulls->slope[i].hi[place] = hulls->place[i].hi[place] = -INFINITY;
+    }
+}
+
+/* ---- boxes ---- */
+
+/* Of what is at depths `from` to `to`: where rays with these slopes and places can be, over one axis. `to` may be
+ * infinite, and its product with a slope 0 no number: as the first operand it is dropped. */
+MLRT_INLINE vf upper_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_hi, int has_places)
+{
+    if (!has_places) return v_max(v_mul(slope_hi, to), v_mul(slope_hi, from));
+    return v_add(place_hi, v_max(v_max(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                 v_max(v_mul(slope_lo, to), v_mul(slope_lo, from))));
+}
+
+MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo, int has_places)
+{
+    if (!has_places) return v_min(v_mul(slope_lo, to), v_mul(slope_lo, from));
+    return v_add(place_lo, v_min(v_min(v_mul(slope_hi, to), v_mul(slope_hi, from)),
+                                 v_min(v_mul(slope_lo, to), v_mul(slope_lo, from))));
+}
+
+/*
+ * The greatest of s z over slopes of one interval and depths `from` to `to`, and so the negative of the least over the
+ * interval turned round. Of slopes with one sign it is at one end of the depths. These may be infinite, and a product with a
+ * slope 0 no number: as the first operand of v_max it is dropped, and hulls have no interval that is only 0.
+ */
+MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_places)
+{
+    if (!has_places) return v_mul(v_set1(hi), hi > 0 ? to : from);
+    const int is_up = hi + lo > 0;
+    const vf less = v_set1(is_up ? lo : hi), more = v_set1(is_up ? hi : lo), end = is_up ? to : from;
+    const vf there = v_max(v_mul(less, end), v_mul(more, end));
+    if (lo > 0 || hi < 0) return there;
+    const vf other = is_up ? from : to;
+    return v_max(v_max(v_mul(less, other), v_mul(more, other)), there);
+}
+
+/* The children of a node whose boxes the bundle may meet; the least depths go to `near`. */
+MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node,
+                                         int has_places, float near[MLRT_BVH_WIDTH])
+{
+    const struct mlrt_waist *waist = &bundle->waist;
+    const struct mlrt_hull *whole = &bundle->whole;
+    const int a = waist->main_axis;
+    const float *enter = waist->sign > 0 ? node->lo[a] : node->hi[a],
+                *exit = waist->sign > 0 ? node->hi[a] : node->lo[a];
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+        const vf w = v_set1(waist->point[a]), sign = v_set1(waist->sign);
+        const vf from = v_max(v_flip(v_sub(v_load(enter + v), w), sign), v_set1(whole->first));
+        const vf to = v_min(v_flip(v_sub(v_load(exit + v), w), sign), v_set1(whole->last));
+        vm may = v_le(from, to);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const int j = mlrt_slope_axis(a, i);
+            const float lo = whole->slope_lo[i], hi = whole->slope_hi[i];
+            vf upper = greatest_product(from, to, lo, hi, has_places);
+            vf lower = greatest_product(from, to, -hi, -lo, has_places); /* negated */
+            const vf least = v_sub(v_load(node->lo[j] + v), v_set1(waist->point[j]));
+            const vf greatest = v_sub(v_set1(waist->point[j]), v_load(node->hi[j] + v));
+            if (has_places) {
+                upper = v_add(upper, v_set1(whole->place_hi[i]));
+                lower = v_sub(lower, v_set1(whole->place_lo[i]));
+            }
+            may = m_and(may, m_and(v_le(least, upper), v_le(greatest, lower)));
+        }
+        v_store(near + v, from);
+        met |= m_bits(may) << v;
+    }
+    return met;
+}
+
+/* A child of a node relative to the waist. */
+struct box_of_bundle {
+    float from;
+    float to;
+    float lo[2];
+    float hi[2];
+};
+
+MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlrt_bvh_node *node, uint32_t place,
+                                struct box_of_bundle *box)
+{
+    const int a = waist->main_axis;
+    const float below = node->lo[a][place] - waist->point[a], above = node->hi[a][place] - waist->point[a];
+    box->from = waist->sign > 0 ? below : -above;
+    box->to = waist->sign > 0 ? above : -below;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        const int j = mlrt_slope_axis(a, i);
+        box->lo[i] = node->lo[j][place] - waist->point[j];
+        box->hi[i] = node->hi[j][place] - waist->point[j];
+    }
+}
+
+/* The packets that may meet a box. Without places all look from the waist on. */
+MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const float begin = larger_of(box->from, bundle->whole.first);
+    uint32_t met = 0;
+    if (!(box->to >= begin)) return 0;
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        vf from = v_set1(begin), to = v_set1(box->to), last = v_load(hulls->last + v);
+        if (has_places) {
+            from = v_max(from, v_load(hulls->first + v));
+            to = last = v_min(to, last);
+        }
+        vm may = v_le(from, last);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf lo = v_load(hulls->slope[i].lo + v), hi = v_load(hulls->slope[i].hi + v);
+            const vf place_lo = has_places ? v_load(hulls->place[i].lo + v) : lo;
+            const vf place_hi = has_places ? v_load(hulls->place[i].hi + v) : hi;
+            may = m_and(may, v_le(v_set1(box->lo[i]), upper_place(from, to, lo, hi, place_hi, has_places)));
+            may = m_and(may, v_ge(v_set1(box->hi[i]), lower_place(from, to, lo, hi, place_lo, has_places)));
+        }
+        met |= m_bits(may) << v;
+    }
+    return met;
+}
+
+/* The rays of a packet that may meet a box: as the hull of each would (see the head of this file). */
+MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint32_t place,
+                                         const struct box_of_bundle *box)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const float deepest = larger_of(fabsf(hulls->first[place]), fabsf(hulls->last[place]));
+    float far = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        far = larger_of(larger_of(fabsf(hulls->place[i].lo[place]), fabsf(hulls->place[i].hi[place])), far);
+    }
+    const float reach = hulls->reach[place];
+    const vf slack =
+        v_set1(SLOPE_SLACK * (far + reach * deepest) + PLACE_ERROR * reach * hulls->away[place] + HULL_FLOOR);
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf last = v_sub(v_load(rays->hi + v), v_load(rays->to_waist[0] + v));
+        const vf moved = v_add(last, v_set1(SLOPE_SLACK * (deepest + hulls->away[place]) + HULL_FLOOR));
+        const vf from = v_max(v_set1(box->from), v_set1(hulls->first[place]));
+        const vf to = v_min(v_min(v_set1(box->to), v_set1(hulls->last[place])), moved);
+        vm may = v_le(from, to);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf slope = v_load(rays->term[MLRT_SLOPE_J + i] + v);
+            const vf x = bundle->has_places ? v_load(rays->term[MLRT_PLACE_J + i] + v) : v_set1(0);
+            const vf one = v_mul_add(slope, from, x), other = v_mul_add(slope, to, x);
+            may = m_and(may, v_le(v_set1(box->lo[i]), v_add(v_max(one, other), slack)));
+            may = m_and(may, v_ge(v_set1(box->hi[i]), v_sub(v_min(one, other), slack)));
+        }
+        met |= m_bits(may) << v;
+    }
+    return met & bundle->tile->packets[place].active;
+}
+
+#endif

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * All kernels for the hierarchy of boxes, in the words of the simd header that was included before: one instruction set's
+ * file is that header, the names of its tables, and this. Compiled with and without MLRT_COUNTING (counters.h).
+ * Everything is static but the table.
+ */
+#ifndef MLRT_TRACE_KERNELS_H
+#define MLRT_TRACE_KERNELS_H
+
+#include "base/counters.h"
+#include "job/job.h"
+#include "trace/levels.h"
+
+#include "rays/check_packet.h"
+#include "trace/units.h"
+#include "trace/single.h"
+#include "trace/hulls.h"
+#include "trace/camera_cells.h"
+#include "trace/outline.h"
+#include "trace/leaf.h"
+#include "trace/cover.h"
+#include "trace/lanes.h"
+#include "trace/tile.h"
+#if !MLRT_COUNTING
+#include "rays/camera_packet.h"
+#include "rays/fetch_block.h"
+#include "rays/read_arrays.h"
+#include "trace/read_tile.h"
+#include "hits/write_packet.h"
+#include "hits/shadow_packet.h"
+#endif
+
+/* clang-format off: a table */
+#define KERNELS_OF_BOXES                                                                                               \
+    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .gather_camera_cells = gather_camera_cells,              \
+    .trace_cells = trace_cells, .trace_bundle = trace_bundle
+/* clang-format on */
+
+#if MLRT_COUNTING
+const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_OF_BOXES, .picture = &mlrt_plain_picture};
+#else
+const struct mlrt_picture_kernels PICTURE = {fetch_block, check_block, read_packets, write_packet};
+const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES, .picture = &PICTURE, .trace_ray = trace_lone_ray,
+                                     .make_shadow_packet = make_shadow_packet};
+#endif
+
+#endif

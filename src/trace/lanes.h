@@ -1,0 +1,564 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Lane by lane: a packet whose rays have too little in common for a hull goes down the hierarchy of boxes with each lane
+ * tested against each box. A leaf costs the lesser of its lanes, each against all triangles at once, and of its triangles,
+ * each against all lanes at once. From the box on that few lanes meet, these go one by one.
+ *
+ * All arithmetic, and its bounds, are those of single rays (single.h), with rays in the lanes in place of boxes or
+ * triangles.
+ *
+ * HULLS. Before lanes are looked at, a node's boxes are compared with a hull of all of them. Along an axis where the signs
+ * of all directions agree, that is intervals of origins and reciprocals: the product of a difference and a reciprocal
+ * lies between those of the intervals' ends, and roundings are monotone. Along another axis it is the interval of all that
+ * the rays pass, from o to e = o + t d for the t where they end. As computed, t d is off by 1.001 u of itself, so of
+ * |o| + |e|, and 2^-150, and the sum by u |e|; what moves e outward, 4 u (|o| + |e|) + 2^-126, pays for these and for its
+ * own rounding, u of what comes out. Where e is infinite the sum or the difference is a NaN, which v_min and v_max drop:
+ * then o is the end, which is right.
+ *
+ * A node costs the lesser of its boxes, each against all lanes at once, and of its lanes, each against all boxes at once.
+ *
+ * ONE ORIGIN. If all rays start at o, s = o - a is the triangle's, and so are s x g, f x s and f x g:
+ *
+ *     e_ca = d . (s x g)     e_ab = d . (f x s)     D = d . (f x g)     N = g . (f x s)
+ *
+ * are the determinants of single.h, and have as many roundings: s, f and g 1 per component, a cross product 3 more,
+ * so 4, and the product with d and its sums 3: 7. N has 8. So all bounds there hold, with the greatest |d_k| of all lanes
+ * for m; underflow and overflow are as there, the cross products being finite.
+ *
+ * Based on: I. Wald, C. Benthin, P. Slusallek, "Interactive Rendering with Coherent Ray Tracing", 2001 (packets against
+ * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
+ * Architecture", 2012 (the way from packets to single rays).
+ */
+#ifndef MLRT_TRACE_LANES_H
+#define MLRT_TRACE_LANES_H
+
+#include <float.h>
+#include <math.h>
+
+#include "base/counters.h"
+#include "hits/outcome.h"
+#include "hits/results.h"
+#include "hits/triangle_filter.h"
+#include "rays/check_packet.h"
+#include "rays/extremes.h"
+#include "scene/masks.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+#include "trace/single.h"
+#include "trace/units.h"
+
+/* So many lanes, or fewer, go one by one. */
+#define FEW_LANES 4
+
+/* In trees of more nodes, rays of different origins whose directions have different signs go one by one from the root on:
+ * diffuse rays of conference (2231 nodes) are 8 % faster lane by lane, of clinic (17,840) as much slower. */
+#define SMALL_TREE 10000
+
+/* So many lanes, or fewer, are not worth looking for boxes that none of them can meet. */
+#define FEW_FOR_HULL 6
+
+struct pending_lanes {
+    float near; /* less is on top: where the first lane meets it, or of any hit, leaves, then where a lane is longest */
+    uint32_t child;
+    uint32_t lanes;
+};
+
+/* A packet's rays as boxes are tested against them. */
+struct lanes_search {
+    struct mlrt_reciprocals reciprocals;
+    uint32_t negative[3]; /* lanes whose direction goes down an axis */
+    int agree[3];         /* the signs of all lanes are equal along an axis, and no component is 0 */
+    float lo[3], hi[3];   /* of origins, where signs agree; else of all that the rays pass */
+    float reciprocal_lo[3], reciprocal_hi[3];
+    float least_t_min;
+    float farthest; /* where the last ray ends, if hits do not change that */
+    int one_origin;
+    float origin[3]; /* if it is one */
+    float reach;     /* 4 times the greatest component of a direction */
+    uint32_t alive;  /* lanes that still look */
+    uint32_t count;
+    struct pending_lanes stack[WAITING_LIMIT + 1];
+};
+
+/* Between which coordinates rays lie along an axis: see the head of this file, "HULLS". */
+MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search)
+{
+    vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm among = m_from_bits(lanes >> v);
+        const vf origin = v_load(packet->origin[k] + v), d = v_load(packet->direction[k] + v);
+        const vf end = v_add(origin, v_mul(v_min(v_load(packet->hi + v), v_set1(FLT_MAX)), d));
+        const vf slack = v_mul_add(v_add(v_abs(origin), v_abs(end)), v_set1(0x1p-22f), v_set1(0x1p-126f));
+        lo = v_min(v_select(among, v_min(v_sub(end, slack), origin), v_set1(INFINITY)), lo);
+        hi = v_max(v_select(among, v_max(v_add(end, slack), origin), v_set1(-INFINITY)), hi);
+    }
+    search->lo[k] = v_hmin(lo);
+    search->hi[k] = v_hmax(hi);
+}
+
+/* Do rays of a packet start at one point? If it says so itself, its rows of origins are filled. */
+MLRT_INLINE int find_origin(struct mlrt_packet *packet, uint32_t lanes, float origin[3])
+{
+    const uint32_t first = mlrt_lowest_bit(lanes);
+    uint32_t others = 0;
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][first];
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            if (packet->has_apex) v_store(packet->origin[k] + v, v_set1(origin[k]));
+            others |= (~m_bits(v_eq(v_load(packet->origin[k] + v), v_set1(origin[k]))) & ALL_LANES) << v;
+        }
+    }
+    return !(others & lanes);
+}
+
+/* Not inlined, they save 450 bytes in all, and cost nothing that can be measured. */
+static MLRT_NOINLINE float lowest_of(const float *values, uint32_t lanes)
+{
+    return lowest(values, lanes);
+}
+
+static MLRT_NOINLINE float highest_of(const float *values, uint32_t lanes)
+{
+    return highest(values, lanes);
+}
+
+static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes, struct lanes_search *search)
+{
+    set_reciprocals(packet, &search->reciprocals);
+    search->alive = lanes;
+    search->count = 0;
+    search->least_t_min = lowest_of(packet->t_min, lanes);
+    search->farthest = finite_limit(highest_of(packet->hi, lanes));
+    search->one_origin = find_origin(packet, lanes, search->origin);
+    vf reach = v_set1(0);
+    for (int k = 0; k < 3; ++k) {
+        uint32_t negative = 0, zero = 0;
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vf d = v_load(packet->direction[k] + v);
+            negative |= m_bits(v_lt(d, v_set1(0))) << v;
+            zero |= m_bits(v_eq(d, v_set1(0))) << v;
+            reach = v_max(v_select(m_from_bits(lanes >> v), v_abs(d), reach), reach);
+        }
+        negative &= lanes;
+        search->negative[k] = negative;
+        search->agree[k] = !(zero & lanes) && (!negative || negative == lanes);
+        if (!search->agree[k]) {
+            bound_along(packet, lanes, k, search);
+            continue;
+        }
+        search->lo[k] = lowest_of(packet->origin[k], lanes);
+        search->hi[k] = highest_of(packet->origin[k], lanes);
+        const float *smaller = negative ? search->reciprocals.far[k] : search->reciprocals.near[k];
+        const float *larger = negative ? search->reciprocals.near[k] : search->reciprocals.far[k];
+        search->reciprocal_lo[k] = lowest_of(smaller, lanes);
+        search->reciprocal_hi[k] = highest_of(larger, lanes);
+    }
+    search->reach = 4 * v_hmax(reach);
+}
+
+/* The boxes of a node that the rays may meet. */
+MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const struct mlrt_bvh_node *node, float farthest)
+{
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+        vf first = v_set1(search->least_t_min), last = v_set1(farthest);
+        vm may = v_le(v_load(node->lo[0] + v), v_load(node->hi[0] + v));
+        for (int k = 0; k < 3; ++k) {
+            const vf least = v_load(node->lo[k] + v), greatest = v_load(node->hi[k] + v);
+            const vf from = v_set1(search->lo[k]), to = v_set1(search->hi[k]);
+            if (search->agree[k]) {
+                const int down = search->negative[k] != 0;
+                const vf lo = v_set1(search->reciprocal_lo[k]), hi = v_set1(search->reciprocal_hi[k]);
+                const vf near = down ? v_sub(greatest, from) : v_sub(least, to);
+                const vf far = down ? v_sub(least, to) : v_sub(greatest, from);
+                first = v_max(v_min(v_mul(near, lo), v_mul(near, hi)), first);
+                last = v_min(v_max(v_mul(far, lo), v_mul(far, hi)), last);
+            } else {
+                may = m_and(may, m_and(v_le(least, to), v_ge(greatest, from)));
+            }
+        }
+        met |= m_bits(m_and(may, v_le(first, last))) << v;
+    }
+    return met;
+}
+
+/* Of `lanes` those that may meet a box; *near receives where the first of them does. */
+MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struct mlrt_packet *packet,
+                                  const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any,
+                                  float *near)
+{
+    uint32_t met = 0;
+    vf nearest = v_set1(INFINITY);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf first = v_load(packet->t_min + v), last = v_min(v_load(packet->hi + v), v_set1(FLT_MAX));
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            const vf lo = v_set1(node->lo[k][place]), hi = v_set1(node->hi[k][place]);
+            const vm down = m_from_bits(search->negative[k] >> v);
+            const vf origin = v_load(packet->origin[k] + v);
+            const vf to_near = v_sub(v_select(down, hi, lo), origin), to_far = v_sub(v_select(down, lo, hi), origin);
+            first = v_max(v_mul(to_near, v_load(search->reciprocals.near[k] + v)), first);
+            last = v_min(v_mul(to_far, v_load(search->reciprocals.far[k] + v)), last);
+        }
+        const vm hit = m_and(m_from_bits(lanes >> v), v_le(first, last));
+        nearest = v_min(v_select(hit, any ? v_sub(first, last) : first, v_set1(INFINITY)), nearest);
+        met |= m_bits(hit) << v;
+    }
+    *near = v_hmin(nearest);
+    return met;
+}
+
+/* Puts the boxes of a node on the stack that lanes may meet: box by box, all lanes at once. */
+MLRT_INLINE void push_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
+                               uint32_t lanes, int any, struct lanes_search *search)
+{
+    for (; boxes; boxes &= boxes - 1) {
+        const uint32_t place = mlrt_lowest_bit(boxes);
+        struct pending_lanes *top = &search->stack[search->count];
+        top->child = node->child[place];
+        top->lanes = lanes_in_box(search, packet, node, place, lanes, any, &top->near);
+        search->count += top->lanes != 0;
+    }
+}
+
+/* The same lane by lane, all boxes at once. */
+MLRT_INLINE void push_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes,
+                               int any, struct lanes_search *search)
+{
+    MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
+    MLRT_ALIGNED(64) uint32_t lanes_of[MLRT_BVH_WIDTH];
+    MLRT_ALIGNED(64) float ways[6][VW];
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+        vf nearest = v_set1(INFINITY);
+        vi of = i_set1(0);
+        vm any_hit = m_from_bits(0);
+        const float *planes = &node->lo[0][v];
+        uint32_t stride = MLRT_BVH_WIDTH;
+        if (search->one_origin) {
+            for (int k = 0; k < 3; ++k) {
+                v_store(ways[k], v_sub(v_load(node->lo[k] + v), v_set1(search->origin[k])));
+                v_store(ways[3 + k], v_sub(v_load(node->hi[k] + v), v_set1(search->origin[k])));
+            }
+            planes = ways[0];
+            stride = VW;
+        }
+        for (uint32_t left = lanes; left; left &= left - 1) {
+            const uint32_t lane = mlrt_lowest_bit(left);
+            vf first = v_set1(packet->t_min[lane]), last = v_set1(finite_limit(packet->hi[lane]));
+            MLRT_UNROLL
+            for (uint32_t k = 0; k < 3; ++k) {
+                const uint32_t down = (search->negative[k] >> lane & 1) * 3;
+                vf to_near = v_load(planes + (down + k) * stride), to_far = v_load(planes + (3 - down + k) * stride);
+                if (!search->one_origin) {
+                    const vf origin = v_set1(packet->origin[k][lane]);
+                    to_near = v_sub(to_near, origin);
+                    to_far = v_sub(to_far, origin);
+                }
+                first = v_max(v_mul(to_near, v_set1(search->reciprocals.near[k][lane])), first);
+                last = v_min(v_mul(to_far, v_set1(search->reciprocals.far[k][lane])), last);
+            }
+            const vm hit = v_le(first, last);
+            nearest = v_min(v_select(hit, any ? v_sub(first, last) : first, nearest), nearest);
+            of = i_select(hit, i_sub(of, i_set1(0u - (1u << lane))), of);
+            any_hit = m_or(any_hit, hit);
+        }
+        v_store(near + v, nearest);
+        i_store(lanes_of + v, of);
+        met |= (m_bits(any_hit) & ALL_LANES) << v;
+    }
+    for (; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        search->stack[search->count++] = (struct pending_lanes){near[place], node->child[place], lanes_of[place]};
+    }
+}
+
+/* Puts the children of a node that lanes may meet on the stack, the nearest on top. */
+MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes, int any,
+                            struct lanes_search *search)
+{
+    const uint32_t base = search->count;
+    const uint32_t lane_count = mlrt_count_bits(lanes);
+    uint32_t boxes = 0xFFFF;
+    if (lane_count > FEW_FOR_HULL) {
+        boxes = boxes_of_lanes(search, node, any ? search->farthest : finite_limit(highest_of(packet->hi, lanes)));
+    }
+    if (lane_count <= mlrt_count_bits(boxes)) {
+        push_by_lanes(packet, node, lanes, any, search);
+    } else {
+        push_by_boxes(packet, node, boxes, lanes, any, search);
+    }
+    for (uint32_t i = base; i < search->count; ++i) {
+        struct pending_lanes entry = search->stack[i];
+        if (any && mlrt_bvh_quad_count(entry.child)) entry.near = -INFINITY;
+        uint32_t at = i;
+        for (; at > base && search->stack[at - 1].near < entry.near; --at) search->stack[at] = search->stack[at - 1];
+        search->stack[at] = entry;
+    }
+}
+
+/* Terms of triangles for rays of one origin: vectors whose products with a direction are edge functions and D. */
+struct triangles_from_origin {
+    MLRT_ALIGNED(64) float ca[3][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float ab[3][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float normal[3][MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float edge_bound[MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float plane_bound[MLRT_BVH_LEAF_LIMIT];
+    MLRT_ALIGNED(64) float distance_bound[MLRT_BVH_LEAF_LIMIT];
+};
+
+MLRT_INLINE void store_cross_product(const vf cross[3], uint32_t v, float (*rows)[MLRT_BVH_LEAF_LIMIT])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) v_store(rows[k] + v, cross[k]);
+}
+
+MLRT_INLINE void set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
+                                    struct triangles_from_origin *terms)
+{
+    for (uint32_t v = 0; v < row; v += VW) {
+        vf s[3], f[3], g[3], cross[3];
+        struct float_test test;
+        MLRT_UNROLL
+        for (uint32_t k = 0; k < 3; ++k) {
+            const vf a = v_load_any(corners + k * row + v);
+            s[k] = v_sub(v_set1(search->origin[k]), a);
+            f[k] = v_sub(v_load_any(corners + (3 + k) * row + v), a);
+            g[k] = v_sub(v_load_any(corners + (6 + k) * row + v), a);
+        }
+        set_bounds(s, f, g, v_set1(search->reach), &test);
+        v_store(terms->edge_bound + v, test.above);
+        v_store(terms->plane_bound + v, test.plane_bound);
+        v_store(terms->distance_bound + v, test.distance_bound);
+        cross_product(s, g, cross);
+        store_cross_product(cross, v, terms->ca);
+        cross_product(f, g, cross);
+        store_cross_product(cross, v, terms->normal);
+        cross_product(f, s, cross);
+        store_cross_product(cross, v, terms->ab);
+        v_store(terms->distance + v, dot_product(g, cross));
+    }
+}
+
+/* Where a vector has one triangle and many rays, or one ray and many triangles. */
+MLRT_INLINE void set_test_from_origin(const vf ca[3], const vf ab[3], const vf normal[3], const vf d[3], vf bound,
+                                      struct float_test *test)
+{
+    test->determinant = dot_product(d, normal);
+    const vf edge_ca = dot_product(d, ca), edge_ab = dot_product(d, ab);
+    const vf edge_bc = v_sub(v_sub(test->determinant, edge_ca), edge_ab);
+    test->least = v_min(v_min(edge_ab, edge_bc), edge_ca);
+    test->greatest = v_max(v_max(edge_ab, edge_bc), edge_ca);
+    test->above = bound;
+    test->below = v_sub(v_set1(0), bound);
+}
+
+/* Tests a triangle against all lanes of a vector, whose directions are d. Returns those whose nearest hit changed. */
+MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const struct triangles_from_origin *terms,
+                                               uint32_t place, const vf d[3], uint32_t lanes, uint32_t number, int v,
+                                               struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    vf ca[3], ab[3], normal[3];
+    struct outcome outcome = {0, 0, 0};
+    struct float_test test;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        ca[k] = v_set1(terms->ca[k][place]);
+        ab[k] = v_set1(terms->ab[k][place]);
+        normal[k] = v_set1(terms->normal[k][place]);
+    }
+    set_test_from_origin(ca, ab, normal, d, v_set1(terms->edge_bound[place]), &test);
+    vm candidates = may_be_inside(&test, m_from_bits(lanes >> v));
+    if (!m_bits(candidates)) return 0;
+    candidates = m_and(candidates, concerned_rays(packet, lanes, number, v));
+    test.plane_bound = v_set1(terms->plane_bound[place]);
+    test.distance = v_set1(terms->distance[place]);
+    test.distance_bound = v_set1(terms->distance_bound[place]);
+    const struct verdict verdict = compare_distances(&test, candidates, v_load(packet->t_min + v),
+                                                     v_load(packet->lo + v), v_load(packet->hi + v), 0);
+    keep_verdict(&verdict, number, v, packet, &outcome);
+    if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
+    return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
+}
+
+/* Of lanes that may not see all triangles, those that see one. */
+static MLRT_NOINLINE uint32_t lanes_by_masks(const struct mlrt_job *job, const struct mlrt_worker *worker,
+                                             const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
+{
+    if (packet->has_masks) return mlrt_seeing_lanes(job->tree, number, packet->mask, lanes);
+    return mlrt_is_hidden(job->tree, number, worker->mask) ? 0 : lanes;
+}
+
+/* Which of `lanes` see a triangle? */
+MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlrt_worker *worker,
+                                    const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
+{
+    if (MLRT_LIKELY(!packet->has_masks && worker->mask == MLRT_MASK_ALL)) return lanes;
+    return lanes_by_masks(job, worker, packet, number, lanes);
+}
+
+/* Tests lanes of one origin against the triangles of a leaf. Returns those whose nearest hit changed. */
+static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *job,
+                                                         const struct triangles_from_origin *terms,
+                                                         const uint32_t *numbers, uint32_t row, uint32_t lanes,
+                                                         struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    uint32_t all_changed = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        uint32_t left = lanes & ALL_LANES << v;
+        const vf d[3] = {v_load(packet->direction[0] + v), v_load(packet->direction[1] + v),
+                         v_load(packet->direction[2] + v)};
+        for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && left; ++i) {
+            const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], left);
+            if (!seeing) continue;
+            COUNT(&worker->counters, triangle_test_count, 1);
+            COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
+            const uint32_t changed = test_triangle_from_origin(job, terms, i, d, seeing, numbers[i], v, packet, worker);
+            all_changed |= changed;
+            if (job->any) left &= ~changed;
+        }
+    }
+    return all_changed;
+}
+
+/* Tests lanes against one triangle. Returns those whose nearest hit changed. `reach` is that of all lanes. */
+static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, uint32_t lanes, const float *corners,
+                                                     uint32_t row, uint32_t number, float reach,
+                                                     struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct outcome outcome = {0, 0, 0};
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vm active = concerned_rays(packet, lanes, number, v);
+        if (!m_bits(active)) continue;
+        vf s[3], f[3], g[3], d[3];
+        MLRT_UNROLL
+        for (uint32_t k = 0; k < 3; ++k) {
+            const float a = corners[k * row];
+            s[k] = v_sub(v_load(packet->origin[k] + v), v_set1(a));
+            f[k] = v_set1(corners[(3 + k) * row] - a);
+            g[k] = v_set1(corners[(6 + k) * row] - a);
+            d[k] = v_load(packet->direction[k] + v);
+        }
+        struct float_test test;
+        set_float_test(s, f, g, d, v_set1(reach), &test);
+        const vm candidates = may_be_inside(&test, active);
+        if (!m_bits(candidates)) continue;
+        const struct verdict verdict = compare_distances(&test, candidates, v_load(packet->t_min + v),
+                                                         v_load(packet->lo + v), v_load(packet->hi + v), 0);
+        keep_verdict(&verdict, number, v, packet, &outcome);
+    }
+    if (MLRT_LIKELY(!outcome.undecided) || MLRT_GUESS) return outcome.nearer;
+    return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
+}
+
+/* Lanes that go one by one from a child of a node on. */
+static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t child, uint32_t lanes,
+                                          struct lanes_search *search, struct mlrt_packet *packet,
+                                          struct mlrt_worker *worker)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        trace_single(job, &search->reciprocals, lane, child, packet, worker);
+        if (job->any && packet->triangle[lane] != MLRT_NONE) search->alive &= ~(1u << lane);
+    }
+}
+
+/* Tests lanes against the triangles of a leaf. */
+static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_t leaf, uint32_t lanes,
+                                             struct lanes_search *search, struct mlrt_packet *packet,
+                                             struct mlrt_worker *worker)
+{
+    const struct mlrt_bvh *bvh = &job->tree->bvh;
+    const uint32_t row = 4 * mlrt_bvh_quad_count(leaf);
+    const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
+    const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
+    if (search->one_origin) {
+        struct triangles_from_origin terms;
+        set_up_from_origin(search, corners, row, &terms);
+        const uint32_t changed = test_triangles_from_origin(job, &terms, numbers, row, lanes, packet, worker);
+        if (job->any) search->alive &= ~changed;
+        return;
+    }
+    if (mlrt_count_bits(lanes) < row) {
+        trace_few_lanes(job, leaf, lanes, search, packet, worker);
+        return;
+    }
+    for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && lanes; ++i) {
+        const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], lanes);
+        if (!seeing) continue;
+        COUNT(&worker->counters, triangle_test_count, 1);
+        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
+        const uint32_t changed =
+            test_triangle_by_lanes(job, seeing, corners + i, row, numbers[i], search->reach, packet, worker);
+        if (!job->any) continue;
+        lanes &= ~changed;
+        search->alive &= ~changed;
+    }
+}
+
+/* Traces the rays of a packet in the lanes `lanes`, which are in units. */
+static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                                 struct mlrt_worker *worker)
+{
+    const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
+    struct lanes_search search;
+    uint32_t child = 0;
+    begin_lanes(packet, lanes, &search);
+    const int agree = search.agree[0] && search.agree[1] && search.agree[2];
+    if (mlrt_count_bits(lanes) <= FEW_LANES ||
+        (!agree && !search.one_origin && job->tree->bvh.node_count > SMALL_TREE)) {
+        trace_few_lanes(job, 0, lanes, &search, packet, worker);
+        return;
+    }
+    COUNT(&worker->counters, packet_count, 1);
+    for (;;) {
+        COUNT(&worker->counters, cell_count, 1);
+        if (mlrt_bvh_quad_count(child) == 0) {
+            push_lanes(packet, &nodes[mlrt_bvh_offset(child)], lanes, job->any, &search);
+        } else {
+            test_leaf_by_lanes(job, child, lanes, &search, packet, worker);
+        }
+        for (;;) {
+            if (search.count == 0) return;
+            const struct pending_lanes *top = &search.stack[--search.count];
+            lanes = top->lanes & search.alive;
+            if (!lanes) continue;
+            if (!job->any) {
+                uint32_t before = 0;
+                for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+                    before |= m_bits(v_le(v_set1(top->near), v_load(packet->hi + v))) << v;
+                }
+                lanes &= before;
+                if (!lanes) continue;
+            }
+            child = top->child;
+            if (mlrt_count_bits(lanes) > FEW_LANES) break;
+            trace_few_lanes(job, child, lanes, &search, packet, worker);
+        }
+    }
+}
+
+/* Traces the rays of a packet in the lanes `lanes`. A bundle bears directions that must be brought into units first even
+ * if the unit is 1. */
+static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
+                                      struct mlrt_worker *worker)
+{
+    const float unit = job->tree->bvh.unit;
+    if (job->tree->bvh.node_count == 0 || !lanes) return;
+    struct checked_lanes directions;
+    check_lanes(packet->direction, &directions);
+    if (MLRT_LIKELY(unit == 1 && !(lanes & ~directions.safe))) {
+        trace_lanes_in_units(job, lanes, packet, worker);
+        return;
+    }
+    struct mlrt_scaled_packet scaled;
+    const uint32_t carried = scale_packet(lanes, unit, packet, &scaled);
+    worker->scaled = &scaled;
+    if (carried) trace_lanes_in_units(job, carried, &scaled.rays, worker);
+    worker->scaled = NULL;
+    take_scaled_hits(&scaled, carried);
+    if (lanes & ~carried) mlrt_trace_single_rays(job, lanes & ~carried, packet, COUNTERS(worker));
+}
+
+#endif

@@ -1,0 +1,846 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The triangles of a leaf as a bundle sees them (bundle.h), sixteen at a time, and tests of packets against them.
+ *
+ * WHAT IS COMPUTED. In depth and places relative to the waist, let p, q be the ends of an edge and g = q - p; a ray is at
+ * o = (0, x_j, x_l) where z = 0 and goes along d = (1, s_j, s_l). Then
+ *
+ *     e = d . ((p - o) x g) = C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z,    C = p x g,  m = s_l x_j - s_j x_l
+ *     D = d . n = n_z + s_j n_j + s_l n_l                                             n = (a - c) x (b - a)
+ *     N = n . (a - w) + n . (w - o'),  o' the ray's origin                            so tau = N / D
+ *
+ * Each edge function is divided by a size, so is n; only signs of e and ratios of N and D matter. With M_k the sum of the
+ * magnitudes of the two products in component k of a cross product, size is M_z + (M_j + M_l) / 2, or |g| 2^-20 if that
+ * is more (|g| the sum of magnitudes), but at least 2^-100.
+ *
+ * EDGES, u = 2^-24, in units of size, with R, A, X = the greatest |x|, of a packet (hulls.h). C_k has 4 roundings (p, g,
+ * product, difference), 1 / size and its product 2; a slope 1, a product 1, and up to 5 sums: 13. As |s| <= R / 2, that is
+ * 13.001 u R. A place is off by E = 3.05 u R A (in hulls 3.55), a factor of g has 1 + 2 roundings, product and sums 6:
+ * so both products of places are off by (9.001 u X + E) |g|. The moment is off by 2 |s| E + 3.001 u 2 |s| X <= R E + 3.001 u R X, and g_z times
+ * it by 9.001 u R X more. Together no more than
+ *
+ *     13.001 u R + (12.1 u X + E) R rho,   rho the greatest |g| / size of the three edges.
+ *
+ * EDGE_ERROR makes 14 u R of the first and BLUR_OF_PLACE and PLACE_ERROR 13 u X + 4 u R A of the second: that also pays
+ * for the roundings of the bound. Where a processor multiplies and adds at once there are fewer. Without places only the
+ * first is left.
+ *
+ * DISTANCES. n has 4 + 2 roundings, D 1 + 1 + 2 more: 10.001 u R. N has 6 + 1 + 1 and up to 5 sums: with F the greatest of
+ * |z|, 2 |x_j|, 2 |x_l| of corner a, and A the same of origins, it is off by 13.001 u (F + A). PLANE_BOUND, 16 u R, and
+ * DISTANCE_ERROR, 16 u (F + A), leave 5.9 u R and 2.9 u (F + A) for the roundings of N -+ E, D -+ W and the products that
+ * compare them, as in triangle_filter.h.
+ *
+ * UNDERFLOW AND RANGE. Corners and origins are at most 2^60 and may be denormal; of directions only slopes matter, which are at
+ * most 2. Sums and differences of denormals are exact. A product of C or n may lose 2^-150, but is divided
+ * by a size of at least 2^-100, and a coefficient is multiplied by a term of at most 2^65: so an edge function and D lose less
+ * than 2^-48 R, which is nothing beside u R. N loses 2^-48 (F + A) so, and 2^-147 in products with places, for which
+ * DISTANCE_FLOOR pays. Sizes are at most 2^124, so 1 / size is normal; and as size >= |g| 2^-20, no edge function exceeds 2^87.
+ *
+ * CUTS. Over a hull an edge function lies within its value at the middles of the terms and the sum of |coefficient| radius.
+ * The slopes of rays lie in their hull (hulls.h). Middles and radii have 7 roundings of |coefficient| |term|, and the
+ * coefficients are off as above, without sums: together 14.002 u R + (13.2 u X + E) R rho, so twice the bound is enough.
+ *
+ * FROM THE WAIST N is the same for all rays. Terms are turned so that it is not negative there, by its float; where that is
+ * not above its bound, DISTANCE_ERROR F, the judge settles the sign. Depth goes down the axis where the waist's sign is -1:
+ * that mirrors triangles, and so the sign of N is that of the side of the plane that the waist is on, not the other one. With
+ * N > 0 only D > 0 and edge functions that are not negative are hits. docs/accuracy.md, "Bundles", has all of this as lemmas.
+ */
+#ifndef MLRT_TRACE_LEAF_H
+#define MLRT_TRACE_LEAF_H
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "hits/close_calls.h"
+#include "hits/triangle_filter.h"
+#include "hits/undecided.h"
+#include "job/stop.h"
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "scene/masks.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+#include "trace/hulls.h"
+#include "trace/outline.h"
+#include "trace/pair_line.h"
+
+#if MLRT_GUESS
+#define EDGE_ERROR     0.0f
+#define DISTANCE_ERROR 0.0f
+#else
+#define EDGE_ERROR     (14 * 0x1p-24f)
+#define DISTANCE_ERROR (16 * 0x1p-24f)
+#endif
+
+/* ---- set-ups ---- */
+
+/* Corners of a vector of triangles by axis from the main one on, in the signs of the waist: as given, and relative to
+ * it. */
+struct bundle_corners {
+    vf from[3][3];
+    vf to[3][3];
+};
+
+MLRT_INLINE void load_bundle_corners(const struct mlrt_waist *waist, const float *corners, uint32_t row, uint32_t v,
+                                     struct bundle_corners *of)
+{
+    const vf sign = v_set1(waist->sign);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int axis = (waist->main_axis + k) % 3;
+        const vf w = v_set1(waist->point[axis]);
+        MLRT_UNROLL
+        for (int i = 0; i < 3; ++i) {
+            const vf c = v_load_any(corners + (uint32_t)(3 * i + axis) * row + v);
+            of->from[i][k] = k == 0 ? v_flip(c, sign) : c;
+            of->to[i][k] = k == 0 ? v_flip(v_sub(c, w), sign) : v_sub(c, w);
+        }
+    }
+}
+
+/* A cross product, and the size it is divided by, if it is not less than `least`. */
+MLRT_INLINE vf cross_with_size(const vf p[3], const vf q[3], vf least, vf cross[3])
+{
+    vf size[3];
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const vf second = v_mul(p[j], q[i]);
+        cross[k] = v_mul_sub(p[i], q[j], second);
+        size[k] = v_mul_add(v_abs(p[i]), v_abs(q[j]), v_abs(second));
+    }
+    return v_max(v_mul_add(v_add(size[1], size[2]), v_set1(0.5f), size[0]), least);
+}
+
+/* Sets what one vector of triangles is. */
+MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t v, int has_places,
+                                  struct mlrt_bundle_leaf *leaf)
+{
+    vf g[3][3], normal[3], steepness = v_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        MLRT_UNROLL
+        for (int i = 0; i < 3; ++i) g[i][k] = v_sub(corners->from[(i + 1) % 3][k], corners->from[i][k]);
+    }
+    const vf scale = v_div(v_set1(1), cross_with_size(g[2], g[0], v_set1(SMALLEST_SIZE), normal));
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) normal[k] = v_mul(normal[k], scale);
+    const vf distance = dot_product(corners->to[0], normal);
+    const vf other = v_max(v_abs(corners->to[0][1]), v_abs(corners->to[0][2]));
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) v_store(leaf->normal[k] + v, v_flip(normal[k], distance));
+    v_store(leaf->distance + v, v_abs(distance));
+    v_store(leaf->away + v, v_max(v_abs(corners->to[0][0]), v_mul(other, v_set1(2))));
+    leaf->flipped |= m_bits(v_lt(v_flip(v_set1(1), distance), v_set1(0))) << v;
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        vf cross[3];
+        const vf length = v_add(v_add(v_abs(g[i][0]), v_abs(g[i][1])), v_abs(g[i][2]));
+        const vf least = v_max(v_mul(length, v_set1(0x1p-20f)), v_set1(SMALLEST_SIZE));
+        const vf size = v_div(v_set1(1), cross_with_size(corners->to[i], g[i], least, cross)),
+                 factor = v_flip(size, distance);
+        v_store(leaf->edge_constant[i] + v, v_mul(cross[0], factor));
+        v_store(leaf->edge[i][MLRT_SLOPE_J] + v, v_mul(cross[1], factor));
+        v_store(leaf->edge[i][MLRT_SLOPE_L] + v, v_mul(cross[2], factor));
+        if (!has_places) continue;
+        v_store(leaf->edge[i][MLRT_PLACE_J] + v, v_sub(v_set1(0), v_mul(g[i][2], factor)));
+        v_store(leaf->edge[i][MLRT_PLACE_L] + v, v_mul(g[i][1], factor));
+        v_store(leaf->edge[i][MLRT_MOMENT] + v, v_mul(g[i][0], factor));
+        steepness = v_max(v_mul(length, size), steepness);
+    }
+    v_store(leaf->steepness + v, steepness);
+}
+
+static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corners, uint32_t v, int has_places,
+                                               struct mlrt_bundle_leaf *leaf)
+{
+    if (has_places) {
+        set_up_vector_by(corners, v, 1, leaf);
+    } else {
+        set_up_vector_by(corners, v, 0, leaf);
+    }
+}
+
+/* Of the triangles at a place, turns the sign of its terms. */
+static void flip_triangle(struct mlrt_bundle_leaf *leaf, uint32_t place)
+{
+    leaf->flipped ^= 1u << place;
+    leaf->distance[place] = -leaf->distance[place];
+    for (int i = 0; i < 3; ++i) {
+        leaf->normal[i][place] = -leaf->normal[i][place];
+        leaf->edge_constant[i][place] = -leaf->edge_constant[i][place];
+        for (int term = 0; term < MLRT_RAY_TERMS; ++term) leaf->edge[i][term][place] = -leaf->edge[i][term][place];
+    }
+}
+
+MLRT_INLINE float float_or_infinity(double a)
+{
+    return fabs(a) <= FLT_MAX ? (float)a : a < 0 ? -INFINITY : INFINITY;
+}
+
+/* A cross product, and the size it is divided by, as above. */
+static double cross_doubles_with_size(const double p[3], const double q[3], double least, double cross[3],
+                                      double size[3])
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        cross[k] = p[i] * q[j] - p[j] * q[i];
+        size[k] = fabs(p[i] * q[j]) + fabs(p[j] * q[i]);
+    }
+    const double all = size[0] + (size[1] + size[2]) * 0.5;
+    return all > least ? all : least;
+}
+
+/* Has an odd triangle (bvh/unit.h) be seen everywhere, between its depths. */
+static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
+                                          struct mlrt_bundle_leaf *leaf)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
+    double near = INFINITY, far = -INFINITY;
+    for (int i = 0; i < 3; ++i) {
+        const double depth =
+            (triangle->v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
+        near = fmin(depth, near);
+        far = fmax(depth, far);
+    }
+    leaf->near[place] = mlrt_low_bound(near);
+    leaf->far[place] = -mlrt_low_bound(-far);
+    leaf->fans &= ~(1u << place);
+    leaf->weight[place] = 0;
+    for (int i = 0; i < 2; ++i) {
+        leaf->outline_lo[i][place] = -INFINITY;
+        leaf->outline_hi[i][place] = INFINITY;
+    }
+}
+
+/*
+ * Sets what an odd triangle (unit.h) is: the same in double, where nothing overflows or underflows, from its corners
+ * as they were given. Coefficients have one rounding to float then; where the distance of its plane is no float, all rays
+ * that it may hit are left undecided. That distance is off by 2^-49 of the sum of its products (covering.h) and one rounding
+ * of itself, of which `away` is made instead of F: corners far away are not what it is off by in float.
+ */
+static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                              uint32_t place, struct mlrt_bundle_leaf *leaf)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
+    double to[3][3], g[3][3], cross[3], size[3], steepness = 0, distance = 0, error = 0;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const int axis = (waist->main_axis + k) % 3;
+        const double flip = k == 0 ? (double)waist->sign : 1, unit = tree->bvh.unit * flip;
+        MLRT_UNROLL
+        for (int i = 0; i < 3; ++i) {
+            to[i][k] = triangle->v[i][axis] * unit - flip * waist->point[axis];
+            g[i][k] = ((double)triangle->v[(i + 1) % 3][axis] - triangle->v[i][axis]) * unit;
+        }
+    }
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) {
+        const double length = fabs(g[i][0]) + fabs(g[i][1]) + fabs(g[i][2]);
+        const double scale = 1 / cross_doubles_with_size(to[i], g[i], length * 0x1p-20, cross, size);
+        leaf->edge_constant[i][place] = (float)(cross[0] * scale);
+        leaf->edge[i][MLRT_SLOPE_J][place] = (float)(cross[1] * scale);
+        leaf->edge[i][MLRT_SLOPE_L][place] = (float)(cross[2] * scale);
+        leaf->edge[i][MLRT_PLACE_J][place] = (float)(-g[i][2] * scale);
+        leaf->edge[i][MLRT_PLACE_L][place] = (float)(g[i][1] * scale);
+        leaf->edge[i][MLRT_MOMENT][place] = (float)(g[i][0] * scale);
+        steepness = fmax(length * scale, steepness);
+    }
+    leaf->steepness[place] = (float)(steepness * (1 + 0x1p-22));
+    const double scale = 1 / cross_doubles_with_size(g[2], g[0], 0, cross, size);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        leaf->normal[k][place] = (float)(cross[k] * scale);
+        distance += to[0][k] * (cross[k] * scale);
+        error += fabs(to[0][k]) * (size[k] * scale) * 0x1p-49;
+    }
+    leaf->distance[place] = float_or_infinity(distance);
+    leaf->away[place] = float_or_infinity(fabs(distance) + error * 0x1p20);
+    leaf->flipped &= ~(1u << place);
+    if (distance < 0) flip_triangle(leaf, place);
+}
+
+/* Places of which float does not know the sign of N at the waist. */
+MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
+{
+    uint32_t doubtful = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(leaf->there >> v & ALL_LANES)) continue;
+        const vf bound = v_mul_add(v_load(leaf->away + v), v_set1(DISTANCE_ERROR), v_set1(DISTANCE_FLOOR));
+        doubtful |= (~m_bits(v_gt(v_load(leaf->distance + v), bound)) & ALL_LANES) << v;
+    }
+    return doubtful & leaf->there;
+}
+
+/*
+ * Settles the signs that are doubtful, for rays that begin at the waist: the judge knows them. Where N is 0 no ray from
+ * there hits the triangle.
+ */
+static MLRT_NOINLINE void settle_signs(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                       struct mlrt_bundle_leaf *leaf)
+{
+    float eye[3]; /* as it was given: it is exact in units */
+    for (int k = 0; k < 3; ++k) eye[k] = waist->point[k] / tree->bvh.unit;
+    for (; leaf->doubtful; leaf->doubtful &= leaf->doubtful - 1) {
+        const uint32_t place = mlrt_lowest_bit(leaf->doubtful);
+        const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], eye); /* that of -N */
+        if (side == 0) {
+            leaf->from_waist &= ~(1u << place);
+        } else if ((leaf->flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) { /* depth may go down the axis */
+            flip_triangle(leaf, place);
+        }
+    }
+}
+
+/* The main axis; ~axis if rays go down it. */
+MLRT_INLINE int32_t axis_code(const struct mlrt_waist *waist)
+{
+    return waist->sign < 0 ? ~waist->main_axis : waist->main_axis;
+}
+
+/* Begins the set-up of a leaf: which places there are, and where their triangles are seen. */
+static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                            int has_places, uint32_t child, uint32_t mask,
+                                            struct mlrt_bundle_leaf *leaf)
+{
+    const uint32_t row = 4 * mlrt_bvh_quad_count(child);
+    leaf->corners = tree->bvh.corners + 36 * (size_t)mlrt_bvh_offset(child);
+    leaf->numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
+    leaf->axis = axis_code(waist);
+    leaf->row = row;
+    leaf->has_places = has_places;
+    leaf->there = leaf->flipped = leaf->ready = leaf->fans = leaf->doubtful = leaf->odd = 0;
+    for (uint32_t v = 0; v < row; v += VW) {
+        struct bundle_corners of;
+        load_bundle_corners(waist, leaf->corners, row, v, &of);
+        set_outlines(waist, (const vf(*)[3])of.to, v, leaf);
+        leaf->there |= (~m_bits(i_eq(i_load_any(leaf->numbers + v), i_set1(MLRT_NONE))) & ALL_LANES) << v;
+        leaf->odd |= (~m_bits(v_eq(of.from[0][0], of.from[0][0])) & ALL_LANES) << v;
+    }
+    leaf->there &= 0xFFFFu >> (MLRT_BVH_LEAF_LIMIT - row);
+    leaf->odd &= leaf->there;
+    for (uint32_t odd = leaf->odd; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+        set_odd_outline(tree, waist, mlrt_lowest_bit(odd), leaf);
+    }
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) leaf->there = mlrt_visible_places(tree, leaf->numbers, leaf->there, mask);
+    leaf->from_waist = leaf->there;
+}
+
+/* Sets the terms of triangles whose vectors have some of `wanted`. */
+static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
+                                           uint32_t wanted, struct mlrt_bundle_leaf *leaf)
+{
+    uint32_t now = 0;
+    for (uint32_t v = 0; v < leaf->row; v += VW) {
+        if (!((wanted & ~leaf->ready) >> v & ALL_LANES)) continue;
+        struct bundle_corners of;
+        load_bundle_corners(waist, leaf->corners, leaf->row, v, &of);
+        set_up_bundle_vector(&of, v, leaf->has_places, leaf);
+        now |= (ALL_LANES & 0xFFFF) << v;
+    }
+    for (uint32_t odd = leaf->odd & now; MLRT_UNLIKELY(odd != 0); odd &= odd - 1) {
+        set_up_odd_triangle(tree, waist, mlrt_lowest_bit(odd), leaf);
+    }
+    leaf->ready |= now;
+    leaf->doubtful |= doubtful_places(leaf) & now;
+}
+
+/* Where the set-up of a leaf is kept, if it is. */
+MLRT_INLINE uint32_t place_of_leaf(uint32_t child, const struct mlrt_bundle_cache *cache)
+{
+    return mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits);
+}
+
+MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child)
+{
+    const uint32_t place = place_of_leaf(child, bundle->cache);
+    const struct mlrt_bundle_leaf *leaf = &bundle->cache->leaves[place];
+    return bundle->cache->children[place] == child && leaf->axis == axis_code(&bundle->waist) &&
+           leaf->has_places >= bundle->has_places;
+}
+
+/*
+ * The set-up of a leaf, and in *seen which of its triangles the bundle may hit: these have their terms. A worker keeps the
+ * last set-ups for its next tiles.
+ */
+MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job,
+                                                            const struct mlrt_bundle *bundle, int has_places,
+                                                            uint32_t child, const struct mlrt_worker *worker,
+                                                            uint32_t *seen)
+{
+    struct mlrt_bundle_cache *cache = bundle->cache;
+    const uint32_t place = place_of_leaf(child, cache);
+    struct mlrt_bundle_leaf *leaf = &cache->leaves[place];
+    if (!has_bundle_leaf(bundle, child)) {
+        begin_bundle_leaf(job->tree, &bundle->waist, bundle->has_places, child, worker->mask, leaf);
+        cache->children[place] = child;
+    }
+    struct hull_outline whole;
+    outline_whole(bundle, &whole);
+    *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
+    if (*seen & ~leaf->ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->ready, leaf);
+    if (MLRT_UNLIKELY(leaf->doubtful != 0) && !has_places) {
+        settle_signs(job->tree, &bundle->waist, leaf);
+        *seen &= leaf->from_waist;
+    }
+    return leaf;
+}
+
+/* Has set-ups for another waist forgotten; those for other axes may stay, if the point and what is seen along are the same. */
+static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle_cache *cache)
+{
+    const size_t first = offsetof(struct mlrt_waist, point), size = sizeof *waist - first;
+    if (memcmp(waist, &cache->waist, sizeof *waist) == 0) return;
+    if (memcmp((const char *)waist + first, (const char *)&cache->waist + first, size) != 0 ||
+        cache->waist.main_axis < 0) {
+        memset(cache->children, 0, sizeof cache->children);
+    }
+    cache->waist = *waist;
+    if (cache->waist_count++ == 0) memset(cache->lines, 0, sizeof cache->lines);
+}
+
+/* ---- cuts ---- */
+
+/* Of an edge function, or of D: bounds over the hull of a packet, but for rounding. */
+MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place, const float *constant,
+                                 const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], int term_count, vf *least,
+                                 vf *greatest)
+{
+    vf middle = v_load(constant), radius = v_set1(0);
+    MLRT_UNROLL
+    for (int i = 0; i < term_count; ++i) {
+        const vf c = v_load(coefficient[i]);
+        middle = v_mul_add(c, v_set1(hulls->middle[i][place]), middle);
+        radius = v_mul_add(v_abs(c), v_set1(hulls->radius[i][place]), radius);
+    }
+    *least = v_sub(middle, radius);
+    *greatest = v_add(middle, radius);
+}
+
+/* Error bounds of edge functions of triangles for the rays of a packet. */
+MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf steepness, int has_places)
+{
+    const vf bound = v_set1(EDGE_ERROR * hulls->reach[place]);
+    if (!has_places || MLRT_GUESS) return bound;
+    return v_mul_add(steepness, v_set1(hulls->blur[place] * hulls->reach[place]), bound);
+}
+
+/*
+ * Of triangles whose boxes a packet may meet, those that its rays may hit by their edges: left out is what all rays pass
+ * outside of one edge, where D has one sign, or of two edges on different sides. For rays from the waist N is not negative,
+ * so neither are the edge functions of those that hit.
+ */
+MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                            uint32_t place, int has_places, uint32_t among)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(among >> v & ALL_LANES)) continue;
+        vf lowest = v_set1(INFINITY), highest = v_set1(-INFINITY), least, greatest;
+        MLRT_UNROLL
+        for (int i = 0; i < 3; ++i) {
+            bound_over_hull(hulls, place, leaf->edge_constant[i] + v,
+                            (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->edge[i][0] + v), term_count, &least, &greatest);
+            lowest = v_min(greatest, lowest);
+            highest = v_max(least, highest);
+        }
+        const vf bound = v_mul(edge_bounds(hulls, place, v_load(leaf->steepness + v), has_places), v_set1(2));
+        if (!has_places) {
+            met |= (~m_bits(v_lt(lowest, v_sub(v_set1(0), bound))) & ALL_LANES) << v;
+            continue;
+        }
+        bound_over_hull(hulls, place, leaf->normal[0] + v, (const float(*)[MLRT_BVH_LEAF_LIMIT])(leaf->normal[1] + v),
+                        2, &least, &greatest);
+        const vf width = v_set1(2 * PLANE_BOUND * hulls->reach[place]);
+        const vm below = v_lt(lowest, v_sub(v_set1(0), bound)), above = v_gt(highest, bound);
+        const vm forward = v_gt(least, width), backward = v_lt(greatest, v_sub(v_set1(0), width));
+        const vm out = m_or(m_and(below, m_or(above, forward)), m_and(above, backward));
+        met |= (~m_bits(out) & ALL_LANES) << v;
+    }
+    return met & among;
+}
+
+/* ---- tests ---- */
+
+#define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
+
+/* Edge functions of a packet's rays: the least and the greatest of a triangle's three. */
+struct edge_values {
+    MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* without places the first is that of all */
+    uint32_t of_vector[PACKET_VECTORS];                /* triangles that some ray of each is not surely outside of */
+};
+
+/*
+ * Finds them for a number of vectors, from one on: with nothing else in registers, and no branch on what each triangle says.
+ * Most of many have no ray inside, and are done with so.
+ */
+MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays,
+                                  uint32_t active, uint32_t triangles, int has_places, int first, int count,
+                                  struct edge_values *of)
+{
+    const int term_count = has_places ? MLRT_RAY_TERMS : 2;
+    vf term[PACKET_VECTORS][MLRT_RAY_TERMS], bound = v_set1(of->bound[0]);
+    uint32_t met[PACKET_VECTORS] = {0};
+    MLRT_UNROLL
+    for (int n = 0; n < count; ++n) {
+        const int v = VW * (first + n);
+        const vm lanes = m_from_bits(active >> v);
+        MLRT_UNROLL
+        for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
+    }
+    for (; triangles; triangles &= triangles - 1) {
+        const uint32_t triangle = mlrt_lowest_bit(triangles);
+        vf least[PACKET_VECTORS], greatest[PACKET_VECTORS];
+        MLRT_UNROLL
+        for (int edge = 0; edge < 3; ++edge) {
+            vf e[PACKET_VECTORS];
+            MLRT_UNROLL
+            for (int n = 0; n < count; ++n) e[n] = v_set1(leaf->edge_constant[edge][triangle]);
+            MLRT_UNROLL
+            for (int i = 0; i < term_count; ++i) {
+                const vf c = v_set1(leaf->edge[edge][i][triangle]);
+                MLRT_UNROLL
+                for (int n = 0; n < count; ++n) e[n] = v_mul_add(c, term[n][i], e[n]);
+            }
+            MLRT_UNROLL
+            for (int n = 0; n < count; ++n) {
+                least[n] = edge ? v_min(e[n], least[n]) : e[n];
+                if (has_places) greatest[n] = edge ? v_max(e[n], greatest[n]) : e[n];
+            }
+        }
+        if (has_places) bound = v_set1(of->bound[triangle]);
+        MLRT_UNROLL
+        for (int n = 0; n < count; ++n) {
+            const int v = VW * (first + n);
+            v_store(of->least[triangle] + v, least[n]);
+            if (has_places) v_store(of->greatest[triangle] + v, greatest[n]);
+            /* Lanes that are not active have NaN, of which no comparison is true. */
+            vm may = v_ge(least[n], v_sub(v_set1(0), bound));
+            if (has_places) may = m_or(may, v_le(greatest[n], bound));
+            met[n] |= (uint32_t)(m_bits(may) != 0) << triangle;
+        }
+    }
+    MLRT_UNROLL
+    for (int n = 0; n < count; ++n) of->of_vector[first + n] = met[n];
+}
+
+/* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients. */
+struct bundle_vector {
+    vf slope[2];
+    vf to_waist[3];
+    vf least_n;
+    vf greatest_n;
+    vf least_d;
+    vf greatest_d;
+    vi triangle;
+};
+
+MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet,
+                                    int has_places, int v, struct bundle_vector *of)
+{
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) of->slope[i] = v_load(rays->term[i] + v);
+    MLRT_UNROLL
+    for (int i = 0; i < 3; ++i) of->to_waist[i] = has_places ? v_load(rays->to_waist[i] + v) : v_set1(0);
+    of->least_n = v_load(rays->lo + v);
+    of->greatest_n = v_load(rays->hi + v);
+    of->least_d = of->greatest_d = v_set1(1);
+    of->triangle = i_load(packet->triangle + v);
+}
+
+/* Bounds of tau from those of N and D. */
+MLRT_INLINE void find_quotients(vf least_n, vf greatest_n, vf least_d, vf greatest_d, vf *lo, vf *hi)
+{
+    const vf quotient = v_mul(v_div(least_n, greatest_d), v_set1(1 - RECIPROCAL_SLACK));
+    *lo = v_min(quotient, v_set1(GREATEST_DISTANCE));
+    *hi = v_mul(v_div(greatest_n, least_d), v_set1(1 + RECIPROCAL_SLACK));
+}
+
+/* Stores the nearest hits of the lanes where they changed, and returns these. */
+MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, struct mlrt_bundle_rays *rays,
+                                         struct mlrt_packet *packet)
+{
+    const vm same = i_eq(of->triangle, i_load(packet->triangle + v));
+    const uint32_t changed = ~m_bits(same) & ALL_LANES;
+    if (!changed) return 0;
+    vf lo, hi;
+    find_quotients(of->least_n, of->greatest_n, of->least_d, of->greatest_d, &lo, &hi);
+    v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), lo));
+    v_store(rays->hi + v, v_select(same, v_load(rays->hi + v), hi));
+    i_store(packet->triangle + v, of->triangle);
+    return changed << v;
+}
+
+/*
+ * What bounds of t and tau = t |d_main| are moved apart by, besides RECIPROCAL_SLACK, where one is made of the other: the
+ * two roundings may lose 2^-150 each where they underflow. It matters: a ray may meet a slanted plane at a depth of less
+ * than 2^-149 from its origin, and so two planes whose order t tells and tau does not.
+ */
+#define CONVERSION_FLOOR 0x1p-148f
+
+/* Puts bounds of t where a packet has them, from those of tau; and directions without -0 for who divides by them. */
+static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
+{
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf pace = v_load(rays->pace + v), t_max = v_load(packet->t_max + v);
+        const vm none = i_eq(i_load(packet->triangle + v), i_set1(MLRT_NONE));
+        /* Where t is small it may be denormal, and that much is much in depth. */
+        const vf floor = v_select(v_gt(pace, v_set1(MLRT_SAFE_MAX)), v_set1(0x1p-147f), v_set1(CONVERSION_FLOOR));
+        const vf near = v_sub(v_mul(v_div(v_load(rays->lo + v), pace), v_set1(1 - RECIPROCAL_SLACK)), floor);
+        const vf lo = v_max(v_min(near, v_set1(FLT_MAX)), v_set1(0));
+        const vf hi = v_add(v_mul(v_div(v_load(rays->hi + v), pace), v_set1(1 + RECIPROCAL_SLACK)), floor);
+        v_store(packet->lo + v, v_select(none, t_max, lo));
+        v_store(packet->hi + v, v_select(none, t_max, hi));
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k)
+            v_store(packet->direction[k] + v, v_add(v_load(packet->direction[k] + v), v_set1(0)));
+    }
+}
+
+/* Puts bounds of tau where a lane has them, from those of t. */
+MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_bundle_rays *rays)
+{
+    const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
+    const float near = lo * (1 - RECIPROCAL_SLACK) - CONVERSION_FLOOR;
+    rays->lo[lane] = near < GREATEST_DISTANCE ? near : GREATEST_DISTANCE;
+    rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
+}
+
+/* How far off the plane's terms may be, over all rays of a packet. */
+struct plane_bounds {
+    vf width;   /* of D */
+    float away; /* A */
+    int has_begins;
+};
+
+/* Where a vector of rays meets the plane of a triangle: bounds of N and D, in signs that make D positive. */
+struct plane_of_rays {
+    vf least_n;
+    vf greatest_n;
+    vf least_d;
+    vf greatest_d;
+    vm backward; /* D < 0 */
+    vm certain;  /* of rays that may be inside its edges: D has a certain sign */
+    vm begun;    /* after the ray begins */
+};
+
+/*
+ * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
+ * returns the lanes that are left undecided. Quotients of bounds are compared as products: rounding is monotone, so that if one
+ * product is less than the other, so is what it stands for.
+ */
+MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
+                                    const struct plane_bounds *bounds, const float *begin, int has_places,
+                                    vm candidates, vm inside, struct bundle_vector *of, struct plane_of_rays *plane)
+{
+    vf n = v_set1(leaf->distance[triangle]), d = v_set1(leaf->normal[0][triangle]);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(leaf->normal[1 + i][triangle]), of->slope[i], d);
+    MLRT_UNROLL
+    for (int i = 0; has_places && i < 3; ++i) n = v_mul_add(v_set1(leaf->normal[i][triangle]), of->to_waist[i], n);
+    const float error = DISTANCE_ERROR * (leaf->away[triangle] + bounds->away) + DISTANCE_FLOOR;
+    const vf size = has_places ? v_abs(d) : d, distance = has_places ? v_flip(n, d) : n, width = bounds->width;
+    plane->least_d = v_sub(size, width);
+    plane->greatest_d = v_add(size, width);
+    plane->least_n = v_sub(distance, v_set1(error));
+    plane->greatest_n = v_add(distance, v_set1(error));
+    plane->certain = m_and(candidates, v_gt(plane->least_d, width));
+    plane->backward = v_lt(d, v_set1(0));
+    vm farther = v_gt(v_mul(plane->least_n, of->least_d), v_mul(of->greatest_n, plane->greatest_d));
+    const vm nearer = v_lt(v_mul(plane->greatest_n, of->greatest_d), v_mul(of->least_n, plane->least_d));
+    if (MLRT_UNLIKELY(bounds->has_begins)) {
+        const vf from = v_load(begin);
+        farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
+        plane->begun = v_gt(plane->least_n, v_mul(v_mul(from, v_set1(1 + SLOPE_SLACK)), plane->greatest_d));
+    } else {
+        farther = m_or(farther, v_lt(plane->greatest_n, v_set1(0)));
+        plane->begun = v_gt(plane->least_n, v_set1(0));
+    }
+    vm hit = m_and(m_and(plane->certain, inside), m_and(nearer, plane->begun));
+    vm open = m_andnot(m_andnot(candidates, m_and(plane->certain, farther)), hit);
+    if (!has_places) open = m_andnot(open, v_lt(plane->greatest_d, v_set1(0)));
+    uint32_t undecided = m_bits(open);
+    if (MLRT_GUESS) hit = m_and(m_and(candidates, m_and(nearer, plane->begun)), v_gt(size, v_set1(0))), undecided = 0;
+    of->least_n = v_select(hit, plane->least_n, of->least_n);
+    of->greatest_n = v_select(hit, plane->greatest_n, of->greatest_n);
+    of->least_d = v_select(hit, plane->least_d, of->least_d);
+    of->greatest_d = v_select(hit, plane->greatest_d, of->greatest_d);
+    of->triangle = i_select(hit, i_set1(leaf->numbers[triangle]), of->triangle);
+    return undecided;
+}
+
+/* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle (pair_line.c). */
+MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
+                                 int v, vm *above, vm *below)
+{
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
+    const vf bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
+    vf f = v_set1(line->constant), d = v_set1(line->normal[0]);
+    for (int i = 0; i < (bundle->has_places ? MLRT_RAY_TERMS : 2); ++i) {
+        const vf term = v_load(rays->term[i] + v);
+        f = v_mul_add(v_set1(line->coefficient[i]), term, f);
+        if (i < 2) d = v_mul_add(v_set1(line->normal[1 + i]), term, d);
+    }
+    const vf signed_f = v_flip(f, d);
+    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * reach));
+    *above = m_and(sure, v_gt(signed_f, bound));
+    *below = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
+}
+
+/*
+ * Lanes of a vector whose distances do not tell whether a triangle or the nearest hit so far comes first: the line of
+ * their planes does, as in settle_covers (cover.h). Returns the lanes that are left.
+ */
+static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                           struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
+                                           vm inside, const struct plane_of_rays *plane, int v)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    uint32_t left = lanes;
+    if (mlrt_is_stopped_in_step(worker)) return 0;
+    while (lanes) {
+        const uint32_t nearest = packet->triangle[(uint32_t)v + mlrt_lowest_bit(lanes)];
+        const vi triangle = i_load(packet->triangle + v);
+        const uint32_t same = lanes & m_bits(i_eq(triangle, i_set1(nearest)));
+        lanes &= ~same;
+        if (nearest == MLRT_NONE) continue;
+        const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
+        if (line->kind == MLRT_ONE_PLANE) {
+            left &= ~(mlrt_settle_tie(number, nearest, same << v, m_bits(inside) << v, packet) >> v);
+        } else if (line->kind == MLRT_LINE) {
+            struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+            vm above, below;
+            find_line_sides(line, bundle, place, v, &above, &below);
+            const vm these = m_and(m_from_bits(same), plane->certain), backward = m_and(these, plane->backward);
+            const vm forward = m_andnot(these, backward);
+            const vm farther = m_or(m_and(above, forward), m_and(below, backward));
+            const vm before = m_or(m_and(below, forward), m_and(above, backward));
+            const vm nearer = m_and(before, m_and(inside, plane->begun));
+            vf lo, hi;
+            find_quotients(plane->least_n, plane->greatest_n, plane->least_d, plane->greatest_d, &lo, &hi);
+            v_store(rays->lo + v, v_select(nearer, lo, v_load(rays->lo + v)));
+            v_store(rays->hi + v, v_select(nearer, hi, v_load(rays->hi + v)));
+            i_store(packet->triangle + v, i_select(nearer, i_set1(number), triangle));
+            left &= ~m_bits(m_or(farther, nearer));
+        }
+    }
+    return left;
+}
+
+/* Hands lanes of a vector to who knows: the line of two planes, then undecided.h. Returns those that are hit nearer than
+ * before. */
+static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                  struct mlrt_bundle *bundle, uint32_t place, uint32_t number,
+                                                  uint32_t lanes, vm inside, const struct plane_of_rays *plane, int v)
+{
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    uint32_t left = lanes, changed = 0;
+    if (job->any) { /* of lanes without a hit */
+        for (int i = 0; i < MLRT_PACKET_RAYS; i += VW) {
+            v_store(packet->lo + i, v_load(packet->t_max + i));
+            v_store(packet->hi + i, v_load(packet->t_max + i));
+        }
+    } else {
+        const vi before = i_load(packet->triangle + v);
+        left = settle_lanes(job, worker, bundle, place, number, lanes, inside, plane, v);
+        changed = (~m_bits(i_eq(before, i_load(packet->triangle + v))) & ALL_LANES) << v;
+        if (!left) return changed;
+        set_packet_distances(rays, packet);
+    }
+    const uint32_t nearer =
+        decide_lanes(job->tree, number, left << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
+    for (uint32_t those = job->any ? 0 : nearer; those; those &= those - 1) {
+        set_lane_depths(packet, mlrt_lowest_bit(those), rays);
+    }
+    return changed | nearer;
+}
+
+/* Tests a vector of a packet's rays against triangles of a leaf, by their edge functions. Returns the lanes whose nearest
+ * hit changed. */
+MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                        const struct edge_values *edges, uint32_t place, int has_places, int v)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
+                                        bundle->has_begins};
+    const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
+    uint32_t decided = 0;
+    vf bound = v_set1(edges->bound[0]);
+    struct bundle_vector of;
+    load_bundle_vector(rays, packet, has_places, v, &of);
+    for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
+        const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
+        if (has_places) bound = v_set1(edges->bound[triangle]);
+        const vf least = v_load(edges->least[triangle] + v), below = v_sub(v_set1(0), bound);
+        const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
+        vm inside = v_gt(least, bound), may = v_ge(least, below);
+        if (has_places) {
+            const vf greatest = v_load(edges->greatest[triangle] + v);
+            inside = m_or(inside, v_lt(greatest, below));
+            may = m_or(may, v_le(greatest, bound));
+        }
+        may = m_andnot(may, known);
+        if (job->any) may = m_and(may, i_eq(of.triangle, i_set1(MLRT_NONE)));
+        if (MLRT_UNLIKELY(packet->has_masks)) {
+            may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
+        }
+        struct plane_of_rays plane;
+        const uint32_t undecided =
+            test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
+        if (MLRT_LIKELY(!undecided)) continue;
+        struct plane_of_rays where = plane; /* a copy, so that it may stay in registers */
+        if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
+        decided |= store_bundle_vector(&of, v, rays, packet);
+        decided |= decide_bundle_lanes(job, worker, bundle, place, number, undecided, inside, &where, v);
+        load_bundle_vector(rays, packet, has_places, v, &of);
+    }
+    return decided | store_bundle_vector(&of, v, rays, packet);
+}
+
+/* Vectors whose edge functions are found at once: of rays from anywhere, more have no room in registers. */
+#define VECTORS_FROM_ANYWHERE (PACKET_VECTORS < 2 ? PACKET_VECTORS : 2)
+
+/* Tests a packet against triangles of a leaf, and counts those in vain. Returns the lanes whose nearest hit changed. */
+MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                        uint32_t triangles, uint32_t place, int has_places)
+{
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const uint32_t active = bundle->tile->packets[place].active;
+    struct edge_values edges;
+    uint32_t changed = 0, met = 0;
+    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(active));
+    for (int v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
+        v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
+    }
+    if (has_places) {
+        for (int first = 0; first < PACKET_VECTORS; first += VECTORS_FROM_ANYWHERE) {
+            find_edge_values(leaf, rays, active, triangles, 1, first, VECTORS_FROM_ANYWHERE, &edges);
+        }
+    } else {
+        find_edge_values(leaf, rays, active, triangles, 0, 0, PACKET_VECTORS, &edges);
+    }
+    for (int n = 0; n < PACKET_VECTORS; ++n) {
+        met |= edges.of_vector[n];
+        if (edges.of_vector[n])
+            changed |= test_bundle_vector(job, worker, bundle, leaf, &edges, place, has_places, VW * n);
+    }
+    bundle->tests[place] += mlrt_count_bits(triangles & ~met);
+    return changed;
+}
+
+#endif

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The levels of the tile method: see levels.h.
+ */
+#include "trace/levels.h"
+
+#include "hits/results.h"
+#include "job/sink.h"
+#include "job/stop.h"
+#include "simd/sixteen.h"
+#include "trace/make_rays.h"
+#include "trace/shade.h"
+
+/* A list of rays is a picture four rays wide: its tiles are one packet wide. */
+static int is_list(const struct mlrt_source *source)
+{
+    return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
+}
+
+/* Packets or tiles of a picture as a bundle without rays; 0 if they cannot be that. */
+static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                                struct mlrt_bundle *bundle)
+{
+    return mlrt_is_pinhole(&job->source) && job->kernels->gather_camera_cells(job, area, side, bundle);
+}
+
+/* One triangle, or nothing, for a rectangle of pixels of a camera. */
+static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
+                         const struct mlrt_rectangle *area)
+{
+    if (cover == MLRT_NONE) {
+        mlrt_write_picture_misses(job, worker, area);
+    } else {
+        mlrt_write_cover(job, worker, cover, area);
+    }
+}
+
+static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                         uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+    if (MLRT_UNLIKELY(packet->single)) mlrt_finish_packet(job, worker, packet);
+    job->kernels->picture->write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
+}
+
+/* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
+static void find_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t *x,
+                           uint32_t *y)
+{
+    const uint32_t first = tile->x & ~63u;
+    const int is_last = tile->x % 64 == 48 || tile->x + 16 >= source->width, is_lowest = tile->y % 64 == 48;
+    *x = !is_last ? tile->x + 16 : is_lowest ? first + 64 : first;
+    *y = !is_last ? tile->y : is_lowest ? tile->y & ~63u : tile->y + 16;
+}
+
+/*
+ * Has a row of rays of the next tile brought into the cache. Rows of a picture lie too far apart for the processor to
+ * foresee, and it has few misses under way at once: so they come one by one, while results are written. Lists are read in
+ * order.
+ */
+static void prefetch_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t row)
+{
+    uint32_t x, y;
+    if (is_list(source)) return;
+    find_next_tile(source, tile, &x, &y);
+    mlrt_prefetch_row(source, x, y + row);
+}
+
+/*
+ * Has the triangles that a packet hits brought into the cache: who works out t needs their corners as they were given,
+ * which the hierarchy does not. Where all lanes hit one, that is soon there by itself. Always inlined: to the compiler
+ * a function that only prefetches does nothing, and a call of it is dropped.
+ */
+MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
+{
+    if (mlrt_same_words(packet->triangle, packet->triangle[0]) == 0xFFFF) return;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t number = packet->triangle[lane];
+        if (number != MLRT_NONE) mlrt_prefetch(&tree->triangles[number]);
+    }
+}
+
+/* Traces the packets of a tile, which have rays or not afterwards. */
+static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+{
+    struct mlrt_ray_tile *tile = bundle->tile;
+    if (gather_picture_cells(job, &tile->area, 4, bundle)) {
+        job->kernels->trace_cells(job, worker, worker->open_tiles != 0, bundle);
+        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !bundle->closed ? MLRT_TILE_RUN : 0;
+        return;
+    }
+    tile->made = 0xFFFF;
+    const uint32_t waiting = mlrt_make_packets(job, tile);
+    if (job->has_frame && !is_list(&job->source)) {
+        mlrt_prefetch_sink(tile->area.x, tile->area.y, tile->area.width, tile->area.height, &job->frame);
+    }
+    job->kernels->trace_bundle(job, worker, bundle, waiting);
+    bundle->closed = 0;
+}
+
+/* Writes the results of the packets of a tile. */
+static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                          const struct mlrt_bundle *bundle)
+{
+    const int has_numbers = (job->frame.numbers | worker->tile.numbers) != 0;
+    const uint32_t open = tile->blocks & ~bundle->closed;
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
+        prefetch_next_tile(&job->source, &tile->area, place);
+        if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
+        if (bundle->closed >> place & 1) {
+            const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+            write_closed(job, worker, bundle->hulls.cover[place], &block);
+        } else {
+            finish_block(job, worker, tile, place);
+        }
+    }
+}
+
+/* Traces a rectangle of at most 16 blocks. `known`: what is known of all of it; NULL: nothing. */
+static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area,
+                           const struct mlrt_known_lights *known)
+{
+    struct mlrt_ray_tile tile;
+    struct mlrt_bundle bundle;
+    mlrt_begin_tile(area, is_list(&job->source), &tile);
+    bundle.tile = &tile;
+    bundle.closed = 0;
+    tile.cells = &bundle;
+    if (known) {
+        gather_picture_cells(job, area, 4, &bundle);
+        mlrt_fill_words(bundle.hulls.cover, known->cover);
+        write_closed(job, worker, known->cover, area);
+    } else {
+        trace_packets(job, worker, &bundle);
+        write_packets(job, worker, &tile, &bundle);
+    }
+    if (MLRT_UNLIKELY(job->light_count)) mlrt_shade_tile(job, worker, &tile, known);
+}
+
+/* Traces a rectangle of at most 4 x 4 tiles. */
+static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
+{
+    struct mlrt_bundle bundle;
+    bundle.tile = NULL;
+    bundle.closed = 0;
+    if (worker->open_squares) {
+        --worker->open_squares;
+    } else if (gather_picture_cells(job, area, 16, &bundle)) {
+        job->kernels->trace_cells(job, worker, 0, &bundle);
+        if (!bundle.closed) worker->open_squares = MLRT_SQUARE_RUN;
+    }
+    struct mlrt_known_lights known[MLRT_CELL_COUNT];
+    uint32_t known_cells = bundle.closed;
+    if (MLRT_UNLIKELY(job->light_count) && bundle.closed) known_cells &= mlrt_shade_cells(job, worker, &bundle, known);
+    for (uint32_t j = 0; j < area->height; j += 16) {
+        for (uint32_t i = 0; i < area->width; i += 16) {
+            const struct mlrt_rectangle tile = mlrt_cut_piece(area, i, j, 16);
+            const uint32_t place = j / 4 + i / 16, cover = bundle.hulls.cover[place];
+            if (known_cells >> place & 1) {
+                write_closed(job, worker, cover, &tile);
+                if (MLRT_UNLIKELY(job->light_count) && cover != MLRT_NONE) {
+                    mlrt_write_picture_shadow(job, worker, known[place].dark, &tile);
+                }
+            } else {
+                trace_ray_tile(job, worker, &tile, bundle.closed >> place & 1 ? &known[place] : NULL);
+                if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
+            }
+        }
+    }
+}
+
+/* Traces a part of a picture that starts at multiples of 4. */
+static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
+{
+    if (is_list(&job->source)) {
+        for (uint32_t j = 0; j < area->height; j += 64) {
+            const struct mlrt_rectangle tile = {area->x, area->y + j, area->width,
+                                                area->height - j < 64 ? area->height - j : 64};
+            trace_ray_tile(job, worker, &tile, NULL);
+            if (mlrt_is_stopped(worker, (double)tile.width * tile.height)) return;
+        }
+        return;
+    }
+    for (uint32_t j = 0; j < area->height; j += 64) {
+        for (uint32_t i = 0; i < area->width; i += 64) {
+            const struct mlrt_rectangle square = mlrt_cut_piece(area, i, j, 64);
+            trace_square(job, worker, &square);
+            if (worker->stopped) return;
+        }
+    }
+}
+
+void mlrt_trace_levels(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
+{
+    if (job->kernels->counts) worker->counters.ray_count += (uint64_t)area->width * area->height;
+    trace_area(job, worker, area);
+}

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where the triangles of a leaf are seen from a bundle's waist: two intervals for each, which a hull is compared with.
+ *
+ * FANS. Let a triangle lie wholly on one side of the waist, z of one sign. A ray that hits it at p, depth z, has the slope
+ * s = p_j / z - x / z: the first lies between its values at the corners, as a projection keeps triangles convex, and the
+ * second is no more than the greatest |x| over the least |z|. So a hull misses the triangle unless
+ *
+ *     lo <= s_hi + |x| weight   and   hi >= s_lo - |x| weight,    lo, hi of p_j / z,  weight = 1 / least |z|.
+ *
+ * BEAMS. Others are seen along the waist's slope t, which is that of all rays where they are nearly parallel. A ray that hits
+ * p has the place x = (p_j - t z) - (s - t) z, and so a hull misses the triangle unless
+ *
+ *     lo <= x_hi + |s - t| weight   and   hi >= x_lo - |s - t| weight,    lo, hi of p_j - t z,  weight = greatest |z|.
+ *
+ * ROUNDING, u = 2^-24. p_j and z have one rounding each, 1 / z and the product two more: 4 u of lo and hi of fans, which are
+ * moved apart by SLOPE_SLACK, 16 u of themselves. p_j - t z is off by 4 u (|p_j| + |t z|), and moved by 16 u of that. Weights
+ * have at most two roundings and are 16 u larger. Slopes and places of hulls are moved apart by 16 u of themselves, too, and
+ * by HULL_FLOOR (hulls.h): that pays for the roundings of the sums they are compared in.
+ *
+ * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, and so p_j / z less than 2^122: infinite ends would be none
+ * once they are moved, and a comparison with what is no number leaves a triangle out.
+ */
+#ifndef MLRT_TRACE_OUTLINE_H
+#define MLRT_TRACE_OUTLINE_H
+
+#include <math.h>
+
+#include "rays/extremes.h"
+#include "rays/slopes.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+
+/* What is nearer to the waist is no fan. */
+#define LEAST_FAN_DEPTH 0x1p-60f
+
+/* A hull as triangles are compared with it. */
+struct hull_outline {
+    float first;
+    float last;
+    float slope_lo[2], slope_hi[2];
+    float place_lo[2], place_hi[2];
+};
+
+/* The greatest |x|, and |s - t|, of a hull. */
+MLRT_INLINE vf greatest_place(vf lo, vf hi)
+{
+    return v_max(v_abs(lo), v_abs(hi));
+}
+
+MLRT_INLINE vf greatest_turn(const struct mlrt_waist *waist, int side, vf lo, vf hi)
+{
+    const vf slope = v_set1(waist->slope[side]);
+    return v_mul(v_max(v_abs(v_sub(lo, slope)), v_abs(v_sub(hi, slope))), v_set1(1 + SLOPE_SLACK));
+}
+
+/* The hull of all packets that go. */
+MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, struct hull_outline *of)
+{
+    const struct mlrt_hull *whole = &bundle->whole;
+    of->first = whole->first;
+    of->last = whole->last;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        of->slope_lo[i] = whole->slope_lo[i], of->slope_hi[i] = whole->slope_hi[i];
+        of->place_lo[i] = whole->place_lo[i], of->place_hi[i] = whole->place_hi[i];
+    }
+}
+
+/* That of one packet. */
+MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place, struct hull_outline *of)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    of->first = hulls->first[place];
+    of->last = hulls->last[place];
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        of->slope_lo[i] = hulls->slope[i].lo[place], of->slope_hi[i] = hulls->slope[i].hi[place];
+        of->place_lo[i] = hulls->place[i].lo[place], of->place_hi[i] = hulls->place[i].hi[place];
+    }
+}
+
+/* Sets where a vector of triangles is seen, from their corners relative to the waist. */
+MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)[3], uint32_t v,
+                              struct mlrt_bundle_leaf *leaf)
+{
+    const vf a = corner[0][0], b = corner[1][0], c = corner[2][0], slack = v_set1(SLOPE_SLACK),
+             wider = v_set1(1 + SLOPE_SLACK);
+    const vf near = v_min(v_min(a, b), c), far = v_max(v_max(a, b), c), small = v_set1(LEAST_FAN_DEPTH);
+    const vf least = v_max(near, v_sub(v_set1(0), far)), greatest = v_max(v_abs(near), v_abs(far));
+    vm is_fan = v_gt(least, small);
+    if (waist->is_beam) is_fan = m_from_bits(0);
+    const vf scale[3] = {v_div(v_set1(1), a), v_div(v_set1(1), b), v_div(v_set1(1), c)};
+    const int are_fans = m_bits(is_fan) == ALL_LANES;
+    v_store(leaf->near + v, near);
+    v_store(leaf->far + v, far);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        vf ends[3], lo, hi;
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) ends[k] = v_mul(corner[k][1 + i], scale[k]);
+        lo = v_min(v_min(ends[0], ends[1]), ends[2]);
+        hi = v_max(v_max(ends[0], ends[1]), ends[2]);
+        vf from = v_sub(lo, v_mul(v_abs(lo), slack)), to = v_add(hi, v_mul(v_abs(hi), slack));
+        if (!are_fans) {
+            const vf slope = v_set1(waist->slope[i]);
+            vf size = v_set1(0);
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                ends[k] = v_sub(corner[k][1 + i], v_mul(slope, corner[k][0]));
+                size = v_max(v_abs(corner[k][1 + i]), size);
+            }
+            const vf room = v_mul(v_mul_add(v_abs(slope), greatest, size), slack);
+            from = v_select(is_fan, from, v_sub(v_min(v_min(ends[0], ends[1]), ends[2]), room));
+            to = v_select(is_fan, to, v_add(v_max(v_max(ends[0], ends[1]), ends[2]), room));
+        }
+        v_store(leaf->outline_lo[i] + v, from);
+        v_store(leaf->outline_hi[i] + v, to);
+    }
+    v_store(leaf->weight + v, v_mul(v_select(is_fan, v_div(v_set1(1), least), greatest), wider));
+    leaf->fans |= m_bits(is_fan) << v;
+}
+
+/* Between which slopes, or places, rays of a hull see triangles: fans from the waist have nothing to be added. */
+MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf weight, vm is_fan, int are_fans,
+                                   const vf slope[2], const vf place[2], int has_places, vf ends[2])
+{
+    vf reach = v_set1(0);
+    ends[0] = slope[0], ends[1] = slope[1];
+    if (has_places) reach = greatest_place(place[0], place[1]);
+    if (MLRT_UNLIKELY(!are_fans)) {
+        ends[0] = v_select(is_fan, ends[0], has_places ? place[0] : v_set1(0));
+        ends[1] = v_select(is_fan, ends[1], has_places ? place[1] : v_set1(0));
+        reach = v_select(is_fan, reach, greatest_turn(waist, side, slope[0], slope[1]));
+    }
+    if (has_places || !are_fans) {
+        const vf room = v_mul(reach, weight);
+        ends[0] = v_sub(ends[0], room);
+        ends[1] = v_add(ends[1], room);
+    }
+}
+
+/* Triangles of a leaf that rays of a hull may hit, by where they are seen. Mostly there are only fans. */
+MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                   const struct hull_outline *hull, int has_places, uint32_t among)
+{
+    const int are_fans = !(among & ~leaf->fans);
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+        if (!(among >> v & ALL_LANES)) continue;
+        const vm is_fan = m_from_bits(leaf->fans >> v);
+        vm may =
+            m_and(v_le(v_load(leaf->near + v), v_set1(hull->last)), v_ge(v_load(leaf->far + v), v_set1(hull->first)));
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            const vf slope[2] = {v_set1(hull->slope_lo[i]), v_set1(hull->slope_hi[i])};
+            const vf place[2] = {v_set1(hull->place_lo[i]), v_set1(hull->place_hi[i])};
+            vf ends[2];
+            find_outline_ends(&bundle->waist, i, v_load(leaf->weight + v), is_fan, are_fans, slope, place, has_places,
+                              ends);
+            may = m_and(may, m_and(v_le(v_load(leaf->outline_lo[i] + v), ends[1]),
+                                   v_ge(v_load(leaf->outline_hi[i] + v), ends[0])));
+        }
+        met |= m_bits(may) << v;
+    }
+    return met & among;
+}
+
+/* Of a vector of packets, those whose rays may hit a triangle, likewise. */
+MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                    uint32_t triangle, int v, int has_places)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const int is_fan = leaf->fans >> triangle & 1;
+    vm may = m_and(v_le(v_set1(leaf->near[triangle]), v_load(hulls->last + v)),
+                   v_ge(v_set1(leaf->far[triangle]), v_load(hulls->first + v)));
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        const vf slope[2] = {v_load(hulls->slope[i].lo + v), v_load(hulls->slope[i].hi + v)};
+        const vf place[2] = {v_load(hulls->place[i].lo + v), v_load(hulls->place[i].hi + v)};
+        vf ends[2];
+        find_outline_ends(&bundle->waist, i, v_set1(leaf->weight[triangle]), m_from_bits(0), is_fan, slope, place,
+                          has_places, ends);
+        may = m_and(may, m_and(v_le(v_set1(leaf->outline_lo[i][triangle]), ends[1]),
+                               v_ge(v_set1(leaf->outline_hi[i][triangle]), ends[0])));
+    }
+    return m_bits(may);
+}
+
+#endif

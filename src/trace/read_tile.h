@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The rays of a tile's packets, for any source.
+ */
+#ifndef MLRT_TRACE_READ_TILE_H
+#define MLRT_TRACE_READ_TILE_H
+
+#include "rays/check_packet.h"
+#include "rays/fetch_block.h"
+#include "rays/read_arrays.h"
+#include "trace/ray_tile.h"
+
+/* Those that exist are active; nothing is checked. */
+static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
+{
+    struct known_mesh known = NO_MESH;
+    struct array_reader reader;
+    const int is_even = begin_reading(source, &reader);
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+        struct mlrt_packet *packet = &tile->packets[place];
+        const uint32_t lanes = mlrt_existing_lanes(source, &block);
+        if (MLRT_LIKELY(is_even && lanes == 0xFFFF && !source->has_masks)) {
+            read_whole_block(&reader, block.x, block.y, &known, packet);
+        } else {
+            fetch_block(source, &block, lanes, packet);
+            if (packet->has_skip) mlrt_number_skips(source->tree, packet);
+        }
+        if (mlrt_is_pinhole(source)) continue;
+        packet->active = lanes;
+        packet->single = 0;
+    }
+}
+
+#endif

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where one triangle covers a cell of the picture, the light sees a cell there, too, as a rule, and it needs no rays as
+ * long as nothing lies between, or one triangle shades all of it. Other packets have rays of their own to the light.
+ */
+#include "trace/shade.h"
+
+#include <string.h>
+
+#include "hits/results.h"
+#include "hits/shadow_ray.h"
+#include "job/sink.h"
+#include "simd/sixteen.h"
+#include "trace/make_rays.h"
+#include "trace/shadow_cells.h"
+
+static uint32_t lanes_with_hit(const struct mlrt_packet *packet)
+{
+    return ~mlrt_same_words(packet->triangle, MLRT_NONE) & 0xFFFF;
+}
+
+/* Which lanes of a picture's packet hit something. The rays of one that is closed are made, if they are not there. */
+static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *seen, uint32_t place)
+{
+    struct mlrt_packet *packet = &seen->packets[place];
+    const struct mlrt_rectangle block = mlrt_block_of_tile(seen, place);
+    const uint32_t lanes = mlrt_existing_lanes(&picture->source, &block);
+    if (!(seen->made >> place & 1)) {
+        mlrt_make_rays(picture, seen, place);
+        mlrt_fill_words(packet->triangle, seen->cells->hulls.cover[place]);
+    }
+    return lanes & lanes_with_hit(packet);
+}
+
+void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
+{
+    struct mlrt_packet *packet = &tile->packets[place];
+    const uint32_t hit = find_seen(tile->picture, tile->seen, place);
+    tile->dark[place] = 0;
+    if (hit) {
+        tile->dark[place] = job->kernels->make_shadow_packet(job, &tile->seen->packets[place], hit, packet);
+        return;
+    }
+    packet->active = packet->single = 0;
+    mlrt_fill_words(packet->triangle, MLRT_NONE);
+}
+
+/* Makes a bundle without rays of what a point light sees of closed cells of a picture. Returns those; *dark receives those
+ * that are behind. */
+static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_bundle *seen, uint32_t among,
+                                 struct mlrt_bundle *bundle, uint32_t *dark)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    const uint32_t lit = mlrt_make_lit_cells(&job->source, job->tree, seen, among, bundle, dark);
+    memcpy(bundle->waist.point, job->source.light, sizeof bundle->waist.point);
+    memcpy(hulls->skip, seen->hulls.cover, sizeof hulls->skip);
+    bundle->going = bundle->closed = bundle->apexes = lit;
+    bundle->is_apex = 1;
+    return lit;
+}
+
+/* Do closed cells of a picture have what a light's cells are made of? */
+static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
+{
+    return job->tree->bvh.unit == 1 && !job->kernels->counts && mlrt_is_pinhole(&job->source) &&
+           light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+}
+
+/* Cells with a cover. */
+static uint32_t covered_cells(const struct mlrt_bundle *bundle)
+{
+    return bundle->closed & ~mlrt_same_words(bundle->hulls.cover, MLRT_NONE);
+}
+
+/*
+ * Takes what a light sees of covered cells down the hierarchy. Returns the cells that are lit; *dark receives those
+ * that are not. About others `bundle` says nothing, or has rays by now.
+ */
+static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker,
+                                const struct mlrt_bundle *seen, uint32_t covered, struct mlrt_bundle *bundle,
+                                uint32_t *dark)
+{
+    if (!gather_lit_cells(light, seen, covered, bundle, dark)) return 0;
+    light->kernels->trace_cells(light, worker, 0, bundle);
+    const uint32_t shaded = covered_cells(bundle);
+    *dark |= shaded;
+    return bundle->closed & ~shaded;
+}
+
+/* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
+uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
+                          struct mlrt_known_lights known[MLRT_CELL_COUNT])
+{
+    const uint32_t covered = covered_cells(seen);
+    uint32_t all = seen->closed;
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        known[place] = (struct mlrt_known_lights){seen->hulls.cover[place], 0, 0};
+    }
+    for (uint32_t i = 0; i < job->light_count; ++i) {
+        const struct mlrt_job *light = &job->lights[i];
+        struct mlrt_bundle bundle;
+        uint32_t dark = 0, lit = 0;
+        bundle.tile = NULL;
+        if (covered && have_lit_cells(job, light)) {
+            lit = trace_lit_cells(light, worker, seen, covered, &bundle, &dark);
+        }
+        for (uint32_t left = dark | lit; left; left &= left - 1) {
+            struct mlrt_known_lights *of = &known[mlrt_lowest_bit(left)];
+            of->known |= (uint8_t)(1u << i);
+            of->dark |= (uint8_t)((dark >> mlrt_lowest_bit(left) & 1) << i);
+        }
+        all &= dark | lit | (seen->closed & ~covered);
+    }
+    return all;
+}
+
+/* All lights, one ray at a time, for kernels that count: there who asks can wait, and they should be small. */
+static void shade_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *seen,
+                       uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS])
+{
+    for (uint32_t left = seen->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        const uint32_t hit = find_seen(job, seen, place);
+        mlrt_find_shadows(job, &seen->packets[place], hit, shadows[place], &worker->counters);
+    }
+}
+
+/* Finds the lanes of a tile's packets that a light does not reach. */
+static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
+                          struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
+{
+    struct mlrt_ray_tile tile;
+    struct mlrt_bundle bundle;
+    uint32_t dark = 0, lit = 0, waiting = 0, made = 0;
+    mlrt_begin_tile(&seen->area, 0, &tile);
+    tile.seen = seen;
+    tile.picture = job;
+    bundle.tile = &tile;
+    const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->closed & ~covered;
+    if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
+        lit = trace_lit_cells(light, worker, seen->cells, covered, &bundle, &dark);
+        made = tile.made;
+    }
+    for (uint32_t left = tile.blocks & ~(dark | lit | missed | made); left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        mlrt_make_rays_to_light(light, &tile, place);
+        waiting |= ((tile.packets[place].active | tile.packets[place].single) != 0u) << place;
+        made |= 1u << place;
+    }
+    tile.made = 0xFFFF;
+    light->kernels->trace_bundle(light, worker, &bundle, waiting);
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
+        if (!(made >> place & 1)) continue;
+        mlrt_finish_packet(light, worker, &tile.packets[place]);
+        dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);
+    }
+}
+
+/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL.
+ */
+void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                     const struct mlrt_known_lights *known)
+{
+    MLRT_ALIGNED(16) uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS];
+    memset(shadows, known ? known->dark : 0, sizeof shadows);
+    if (job->kernels->counts) shade_rays(job, worker, tile, shadows);
+    for (uint32_t i = 0; i < job->light_count && !job->kernels->counts; ++i) {
+        uint32_t dark_lanes[MLRT_CELL_COUNT];
+        if (known && known->known >> i & 1) continue;
+        shade_packets(job, &job->lights[i], worker, tile, dark_lanes);
+        for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+            if (dark_lanes[place]) mlrt_add_shadow(shadows[place], dark_lanes[place], (uint8_t)(1u << i));
+        }
+    }
+    for (uint32_t left = tile->blocks; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
+        mlrt_write_packet_shadows(job, worker, shadows[place], mlrt_existing_lanes(&job->source, &block), &block);
+    }
+}

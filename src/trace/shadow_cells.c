@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a light sees of what a camera's cells see: cells again, of shadow rays that nobody has made yet.
+ *
+ * The rays of a camera's cell have slopes in a rectangle, and all hit one triangle. In units of depth, a ray's
+ * direction is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the words of shadow_ray.h. As D > 0 over
+ * the whole rectangle, the hits lie in the quadrilateral whose corners are those of the corners' rays, and slopes and
+ * depths as seen from the light have their extremes there, as long as all of it lies in front.
+ *
+ * m is rounded to float, 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three roundings: it
+ * is off by less than 2^-20; N, in double, by 2^-32 of P, the greatest |p_k|, and by 2^-24 of itself. So with D > 2^-5
+ * shadow_ray.h's condition on D holds for each ray, as |d| is less than 5.1, and z is off by 2^-32 P / D < 2^-26 P, and
+ * 2^-19.9 z / D; places by twice that, as |d_k| <= 2: 2^-18.9 z / D < 2^-18 z / D. What is off besides, per component,
+ * is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2 z) with something to spare, as much again for the
+ * step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray itself, and shadow_ray.h's "place", 3.1 * 2^-34 (P
+ * + 2.1 z) 2.1 / D < 2^-26 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more. Where D is less, bounds are wide,
+ * and rays are better.
+ */
+#include "trace/shadow_cells.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "hits/shadow_ray.h"
+#include "rays/slopes.h"
+#include "simd/quad.h"
+
+/* The least D, and what places are off by: per z / D, and per what else there is. */
+#define LEAST_STEEPNESS 0x1p-5f
+#define ALONG_ERROR     0x1p-18f
+#define PLACE_ERROR     0x1p-20f
+
+/* Of each cell: the plane of its cover. */
+struct planes {
+    MLRT_ALIGNED(16) float m[3][MLRT_BUNDLE_PACKETS];  /* with the sign of N */
+    MLRT_ALIGNED(16) float n[MLRT_BUNDLE_PACKETS];     /* |N| */
+    MLRT_ALIGNED(16) float reach[MLRT_BUNDLE_PACKETS]; /* P */
+};
+
+enum side { UNKNOWN, DARK, FACING };
+
+/* The plane of a triangle, for one cell. */
+static enum side find_plane(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float eye[3],
+                            struct planes *planes, uint32_t place)
+{
+    struct mlrt_surface surface;
+    mlrt_find_surface(light, triangle, eye, &surface);
+    const double n = surface.n;
+    if (!(surface.is_round && fabs(n) > 2 * MLRT_SHADOW_SIDE * surface.reach &&
+          fabs(surface.height) > 2 * MLRT_SHADOW_SIDE * surface.height_size)) {
+        return UNKNOWN;
+    }
+    if ((n > 0) != (surface.height > 0)) return DARK;
+    for (int k = 0; k < 3; ++k) planes->m[k][place] = (float)(n > 0 ? surface.m[k] : -surface.m[k]);
+    planes->n[place] = (float)fabs(n);
+    planes->reach[place] = (float)(surface.reach * (1 + 0x1p-22));
+    return FACING;
+}
+
+static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
+{
+    for (int k = 0; k < 3; ++k) planes->m[k][to] = planes->m[k][from];
+    planes->n[to] = planes->n[from];
+    planes->reach[to] = planes->reach[from];
+}
+
+/* Planes of the cells that face the light: bit per cell. *dark receives those that do not; about others is nothing
+ * known. */
+static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                            const struct mlrt_bundle *seen, uint32_t among, struct planes *planes, uint32_t *dark)
+{
+    uint32_t facing = 0, number = MLRT_NONE, last = 0;
+    enum side side = UNKNOWN;
+    for (; among; among &= among - 1) {
+        const uint32_t place = mlrt_lowest_bit(among);
+        if (seen->hulls.cover[place] != number) {
+            number = seen->hulls.cover[place];
+            side = find_plane(light, &tree->triangles[number], seen->waist.point, planes, last = place);
+        } else if (side == FACING) {
+            copy_plane(planes, last, place);
+        }
+        facing |= (uint32_t)(side == FACING) << place;
+        *dark |= (uint32_t)(side == DARK) << place;
+    }
+    return facing;
+}
+
+/* The light's main axis, from what it sees in a cell: where the ray of lowest slopes hits. */
+static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
+                          uint32_t place, struct mlrt_bundle *lit)
+{
+    const int a = seen->waist.main_axis;
+    float d[3], steepness = 0, x[3];
+    d[a] = seen->waist.sign;
+    for (int side = 0; side < 2; ++side) d[(a + 1 + side) % 3] = seen->hulls.term[side].lo[place];
+    for (int k = 0; k < 3; ++k) steepness += planes->m[k][place] * d[k];
+    for (int k = 0; k < 3; ++k) x[k] = from[k] + planes->n[place] / steepness * d[k];
+    mlrt_set_main_axis(x, &lit->waist);
+}
+
+/* Four cells: what of them the light sees, and the least D and depth and how far off places may be. */
+struct quad_extremes {
+    f4 least_steepness;
+    f4 least_depth;
+    f4 greatest_depth;
+    f4 greatest_z;
+    f4 lo[2];
+    f4 hi[2];
+};
+
+/* The hits of the rays at one corner. */
+static MLRT_NOINLINE void add_corner(const struct mlrt_bundle *seen, const struct planes *planes, const float from[3],
+                                     uint32_t first, uint32_t corner, const struct mlrt_bundle *lit,
+                                     struct quad_extremes *of)
+{
+    const int a = seen->waist.main_axis;
+    f4 d[3], steepness = f4_set1(0);
+    d[a] = f4_set1(seen->waist.sign);
+    for (uint32_t side = 0; side < 2; ++side) {
+        const struct mlrt_hull_row *slopes = &seen->hulls.term[side];
+        d[(a + 1 + (int)side) % 3] = f4_load((corner >> side & 1 ? slopes->hi : slopes->lo) + first);
+    }
+    for (int k = 0; k < 3; ++k) steepness = f4_add(steepness, f4_mul(f4_load(planes->m[k] + first), d[k]));
+    of->least_steepness = f4_min(steepness, of->least_steepness);
+    const f4 z = f4_div(f4_load(planes->n + first), steepness);
+    of->greatest_z = f4_max(z, of->greatest_z);
+    f4 x[3];
+    for (int k = 0; k < 3; ++k) x[k] = f4_add(f4_set1(from[k]), f4_mul(z, d[k]));
+    const int b = lit->waist.main_axis;
+    const f4 depth = f4_flip(x[b], lit->waist.sign), inverse = f4_div(f4_set1(1), depth);
+    of->least_depth = f4_min(depth, of->least_depth);
+    of->greatest_depth = f4_max(depth, of->greatest_depth);
+    for (int side = 0; side < 2; ++side) {
+        const f4 slope = f4_mul(x[(b + 1 + side) % 3], inverse);
+        of->lo[side] = f4_min(slope, of->lo[side]);
+        of->hi[side] = f4_max(slope, of->hi[side]);
+    }
+}
+
+MLRT_INLINE float lane_of(const f4 *quad, uint32_t place)
+{
+    return ((const float *)quad)[place % 4];
+}
+
+/* Sets what is known of one cell. Returns 0 if it is too little. */
+static int set_lit_cell(const struct quad_extremes *of, float reach, float away, uint32_t place,
+                        struct mlrt_bundle *lit)
+{
+    struct mlrt_hulls *hulls = &lit->hulls;
+    const float steepness = lane_of(&of->least_steepness, place), z = lane_of(&of->greatest_z, place);
+    const float depth = lane_of(&of->least_depth, place);
+    const float error = PLACE_ERROR * (away + 2 * z + reach) + ALONG_ERROR * z / steepness + SLOPE_FLOOR;
+    if (!(steepness > LEAST_STEEPNESS && depth > 4 * error)) return 0;
+    for (int side = 0; side < 2; ++side) {
+        const float lo = lane_of(&of->lo[side], place), hi = lane_of(&of->hi[side], place);
+        const float steepest = fmaxf(fabsf(lo), fabsf(hi));
+        if (!(steepest <= STEEPEST_SLOPE)) return 0;
+        const float slack = 2 * error * (1 + steepest) / depth + steepest * SLOPE_SLACK + SLOPE_FLOOR;
+        hulls->term[side].lo[place] = lo - slack;
+        hulls->term[side].hi[place] = hi + slack;
+        hulls->term[MLRT_PLACE_J + side].lo[place] = hulls->term[MLRT_PLACE_J + side].hi[place] = 0;
+    }
+    hulls->first[place] = hulls->core_first[place] = hulls->begin[place] = hulls->away[place] = 0;
+    hulls->core_last[place] = (depth - error) * (1 - SLOPE_SLACK);
+    hulls->last[place] = (lane_of(&of->greatest_depth, place) + error) * (1 + SLOPE_SLACK);
+    return 1;
+}
+
+uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
+                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit, uint32_t *dark)
+{
+    struct planes planes;
+    float from[3], away = 0;
+    *dark = 0;
+    for (int k = 0; k < 3; ++k) {
+        if (!mlrt_is_float_safe(light->light[k])) return 0;
+        from[k] = seen->waist.point[k] - light->light[k];
+        away = fmaxf(away, fabsf(from[k]));
+    }
+    memset(&planes, 0, sizeof planes);
+    const uint32_t facing = find_planes(light, tree, seen, among, &planes, dark);
+    if (!facing) return 0;
+    set_main_axis(seen, from, &planes, mlrt_lowest_bit(facing), lit);
+    uint32_t known = 0;
+    for (uint32_t first = 0; first < MLRT_BUNDLE_PACKETS; first += 4) {
+        const f4 infinity = f4_set1(INFINITY), below = f4_set1(-INFINITY);
+        struct quad_extremes of = {infinity, infinity, below, below, {infinity, infinity}, {below, below}};
+        for (uint32_t corner = facing >> first & 15 ? 0 : 4; corner < 4; ++corner) {
+            add_corner(seen, &planes, from, first, corner, lit, &of);
+        }
+        for (uint32_t place = first; place < first + 4; ++place) {
+            const int is_known = facing >> place & 1 && set_lit_cell(&of, planes.reach[place], away, place, lit);
+            known |= (uint32_t)is_known << place;
+        }
+    }
+    return known;
+}

@@ -1,0 +1,532 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One ray at a time down the hierarchy of boxes: a vector is the boxes of a node, or the triangles of a leaf. For rays
+ * that have nothing in common. Of a node's children the nearest comes first (or, where any hit will do, one that is
+ * likely to have one), the others wait on a stack, and the nearest hit so far cuts all of them short.
+ *
+ * BOXES. A ray is in a slab between t_near and t_far, x r with x = c - o for the plane at c and r = 1 / d. As computed,
+ * x and r are off by one rounding each; r is multiplied by 1 -+ RECIPROCAL_SLACK (8 u), which is one more. So before
+ * its last rounding, that of the product, t_near is surely too small and t_far too large where they are positive (and
+ * where they are not, a t_near does not matter and a t_far says rightly that the box is behind). That rounding is
+ * monotone: as t_min and the nearest hit's `hi` are floats, it turns no true t_near <= t_far, t_near <= hi or t_min <=
+ * t_far around, even where it underflows. So a box is left out only if the ray surely passes it or comes to it surely
+ * behind `hi`.
+ *
+ * Where d_k = 0, r is infinite: t_near is -inf and t_far inf inside the slab, both are inf or -inf outside, and on a
+ * plane of it one is a NaN, which v_min and v_max drop, as it is their first operand. Distances beyond FLT_MAX are no
+ * hits (triangle_filter.h: t <= 2^121), so that is where rays end, and t_near = inf is out. It is also that of an empty
+ * slot, whose lo is inf and hi -inf: so slots need not be counted.
+ *
+ * TRIANGLES. Let s = fl(o - a), f = fl(b - a), g = fl(c - a), p = g x d, q = f x s. Then
+ *
+ *     e_ca = s . p     e_ab = d . q     D = f . p     N = g . q     e_bc = D - e_ca - e_ab
+ *
+ * With u = 2^-24: s, f, g have 1 rounding per component, p has 3 (g, product, difference), q 4. So D and e_ca have 1 +
+ * 3 and, for product and sums, 3 more: 7, and so has e_ab (4 + 3); N has 8. All are determinants of three vectors, and
+ * the error is relative to the sum of the magnitudes of their six products. Where m is the largest |d_k|, and S, F, G
+ * are the sums of the magnitudes of the components of s, f, g, that is no more than m S G for e_ca: |g_i| |d_j| + |g_j|
+ * |d_i| <= m G, times |s_k|, summed. Likewise m S F for e_ab, m F G for D, S F G for N. e_bc has two roundings more, of
+ * no more than the sum of the three. So 9.001 u m (S F + S G + F G) is a bound for all edges, of which EDGE_BOUND makes
+ * 11 u. With PLANE_BOUND, 16 u of m F G, D has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u:
+ * more than triangle_filter.h, which derives how distances are compared, needs (6.9 and 1.9). The bounds themselves are
+ * off by a few u of themselves, which is nothing.
+ *
+ * Nothing here is scaled, but for the units (units.h). An odd triangle's corners are NaN, and so is all that is worked out
+ * of them: of that no comparison is true, and it is undecided. Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S,
+ * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
+ * quotients that become t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
+ * Overflow: p and q are finite, magnitudes being 2^60 at most. What is more than 2^126 in the rest has a bound that
+ * overflows when it is multiplied by 4 on the way: then everything is undecided, since nothing is compared with <= or
+ * >=, which would say that infinities are in order. So scenes much smaller than 2^-20 or larger than 2^40 are slow
+ * here, not wrong.
+ *
+ * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
+ * Rid of Packets", 2008 (one ray, wide nodes).
+ */
+#ifndef MLRT_TRACE_SINGLE_H
+#define MLRT_TRACE_SINGLE_H
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "exact/nearest.h"
+#include "hits/triangle_filter.h"
+#include "hits/undecided.h"
+#include "job/sink.h"
+#include "rays/extremes.h"
+#include "scene/masks.h"
+#include "simd/simd.h"
+#include "trace/bundle.h"
+#include "trace/units.h"
+
+/*
+ * Of PLANE_BOUND's 2^-20 m F G, and of its floor, so that this is not denormal, which would take a hundred cycles. It
+ * is less than what the error of D does to t, unless t is less than 2^-40.
+ */
+#define QUOTIENT_FLOOR 0x1p-40f
+
+/*
+ * What waits is a child, with the distance from which on it is met in the upper half: floats that are not negative are
+ * in order as integers. Of a node all children but one wait, and so on down; where one is taken off the stack, no more
+ * are put there than its node has.
+ */
+#define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
+
+struct single_ray {
+    vf origin[3];
+    vf direction[3];
+    vf near[3];
+    vf far[3];
+    vf t_min;
+    uint32_t near_row[3]; /* of a node's floats: where the planes are that the ray comes to first */
+    uint32_t far_row[3];
+    float reach; /* 4 m: see "Overflow" */
+    uint32_t lane;
+};
+
+MLRT_INLINE void set_reciprocals(const struct mlrt_packet *packet, struct mlrt_reciprocals *reciprocals)
+{
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            const vf r = v_div(v_set1(1), v_load(packet->direction[k] + v));
+            v_store(reciprocals->near[k] + v, v_mul(r, v_set1(1 - RECIPROCAL_SLACK)));
+            v_store(reciprocals->far[k] + v, v_mul(r, v_set1(1 + RECIPROCAL_SLACK)));
+        }
+    }
+}
+
+MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct mlrt_reciprocals *reciprocals,
+                                uint32_t lane, struct single_ray *ray)
+{
+    float reach = 0;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const float d = packet->direction[k][lane];
+        const uint32_t lo = (uint32_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
+        ray->origin[k] = v_set1(packet->has_apex ? packet->apex[k] : packet->origin[k][lane]);
+        ray->direction[k] = v_set1(d);
+        ray->near[k] = v_set1(reciprocals->near[k][lane]);
+        ray->far[k] = v_set1(reciprocals->far[k][lane]);
+        ray->near_row[k] = d < 0 ? hi : lo;
+        ray->far_row[k] = d < 0 ? lo : hi;
+        reach = larger_of(fabsf(d), reach);
+    }
+    ray->reach = 4 * reach;
+    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* no -0: see WAITING_LIMIT */
+    ray->lane = lane;
+}
+
+/*
+ * Which of a node's boxes the ray can meet up to `limit`; and from where on, or for those who look for any hit, how
+ * long it is in them.
+ */
+MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_bvh_node *node, float limit, int any,
+                                float order[MLRT_BVH_WIDTH])
+{
+    const float *planes = &node->lo[0][0];
+    uint32_t met = 0;
+    for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
+        vf first = ray->t_min, last = v_set1(limit);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            const vf to_near = v_sub(v_load(planes + ray->near_row[k] + v), ray->origin[k]);
+            const vf to_far = v_sub(v_load(planes + ray->far_row[k] + v), ray->origin[k]);
+            first = v_max(v_mul(to_near, ray->near[k]), first);
+            last = v_min(v_mul(to_far, ray->far[k]), last);
+        }
+        v_store(order + v, any ? v_sub(last, first) : first);
+        met |= m_bits(v_le(first, last)) << v;
+    }
+    return met;
+}
+
+MLRT_INLINE uint32_t order_bits(float a)
+{
+    uint32_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    return bits;
+}
+
+MLRT_INLINE uint64_t waiting_entry(float enter, uint32_t child)
+{
+    return (uint64_t)order_bits(enter) << 32 | child;
+}
+
+/*
+ * The nearest child comes first. But who looks for any hit goes to leaves first, which may end the search, and then to
+ * the box that the ray is in the longest. Nodes and leaves per random ray (bindings/python/bench.py --only counts), by
+ * distance, leaves first, then longest: erw6 2.54, 2.26, 2.25, conference 3.96, 3.63, 3.10, sponza 4.48, 4.16, 3.40,
+ * clinic 3.59, 3.48, 3.15, dragon 4.49, 4.51, 4.14.
+ */
+MLRT_INLINE uint64_t child_entry(float order, uint32_t child, int any)
+{
+    if (!any) return waiting_entry(order, child);
+    return (uint64_t)(mlrt_bvh_quad_count(child) ? 0 : ~order_bits(order)) << 32 | child;
+}
+
+/*
+ * Of the children in `met`, at least one, returns the first to look at; the others go on the stack, the last first.
+ * Most often there are one or two, and then nothing depends on a branch but how many.
+ */
+MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met, const float order[MLRT_BVH_WIDTH],
+                                  int any, uint64_t *stack, uint32_t *count)
+{
+    uint32_t i = mlrt_lowest_bit(met);
+    met &= met - 1;
+    if (!met) return node->child[i];
+    uint64_t nearest = child_entry(order[i], node->child[i], any);
+    const uint32_t first = *count;
+    do {
+        i = mlrt_lowest_bit(met);
+        met &= met - 1;
+        const uint64_t entry = child_entry(order[i], node->child[i], any);
+        uint64_t farther = entry > nearest ? entry : nearest;
+        nearest = entry > nearest ? nearest : entry;
+        uint32_t place = (*count)++;
+        for (; place > first && stack[place - 1] < farther; --place) stack[place] = stack[place - 1];
+        stack[place] = farther;
+    } while (met);
+    return (uint32_t)nearest;
+}
+
+MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
+{
+    return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
+}
+
+/* The bounds of the head of this file; a guess has none. `reach` is 4 m. */
+MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reach, struct float_test *test)
+{
+    test->above = test->below = test->plane_bound = test->distance_bound = v_set1(0);
+    if (MLRT_GUESS) return;
+    const vf size_s = sum_of_magnitudes(s), size_f = sum_of_magnitudes(f), size_g = sum_of_magnitudes(g);
+    const vf plane_size = v_mul(size_f, size_g), floor = v_set1(DISTANCE_FLOOR);
+    const vf edge_size = v_mul_add(size_s, v_add(size_f, size_g), plane_size);
+    test->above = v_mul_add(v_mul(edge_size, reach), v_set1(EDGE_BOUND / 4), floor);
+    test->below = v_sub(v_set1(0), test->above);
+    test->plane_bound = v_mul_add(v_mul(plane_size, reach), v_set1(PLANE_BOUND / 4), floor);
+    const vf distance_floor = v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor);
+    test->distance_bound =
+        v_mul_add(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4), distance_floor);
+}
+
+/* What the filter needs of rays and triangles, lane by lane: s from corner a to the origin, f and g from a to b and c. */
+MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], const vf direction[3], vf reach,
+                                struct float_test *test)
+{
+    vf p[3], q[3];
+    cross_product(g, direction, p);
+    cross_product(f, s, q);
+    set_bounds(s, f, g, reach, test);
+    test->determinant = dot_product(f, p);
+    test->distance = dot_product(g, q);
+    const vf ca = dot_product(s, p), ab = dot_product(direction, q);
+    const vf bc = v_sub(v_sub(test->determinant, ca), ab);
+    test->least = v_min(v_min(ab, bc), ca);
+    test->greatest = v_max(v_max(ab, bc), ca);
+}
+
+/* Of one ray and triangles in a row. `corners` is where the lanes begin, rows are `stride` apart. */
+MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corners, uint32_t stride,
+                                 struct float_test *test)
+{
+    vf s[3], f[3], g[3];
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vf a = v_load_any(corners + (uint32_t)k * stride);
+        s[k] = v_sub(ray->origin[k], a);
+        f[k] = v_sub(v_load_any(corners + (uint32_t)(3 + k) * stride), a);
+        g[k] = v_sub(v_load_any(corners + (uint32_t)(6 + k) * stride), a);
+    }
+    set_float_test(s, f, g, ray->direction, v_set1(ray->reach), test);
+}
+
+/* Makes the nearest of the triangles that are surely hit, bits in `nearer`, the nearest hit. Returns those that need to
+ * be compared with it. */
+MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer, const uint32_t *numbers,
+                                  uint32_t lane, struct mlrt_packet *packet)
+{
+    MLRT_ALIGNED(64) float lo[VW];
+    MLRT_ALIGNED(64) float hi[VW];
+    uint32_t close = 0, nearest = mlrt_lowest_bit(nearer);
+    v_store(lo, verdict->lo);
+    v_store(hi, verdict->hi);
+    for (uint32_t left = nearer & (nearer - 1); left; left &= left - 1) {
+        const uint32_t i = mlrt_lowest_bit(left);
+        if (hi[i] < hi[nearest]) nearest = i;
+    }
+    packet->triangle[lane] = numbers[nearest];
+    packet->lo[lane] = lo[nearest];
+    packet->hi[lane] = hi[nearest];
+    for (nearer &= ~(1u << nearest); nearer; nearer &= nearer - 1) {
+        const uint32_t i = mlrt_lowest_bit(nearer);
+        if (!MLRT_GUESS && lo[i] <= hi[nearest]) close |= 1u << i;
+    }
+    return close;
+}
+
+/* Places that are empty, and triangles that are no news: the nearest so far, which may be in several leaves, and the
+ * one that the ray passes. */
+MLRT_INLINE vm no_news(const struct mlrt_packet *packet, uint32_t lane, vi number)
+{
+    const vm known = m_or(i_eq(number, i_set1(MLRT_NONE)), i_eq(number, i_set1(packet->triangle[lane])));
+    return packet->has_skip ? m_or(known, i_eq(number, i_set1(packet->skip[lane]))) : known;
+}
+
+/* Decides about triangles of a leaf, at places that a ray is not surely outside of. Returns 1 if the nearest hit changed. */
+MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
+                              const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
+                              struct mlrt_worker *worker)
+{
+    const vm old = no_news(packet, lane, i_load_any(numbers));
+    uint32_t candidates = m_bits(inside) & places;
+    uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(old);
+    const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
+    int changed = 0;
+    if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) offered = mlrt_visible_places(job->tree, numbers, offered, mask);
+    COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(offered));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
+    candidates &= offered;
+    if (!candidates) return 0;
+    const struct verdict verdict = compare_distances(test, m_andnot(inside, old), t_min, v_set1(packet->lo[lane]),
+                                                     v_set1(packet->hi[lane]), job->any);
+    uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
+    const uint32_t nearer = m_bits(verdict.nearer) & candidates;
+    if (nearer && job->any) {
+        packet->triangle[lane] = numbers[mlrt_lowest_bit(nearer)];
+        return 1;
+    }
+    if (nearer) {
+        undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet);
+        changed = 1;
+    }
+    if (MLRT_UNLIKELY(undecided)) {
+        changed |= decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
+    }
+    return changed;
+}
+
+/* Tests the triangles of a leaf. Returns 1 if the nearest hit changed. */
+MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
+                          struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    const struct mlrt_bvh *bvh = &job->tree->bvh;
+    const uint32_t place_count = 4 * mlrt_bvh_quad_count(leaf);
+    const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
+    const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
+    int changed = 0;
+    for (uint32_t v = 0; v < place_count; v += VW) {
+        const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
+        struct float_test test;
+        set_single_test(ray, corners + v, place_count, &test);
+        const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
+        if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
+        changed |= settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
+        if (changed && job->any) return 1;
+    }
+    return changed;
+}
+
+MLRT_INLINE float finite_limit(float hi)
+{
+    return hi < FLT_MAX ? hi : FLT_MAX;
+}
+
+/* From a child of a node on. */
+static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals,
+                                       uint32_t lane, uint32_t child, struct mlrt_packet *packet,
+                                       struct mlrt_worker *worker)
+{
+    const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
+    MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
+    const int any = job->any;
+    uint64_t stack[WAITING_LIMIT];
+    uint32_t count = 0;
+    struct single_ray ray;
+    set_single_ray(packet, reciprocals, lane, &ray);
+    float limit = finite_limit(packet->hi[lane]);
+    COUNT(&worker->counters, packet_count, 1);
+    for (;;) {
+        COUNT(&worker->counters, cell_count, 1);
+        if (mlrt_bvh_quad_count(child) == 0) {
+            const struct mlrt_bvh_node *node = &nodes[mlrt_bvh_offset(child)];
+            const uint32_t met = meet_boxes(&ray, node, limit, any, order);
+            if (met) {
+                child = choose_child(node, met, order, any, stack, &count);
+                continue;
+            }
+        } else if (test_leaf(job, &ray, child, packet, worker)) {
+            if (any) return;
+            limit = finite_limit(packet->hi[lane]);
+        }
+        do {
+            if (count == 0) return;
+            --count;
+        } while (!any && stack[count] > waiting_entry(limit, 0xFFFFFFFFu));
+        child = (uint32_t)stack[count];
+    }
+}
+
+#if !MLRT_COUNTING
+/* The numbers of one ray that float arithmetic carries: x, y, z, and z once more. */
+struct lone_ray {
+    f4 origin;
+    f4 direction;
+    f4 near; /* 1 / direction as boxes need it: see the head of this file */
+    f4 far;
+    float t_min;
+    float t_max;
+};
+
+/* Three numbers of a struct that has another one before them. */
+MLRT_INLINE f4 load_three(const float numbers[3])
+{
+    return f4_rest(f4_load_any((const unsigned char *)numbers - sizeof *numbers));
+}
+
+MLRT_INLINE void set_lone_reciprocals(struct lone_ray *ray)
+{
+    const f4 r = f4_div(f4_set1(1), ray->direction);
+    ray->near = f4_mul(r, f4_set1(1 - RECIPROCAL_SLACK));
+    ray->far = f4_mul(r, f4_set1(1 + RECIPROCAL_SLACK));
+}
+
+/* Rule R1. Returns 1; 0 if the ray can hit nothing, -1 if float does not carry it. */
+MLRT_INLINE int take_lone_ray(const mlrt_ray *given, struct lone_ray *ray)
+{
+    ray->origin = load_three(given->origin);
+    ray->direction = f4_add(load_three(given->direction), f4_set1(0)); /* -0 becomes 0 */
+    if ((f4_zeros_or_within(ray->origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
+         f4_zeros_or_within(ray->direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
+        return -1;
+    }
+    set_lone_reciprocals(ray);
+    ray->t_min = given->t_min < 0 ? 0 : given->t_min;
+    ray->t_max = given->t_max == 0 ? INFINITY : given->t_max;
+    return ray->t_min < ray->t_max && f4_zeros(ray->direction) != 15;
+}
+
+/* Can the ray meet the box of the scene? As meet_boxes. */
+MLRT_INLINE int meets_scene(const struct lone_ray *ray, const struct mlrt_box *box)
+{
+    const f4 lo = load_three(box->lo), hi = load_three(box->hi);
+    const f4 to_near = f4_sub(f4_by_sign(ray->direction, hi, lo), ray->origin);
+    const f4 to_far = f4_sub(f4_by_sign(ray->direction, lo, hi), ray->origin);
+    const f4 first = f4_max(f4_mul(to_near, ray->near), f4_set1(ray->t_min));
+    const f4 last = f4_min(f4_mul(to_far, ray->far), f4_set1(finite_limit(ray->t_max)));
+    return f4_hmax(first) <= f4_hmin(last);
+}
+
+/* Traces a ray as lane 0 of a packet. Of a worker nothing is used but what it remembers of planes. */
+static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ray *ray, uint32_t mask, uint32_t skip,
+                                struct mlrt_scaled_packet *scaled)
+{
+    struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
+    struct mlrt_reciprocals reciprocals;
+    struct mlrt_known_plane plane;
+    struct mlrt_triangle_pair pair;
+    struct mlrt_worker worker;
+    MLRT_ALIGNED(16) float numbers[4][4];
+    f4_store(numbers[0], ray->origin);
+    f4_store(numbers[1], ray->direction);
+    f4_store(numbers[2], ray->near);
+    f4_store(numbers[3], ray->far);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        packet->origin[k][0] = numbers[0][k];
+        packet->direction[k][0] = numbers[1][k];
+        reciprocals.near[k][0] = numbers[2][k];
+        reciprocals.far[k][0] = numbers[3][k];
+    }
+    packet->t_min[0] = ray->t_min;
+    packet->t_max[0] = packet->lo[0] = packet->hi[0] = ray->t_max;
+    packet->triangle[0] = MLRT_NONE;
+    packet->skip[0] = skip;
+    packet->has_skip = skip != MLRT_NONE;
+    packet->has_apex = packet->has_masks = 0;
+    worker.mask = mask;
+    worker.planes = &plane;
+    worker.pairs = &pair;
+    worker.plane_mask = worker.pair_mask = 0;
+    plane.number = MLRT_NONE;
+    pair.first = pair.second = 0;
+    worker.progress = NULL;
+    worker.scaled = scaled;
+    trace_single(job, &reciprocals, 0, 0, packet, &worker);
+    return packet->triangle[0];
+}
+
+/* Traces a ray in units. Returns 0 if float does not carry it there. */
+static MLRT_NOINLINE int trace_scaled_ray(const struct mlrt_job *job, const mlrt_ray *given, uint32_t mask,
+                                          uint32_t skip, uint32_t *number)
+{
+    struct mlrt_packet packet;
+    struct mlrt_scaled_packet scaled;
+    struct mlrt_ray_segment segment;
+    struct lone_ray ray;
+    float origin[4], direction[4];
+    const float t_max = given->t_max == 0 ? INFINITY : given->t_max;
+    if (!mlrt_make_segment(given->origin, given->direction, given->t_min, t_max, &segment)) return 1;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
+        for (int k = 0; k < 3; ++k) {
+            packet.origin[k][lane] = segment.origin[k];
+            packet.direction[k][lane] = segment.direction[k];
+        }
+        packet.t_min[lane] = segment.t_min;
+        packet.t_max[lane] = packet.lo[lane] = packet.hi[lane] = segment.t_max;
+    }
+    packet.triangle[0] = MLRT_NONE;
+    packet.skip[0] = skip;
+    packet.has_skip = skip != MLRT_NONE;
+    packet.has_apex = packet.has_masks = 0;
+    if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) return 0;
+    for (int k = 0; k < 4; ++k) {
+        origin[k] = scaled.rays.origin[k < 3 ? k : 2][0];
+        direction[k] = scaled.rays.direction[k < 3 ? k : 2][0];
+    }
+    ray.origin = f4_load_any(origin);
+    ray.direction = f4_load_any(direction);
+    set_lone_reciprocals(&ray);
+    ray.t_min = scaled.rays.t_min[0];
+    ray.t_max = scaled.rays.hi[0];
+    *number = trace_lone_lane(job, &ray, mask, skip, &scaled);
+    return 1;
+}
+
+/* job/job.h: trace_ray. */
+static int trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, int any, uint32_t mask, uint32_t skip,
+                          mlrt_hit *hit)
+{
+    struct lone_ray ray;
+    struct mlrt_job job;
+    uint32_t number = MLRT_NONE;
+    job.tree = tree;
+    job.any = any;
+    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
+        if (!trace_scaled_ray(&job, given, mask, skip, &number)) return 0;
+    } else {
+        const int is_taken = take_lone_ray(given, &ray);
+        if (MLRT_UNLIKELY(is_taken < 0)) return 0;
+        if (is_taken && tree->bvh.node_count > 0 && meets_scene(&ray, &tree->bvh.whole)) {
+            number = trace_lone_lane(&job, &ray, mask, skip, NULL);
+        }
+    }
+    hit->occluded = number != MLRT_NONE;
+    if (any) return 1;
+    if (number != MLRT_NONE) {
+        mlrt_tell_hit(tree, given, number, hit);
+        return 1;
+    }
+    hit->t = INFINITY;
+    hit->u = hit->v = 0;
+    hit->mesh = hit->triangle = MLRT_NONE;
+    hit->facing = 0;
+    return 1;
+}
+#endif
+
+#endif

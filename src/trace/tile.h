@@ -1,0 +1,563 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A tile of packets, from anywhere, down the hierarchy of boxes, in three steps: packets that are alike go as a bundle, by
+ * their hulls (hulls.h); those too wide for that go lane by lane, and from the box on that few lanes meet, one by one
+ * (lanes.h).
+ *
+ * Of a bundle what is near comes first. A node's sixteen boxes are compared with the whole bundle at once, and before
+ * anything is opened its box is compared with all sixteen packets at once, since many of them may have found something
+ * nearer in the meantime.
+ *
+ * Based on: Reshetov et al. 2005 (one traversal for all rays of a tile); I. Wald, S. Boulos, P. Shirley, "Ray Tracing
+ * Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007 (frusta against boxes).
+ */
+#ifndef MLRT_TRACE_TILE_H
+#define MLRT_TRACE_TILE_H
+
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "rays/check_packet.h"
+#include "simd/simd.h"
+#include "simd/sixteen.h"
+#include "trace/bundle.h"
+#include "trace/cover.h"
+#include "trace/hulls.h"
+#include "trace/lanes.h"
+#include "trace/leaf.h"
+#include "trace/outline.h"
+#include "trace/single.h"
+#include "trace/units.h"
+
+/* A child that is still to be opened. */
+struct pending_box {
+    float near;    /* depth */
+    uint32_t slot; /* 16 * node + place in it */
+};
+
+#define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
+
+/* Has what a child refers to fetched into the cache. */
+MLRT_INLINE void prefetch_child(const struct mlrt_bvh *bvh, uint32_t child)
+{
+    const uint32_t quads = mlrt_bvh_quad_count(child), offset = mlrt_bvh_offset(child);
+    const char *first = quads ? (const char *)(bvh->corners + 36 * (size_t)offset) : (const char *)&bvh->nodes[offset];
+    const uint32_t size = quads ? 144 * quads : (uint32_t)sizeof *bvh->nodes;
+    for (uint32_t i = 0; i < size; i += 64) mlrt_prefetch(first + i);
+    if (quads) mlrt_prefetch(bvh->numbers + 4 * (size_t)offset);
+}
+
+/* Puts children on the stack, the nearest on top. */
+MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint32_t met,
+                                const float near[MLRT_BVH_WIDTH], struct pending_box *stack, uint32_t count)
+{
+    const uint32_t base = count;
+    for (; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        uint32_t at = count++;
+        for (; at > base && stack[at - 1].near < near[place]; --at) stack[at] = stack[at - 1];
+        stack[at] = (struct pending_box){near[place], node * MLRT_BVH_WIDTH + place};
+        prefetch_child(bvh, bvh->nodes[node].child[place]);
+    }
+    return count;
+}
+
+/* Packets so many times as wide as most of their tile go lane by lane: they lie across an edge of what the tile sees. */
+#define WIDE_PACKET MLRT_WIDE_FACTOR
+
+/* After hits of a packet in these lanes. */
+static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t place, uint32_t changed, int any)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    if (!any) {
+        bundle->nearer |= 1u << place;
+        return;
+    }
+    packet->active &= ~changed;
+    if (!packet->active) {
+        leave_bundle(bundle, place);
+        return;
+    }
+    bound_packet(bundle, place);
+    finish_depths(bundle, 1u << place, (int)(place - place % VW));
+    finish_hulls(bundle, (int)(place - place % VW));
+}
+
+/* Has a packet ready to go without the bundle: lane by lane, or one by one. */
+static MLRT_NOINLINE void release_packet(struct mlrt_bundle *bundle, uint32_t place)
+{
+    leave_bundle(bundle, place);
+    need_lanes(bundle, place);
+    set_packet_distances(&bundle->tile->rays[place], &bundle->tile->packets[place]);
+}
+
+/* Takes a packet out of the bundle that had better gone lane by lane. */
+static void give_up_packet(struct mlrt_bundle *bundle, uint32_t place)
+{
+    release_packet(bundle, place);
+    bundle->given_up |= 1u << place;
+}
+
+/* Takes what packets hit into account for what comes. */
+MLRT_INLINE void settle_bundle(struct mlrt_bundle *bundle)
+{
+    if (bundle->nearer & bundle->going) update_last_depths(bundle, bundle->nearer & bundle->going);
+    bundle->nearer = 0;
+    set_whole_last(bundle);
+}
+
+/* Traces rays of a packet one by one from a child of a node on. */
+static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                                struct mlrt_bundle *bundle, uint32_t place, uint32_t lanes,
+                                                uint32_t child)
+{
+    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    uint32_t changed = 0;
+    set_packet_distances(rays, packet);
+    if (!(bundle->has_reciprocals >> place & 1)) set_reciprocals(packet, &bundle->tile->reciprocals[place]);
+    bundle->has_reciprocals |= 1u << place;
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->triangle[lane];
+        trace_single(job, &bundle->tile->reciprocals[place], lane, child, packet, worker);
+        if (packet->triangle[lane] == before) continue;
+        set_lane_depths(packet, lane, rays);
+        changed |= 1u << lane;
+    }
+    if (changed) update_bundle(bundle, place, changed, job->any);
+}
+
+/*
+ * Is a box too large for few rays of a packet to meet it, unless at its rim? A guess by its size and the packet's: four
+ * times as many may be found after all. What is large is worth going there together: neighbours do.
+ */
+MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, const struct box_of_bundle *box,
+                             uint32_t most)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const float depth = fabsf(box->from);
+    float rays = MLRT_PACKET_RAYS, limit = 4 * (float)most;
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        rays *= box->hi[i] - box->lo[i];
+        limit *= 2 * (hulls->radius[i][place] * depth + hulls->radius[MLRT_PLACE_J + i][place]);
+    }
+    return rays > limit;
+}
+
+/*
+ * Traces the rays of packets `met` that meet a box one by one, if they are few: what few rays see is not worth going there
+ * together, nor a set-up for all of them. Else returns 0.
+ */
+static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                             struct mlrt_bundle *bundle, const struct box_of_bundle *box,
+                                             uint32_t child, uint32_t met)
+{
+    const uint32_t most = mlrt_bvh_quad_count(child) ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
+    uint32_t lanes[MLRT_BUNDLE_PACKETS], count = 0;
+    if (!(fabsf(box->from) <= MLRT_SAFE_MAX && fabsf(box->to) <= MLRT_SAFE_MAX)) return 0; /* 0 * inf is no number */
+    if (is_large_box(bundle, mlrt_lowest_bit(met), box, most)) return 0;
+    for (uint32_t left = met; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        struct checked_lanes directions;
+        need_lanes(bundle, place);
+        lanes[place] = lanes_of_packet_met(bundle, place, box);
+        check_lanes(bundle->tile->packets[place].direction, &directions);
+        if (MLRT_UNLIKELY(lanes[place] & ~directions.safe)) return 0;
+        count += mlrt_count_bits(lanes[place]);
+        if (count > most) return 0;
+    }
+    for (; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        if (lanes[place]) trace_lanes_of_packet(job, worker, bundle, place, lanes[place], child);
+    }
+    settle_bundle(bundle);
+    return 1;
+}
+
+/* Of the triangles of a leaf that the bundle may hit, those that a packet may. */
+MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                      uint32_t place, int has_places, uint32_t seen)
+{
+    struct hull_outline hull;
+    outline_packet(bundle, place, &hull);
+    const uint32_t met = triangles_met(bundle, leaf, &hull, has_places, seen);
+    return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
+}
+
+static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                            uint32_t place, uint32_t seen)
+{
+    return bundle->has_places ? cut_triangles_by(bundle, leaf, place, 1, seen)
+                              : cut_triangles_by(bundle, leaf, place, 0, seen);
+}
+
+static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                          uint32_t triangles, uint32_t place)
+{
+    need_lanes(bundle, place);
+    const uint32_t changed = bundle->has_places ? test_bundle_packet(job, worker, bundle, leaf, triangles, place, 1)
+                                                : test_bundle_packet(job, worker, bundle, leaf, triangles, place, 0);
+    if (changed) update_bundle(bundle, place, changed, job->any);
+    if (MLRT_UNLIKELY(bundle->tests[place] > MLRT_MOST_TESTS) && bundle->going >> place & 1) {
+        give_up_packet(bundle, place);
+    }
+}
+
+MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                      struct mlrt_bundle *bundle, uint32_t child, uint32_t met, int has_places)
+{
+    uint32_t seen;
+    const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, has_places, child, worker, &seen);
+    if (!seen) return;
+    uint32_t lists[MLRT_BUNDLE_PACKETS] = {0};
+    for (; seen; seen &= seen - 1) {
+        const uint32_t among = met & bundle->going;
+        if (!among) break;
+        if (!(among & bundle->closed) && mlrt_count_bits(seen) > mlrt_count_bits(among)) break;
+        uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(seen), among);
+        for (; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= seen & (0u - seen);
+    }
+    for (met &= bundle->going; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        const uint32_t triangles = lists[place] | (seen ? cut_triangles(bundle, leaf, place, seen) : 0);
+        if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
+    }
+    settle_bundle(bundle);
+}
+
+/* Takes a bundle down the hierarchy. */
+static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          struct mlrt_bundle *bundle)
+{
+    const int has_places = bundle->has_places;
+    const struct mlrt_bvh *bvh = &job->tree->bvh;
+    struct pending_box stack[TILE_STACK_SIZE];
+    MLRT_ALIGNED(64) float near[MLRT_BVH_WIDTH];
+    const int is_many = bundle->tile && mlrt_count_bits(bundle->going) >= MLRT_MANY_PACKETS && bundle->unit == 1;
+    const uint32_t few = is_many ? MLRT_FEW_PACKETS : 0;
+    uint32_t node = 0, count = 0;
+    for (;;) {
+        COUNT(&worker->counters, cell_count, 1);
+        const uint32_t boxes = bundle_children_met(bundle, &bvh->nodes[node], has_places, near);
+        for (int v = 0; bundle->far_first && v < MLRT_BVH_WIDTH; v += VW) {
+            v_store(near + v, v_sub(v_set1(0), v_load(near + v)));
+        }
+        count = push_boxes(bvh, node, boxes, near, stack, count);
+        for (;;) {
+            if (count == 0) return;
+            const struct pending_box *top = &stack[--count];
+            if (!bundle->far_first && top->near > bundle->whole.last) continue;
+            const struct mlrt_bvh_node *parent = &bvh->nodes[top->slot / MLRT_BVH_WIDTH];
+            const uint32_t place = top->slot % MLRT_BVH_WIDTH, child = parent->child[place];
+            struct box_of_bundle box;
+            see_bundle_box(&bundle->waist, parent, place, &box);
+            const uint32_t met = packets_met(bundle, &box, has_places);
+            if (!met) continue;
+            if (mlrt_count_bits(met) <= few && !(met & bundle->closed) &&
+                !(mlrt_bvh_quad_count(child) && has_bundle_leaf(bundle, child)) &&
+                trace_few_of_bundle(job, worker, bundle, &box, child, met)) {
+                continue;
+            }
+            if (!mlrt_bvh_quad_count(child)) {
+                node = mlrt_bvh_offset(child);
+                break;
+            }
+            COUNT(&worker->counters, cell_count, 1);
+            visit_leaf_of_bundle(job, worker, bundle, child, met, has_places);
+            if (MLRT_UNLIKELY(mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP)) return;
+        }
+    }
+}
+
+/* ---- tiles ---- */
+
+/* Between which depths a box lies. */
+static void find_depths(const struct mlrt_box *box, const struct mlrt_waist *waist, float *first, float *last)
+{
+    const float below = box->lo[waist->main_axis] - waist->point[waist->main_axis];
+    const float above = box->hi[waist->main_axis] - waist->point[waist->main_axis];
+    *first = waist->sign > 0 ? below : -above;
+    *last = waist->sign > 0 ? above : -below;
+}
+
+static void look_at_scene(const struct mlrt_bvh *bvh, struct mlrt_bundle *bundle)
+{
+    find_depths(&bvh->whole, &bundle->waist, &bundle->scene_first, &bundle->scene_last);
+    find_depths(&bvh->core, &bundle->waist, &bundle->core_first, &bundle->core_last);
+}
+
+/* Of the packets that go, those far wider than most. */
+static MLRT_NOINLINE uint32_t find_wide_bundles(const struct mlrt_bundle *bundle)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    MLRT_ALIGNED(64) float widths[MLRT_BUNDLE_PACKETS];
+    vf least = v_set1(INFINITY), greatest = v_set1(0);
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        const vm going = m_from_bits(bundle->going >> v);
+        const vf first = v_max(v_load(hulls->first + v), v_set1(bundle->core_first));
+        const vf last = v_min(v_load(hulls->last + v), v_set1(bundle->core_last));
+        const vf depth = v_max(v_abs(first), v_abs(last));
+        vf width = v_set1(0);
+        for (int i = 0; i < 2; ++i) {
+            width = v_mul_add(v_load(hulls->radius[i] + v), depth, width);
+            if (bundle->has_places) width = v_add(v_load(hulls->radius[MLRT_PLACE_J + i] + v), width);
+        }
+        v_store(widths + v, width);
+        least = v_min(v_select(going, width, v_set1(INFINITY)), least);
+        greatest = v_max(v_select(going, width, v_set1(0)), greatest);
+    }
+    if (MLRT_LIKELY(v_hmax(greatest) <= WIDE_PACKET * v_hmin(least))) return 0;
+    float sorted[MLRT_BUNDLE_PACKETS];
+    uint32_t count = 0, wide = 0;
+    for (uint32_t left = bundle->going; left; left &= left - 1) {
+        const float width = widths[mlrt_lowest_bit(left)];
+        uint32_t at = count++;
+        for (; at > 0 && sorted[at - 1] > width; --at) sorted[at] = sorted[at - 1];
+        sorted[at] = width;
+    }
+    const float limit = WIDE_PACKET * sorted[count / 4];
+    for (uint32_t left = bundle->going; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (!(widths[place] <= limit)) wide |= 1u << place;
+    }
+    return count > 1 ? wide : 0;
+}
+
+/*
+ * Are the rays of a bundle closer together where they end than where they begin? Who looks for any hit goes there first,
+ * since a triangle is likelier to hide all rays where they are close. Rays that are equally close everywhere begin on
+ * surfaces, as a rule, and end in the open.
+ */
+static int ends_closer(const struct mlrt_bundle *bundle)
+{
+    const struct mlrt_hull *whole = &bundle->whole;
+    const float first = whole->first > bundle->core_first ? whole->first : bundle->core_first;
+    const float last = whole->last < bundle->core_last ? whole->last : bundle->core_last;
+    float spread = 0, width = 0;
+    for (int i = 0; i < 2; ++i) {
+        spread += whole->slope_hi[i] - whole->slope_lo[i];
+        width += whole->place_hi[i] - whole->place_lo[i];
+    }
+    return spread * (last - first) < width || fabsf(last) < fabsf(first);
+}
+
+/* Checks the rays of a packet of which some cannot go with a bundle: rule R1, and which rays float can carry. */
+static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packet)
+{
+    const uint32_t lanes = packet->active | packet->single;
+    if (MLRT_LIKELY(unit == 1)) {
+        check_packet(lanes, packet);
+    } else {
+        check_packet_in_units(lanes, unit, packet);
+    }
+}
+
+/* Checks packets that do not go with a bundle; returns those that have rays. */
+static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t places)
+{
+    uint32_t some = 0;
+    for (uint32_t left = places; left; left &= left - 1) {
+        struct mlrt_packet *packet = &bundle->tile->packets[mlrt_lowest_bit(left)];
+        check_odd_packet(bundle->unit, packet);
+        some |= packet->active ? left & (0u - left) : 0;
+    }
+    return some;
+}
+
+/* Has packets that float carries go with the bundle; returns the others that have rays. */
+static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
+{
+    uint32_t odd = 0, others = 0;
+    for (uint32_t left = ~places & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = places; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
+        odd |= (uint32_t)((bundle->tile->packets[place].active & ~fit) != 0) << place;
+    }
+    bundle->going = hulls_fit(bundle, places & ~odd);
+    for (uint32_t left = places & ~bundle->going; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
+        struct mlrt_packet *packet = &bundle->tile->packets[place];
+        check_odd_packet(bundle->unit, packet);
+        const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
+        if (fits && hulls_fit(bundle, bundle->going | bit) & bit) {
+            bundle->going |= bit;
+        } else {
+            leave_bundle(bundle, place);
+            others |= packet->active ? bit : 0;
+        }
+    }
+    bundle->apexes &= bundle->going;
+    for (uint32_t left = bundle->going; left; left &= left - 1) {
+        bundle->has_begins |= bundle->hulls.begin[mlrt_lowest_bit(left)] > 0;
+    }
+    return others;
+}
+
+/* Takes packets that are far wider than the others out of a bundle. Where any hit will do they stay as riders. */
+static void set_wide_packets_aside(const struct mlrt_job *job, struct mlrt_bundle *bundle)
+{
+    for (uint32_t left = find_wide_bundles(bundle); left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (job->any && !bundle->tile->packets[place].has_masks) {
+            leave_bundle(bundle, place);
+            bundle->riding |= left & (0u - left);
+        } else {
+            release_packet(bundle, place);
+            bundle->set_aside |= left & (0u - left);
+        }
+    }
+}
+
+/* Begins a bundle of which nothing is known but its tile. */
+static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+{
+    bundle->cache = &worker->bundle_caches[job->any];
+    bundle->unit = job->tree->bvh.unit;
+    bundle->made = bundle->given_up = bundle->nearer = bundle->covered = 0;
+    bundle->set_aside = bundle->riding = bundle->has_reciprocals = 0;
+    bundle->has_begins = 0;
+    memset(bundle->tests, 0, sizeof bundle->tests);
+}
+
+/* Makes hulls of what is known of packets; nothing covers them so far. */
+static void finish_all_hulls(struct mlrt_bundle *bundle)
+{
+    for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
+        finish_depths(bundle, bundle->going, v);
+        finish_hulls(bundle, v);
+        v_store(bundle->hulls.cover_near + v, v_set1(INFINITY));
+        i_store(bundle->hulls.cover + v, i_set1(MLRT_NONE));
+    }
+}
+
+/*
+ * Makes a bundle of the packets `places` whose rays go along one main axis; returns the others that have rays. What
+ * remains of the bundle is in `going`.
+ */
+static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t places,
+                                          struct mlrt_bundle *bundle)
+{
+    struct ray_sample samples[SAMPLE_LIMIT];
+    const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
+    begin_bundle(job, worker, bundle);
+    bundle->going = bundle->apexes = 0;
+    bundle->has_places = 1;
+    if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
+        return check_odd_packets(bundle, places);
+    }
+    look_at_scene(&job->tree->bvh, bundle);
+    bundle->is_apex = memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
+                      mlrt_are_float_safe(samples[0].origin);
+    const uint32_t others = add_packets(bundle, places);
+    if (!bundle->going) return others;
+    bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
+    finish_all_hulls(bundle);
+    bundle->closed = worker->open_bundles[job->any] ? 0 : bundle->going;
+    if (worker->open_bundles[job->any]) --worker->open_bundles[job->any];
+    for (uint32_t left = bundle->closed; left; left &= left - 1) {
+        if (bundle->tile->packets[mlrt_lowest_bit(left)].has_masks) bundle->closed &= ~(left & (0u - left));
+    }
+    set_wide_packets_aside(job, bundle);
+    sum_up_hulls(bundle);
+    bundle->far_first = job->any && ends_closer(bundle);
+    keep_bundle_waist(&bundle->waist, bundle->cache);
+    return others;
+}
+
+/* Takes a bundle down the hierarchy, and ends its packets but for those that are set aside. */
+static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
+{
+    traverse_bundle(job, worker, bundle);
+    uint32_t rest = bundle->riding;
+    if (mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP) {
+        worker->lane_tiles[job->any] = MLRT_LANE_TILES;
+        rest |= bundle->going;
+    }
+    for (uint32_t left = rest; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left);
+        if (has_rays(bundle, place) || make_rays_of_packet(job, bundle, place)) {
+            bundle->closed &= ~(1u << place);
+            release_packet(bundle, place);
+            bundle->set_aside |= left & (0u - left);
+        }
+    }
+    bundle->set_aside |= bundle->given_up;
+    for (uint32_t left = bundle->going & ~bundle->made; left; left &= left - 1) {
+        if (has_rays(bundle, mlrt_lowest_bit(left))) finish_untouched_packet(bundle, mlrt_lowest_bit(left));
+    }
+}
+
+static void trace_packets_by_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
+                                   uint32_t places)
+{
+    for (; places; places &= places - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(places)];
+        trace_lanes(job, packet->active, packet, worker);
+    }
+}
+
+/*
+ * Traces a bundle of packets, or tiles, whose rays are not made yet, but their slopes are known (camera_cells.h). Those
+ * that remain closed have none afterwards either; `is_open`: all begin with rays.
+ */
+static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
+                                      struct mlrt_bundle *bundle)
+{
+    begin_bundle(job, worker, bundle);
+    bundle->has_places = 0;
+    look_at_scene(&job->tree->bvh, bundle);
+    for (uint32_t left = ~bundle->going & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    finish_all_hulls(bundle);
+    if (job->tree->bvh.node_count == 0) return;
+    for (uint32_t left = is_open ? bundle->going : 0; left; left &= left - 1) {
+        open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
+    }
+    sum_up_hulls(bundle);
+    bundle->far_first = 0;
+    keep_bundle_waist(&bundle->waist, bundle->cache);
+    trace_going_packets(job, worker, bundle);
+    if (bundle->set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->set_aside);
+}
+
+/* Traces packets of a tile that have a main axis in common as a bundle. Returns those that go lane by lane. */
+static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
+                                uint32_t places)
+{
+    const uint32_t others = make_bundle(job, worker, places, bundle);
+    const uint32_t closed = bundle->closed;
+    if (8 * mlrt_count_bits(bundle->going) < mlrt_count_bits(others)) worker->lane_tiles[job->any] = MLRT_LANE_TILES;
+    if (!bundle->going) return others;
+    trace_going_packets(job, worker, bundle);
+    if (closed && !(bundle->closed & bundle->going) && !bundle->covered) {
+        worker->open_bundles[job->any] = MLRT_TILE_RUN;
+    }
+    return others | bundle->set_aside;
+}
+
+/* Traces the rays of packets of a tile that are active or single: those that exist, as their source gives them. */
+static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                       struct mlrt_bundle *bundle, uint32_t places)
+{
+    struct mlrt_ray_tile *tile = bundle->tile;
+    uint32_t alone;
+    bundle->unit = job->tree->bvh.unit;
+    for (uint32_t left = places; left; left &= left - 1) {
+        struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
+        packet->active |= packet->single;
+        packet->single = 0;
+        if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->triangle, MLRT_NONE);
+    }
+    if (job->tree->bvh.node_count == 0) return;
+    if (worker->lane_tiles[job->any] || !(places & (places - 1))) {
+        worker->lane_tiles[job->any] -= worker->lane_tiles[job->any] != 0;
+        alone = check_odd_packets(bundle, places);
+    } else {
+        alone = trace_as_bundle(job, worker, bundle, places);
+    }
+    trace_packets_by_lanes(job, worker, tile, alone);
+}
+
+#endif

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rays that go alone, or lane by lane, through boxes whose unit (bvh/unit.h) is not 1, or whose directions are
+ * unusually large or small: a copy of their packet in units. A direction has a power of two of its own besides, so that
+ * its greatest component is 1 .. 2; so t has one, too. What the filters leave undecided is decided with the rays as
+ * they were given.
+ */
+#ifndef MLRT_TRACE_UNITS_H
+#define MLRT_TRACE_UNITS_H
+
+#include <math.h>
+#include <string.h>
+
+#include "base/counters.h"
+#include "bvh/unit.h"
+#include "exact/ray_interval.h"
+#include "exact/rounding.h"
+#include "hits/close_calls.h"
+#include "hits/undecided.h"
+#include "rays/check_packet.h"
+#include "simd/simd.h"
+
+MLRT_INLINE float power_of_two(uint32_t exponent_bits)
+{
+    const uint32_t bits = exponent_bits << 23;
+    float power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+
+/* Is this the exponent of a float that is normal, and so is its reciprocal? */
+MLRT_INLINE int is_normal_exponent(uint32_t exponent_bits)
+{
+    return exponent_bits - 2 <= 250;
+}
+
+/* Finds the powers of two for rays of a packet; returns the lanes that have them. */
+static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, float unit,
+                            struct mlrt_ray_scales *scales)
+{
+    uint32_t found = 0, unit_bits;
+    memcpy(&unit_bits, &unit, sizeof unit_bits);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf x = v_abs(v_load(packet->direction[0] + v)), y = v_abs(v_load(packet->direction[1] + v));
+        v_store(scales->direction + v, v_max(v_max(x, y), v_abs(v_load(packet->direction[2] + v))));
+    }
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        uint32_t bits;
+        memcpy(&bits, &scales->direction[lane], sizeof bits);
+        const uint32_t exponent = bits >> 23, time = exponent + (unit_bits >> 23) - 127;
+        const int is_normal = is_normal_exponent(exponent) && is_normal_exponent(time);
+        scales->direction[lane] = is_normal ? power_of_two(254 - exponent) : 1;
+        scales->time[lane] = is_normal ? power_of_two(time) : 1;
+        scales->inverse_time[lane] = is_normal ? power_of_two(254 - time) : 1;
+        found |= (uint32_t)is_normal << lane;
+    }
+    return found & lanes;
+}
+
+/* Finds how rays of a packet are brought into units. Returns the lanes that float carries there, exactly. */
+static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, uint32_t lanes, float unit,
+                                              struct mlrt_ray_scales *scales)
+{
+    const vf scale = v_set1(unit), inverse = v_set1(1 / unit), zero = v_set1(0);
+    uint32_t carried = find_powers(packet, lanes, unit, scales);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf t_min = v_mul(v_load(packet->t_min + v), v_load(scales->time + v));
+        vm fits = v_le(t_min, v_set1(MLRT_BVH_FAR));
+        for (int k = 0; k < 3; ++k) {
+            const vf given = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+            const vf origin = v_mul(given, scale), d = v_load(packet->direction[k] + v);
+            fits = m_and(fits, m_and(v_le(v_abs(origin), v_set1(MLRT_SAFE_MAX)), v_eq(v_mul(origin, inverse), given)));
+            const vf size = v_abs(v_mul(d, v_load(scales->direction + v)));
+            fits = m_and(fits, m_or(v_eq(d, zero), v_ge(size, v_set1(MLRT_SAFE_MIN))));
+        }
+        carried &= ~((~m_bits(fits) & ALL_LANES) << v);
+    }
+    return carried;
+}
+
+/* Rule R1 (nearest.h) says which rays of `lanes` can hit something; those that float carries in units remain active. */
+static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, struct mlrt_packet *packet)
+{
+    struct mlrt_ray_scales scales;
+    check_packet(lanes, packet);
+    const uint32_t valid = packet->active | packet->single;
+    packet->active = find_ray_scales(packet, valid, unit, &scales);
+    packet->single = valid & ~packet->active;
+}
+
+/* Brings the nearest hit of a lane into units. */
+static void scale_nearest(struct mlrt_scaled_packet *scaled, uint32_t lane)
+{
+    scaled->rays.triangle[lane] = scaled->given->triangle[lane];
+    scaled->rays.lo[lane] = mlrt_float_down(scaled->given->lo[lane] * (double)scaled->scales.time[lane]);
+    scaled->rays.hi[lane] = mlrt_float_up(scaled->given->hi[lane] * (double)scaled->scales.time[lane]);
+}
+
+/* Brings it back. */
+static void unscale_nearest(const struct mlrt_scaled_packet *scaled, uint32_t lane)
+{
+    struct mlrt_packet *given = scaled->given;
+    given->triangle[lane] = scaled->rays.triangle[lane];
+    given->lo[lane] = mlrt_float_down(scaled->rays.lo[lane] * (double)scaled->scales.inverse_time[lane]);
+    given->hi[lane] = mlrt_float_up(scaled->rays.hi[lane] * (double)scaled->scales.inverse_time[lane]);
+}
+
+/* Copies rays of a packet. Returns those of `lanes` that float carries in units. What underflow may change of t_min and
+ * hi is less than 2^-126, and what they have to spare is nothing beside DISTANCE_FLOOR. */
+static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct mlrt_packet *packet,
+                                           struct mlrt_scaled_packet *scaled)
+{
+    const uint32_t carried = find_ray_scales(packet, lanes, unit, &scaled->scales);
+    struct mlrt_packet *rays = &scaled->rays;
+    *rays = *packet;
+    scaled->given = packet;
+    for (int k = 0; k < 3 && packet->has_apex; ++k) rays->apex[k] = packet->apex[k] * unit;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf time = v_load(scaled->scales.time + v), spare = v_set1(0x1p-126f);
+        for (int k = 0; k < 3; ++k) {
+            v_store(rays->direction[k] + v,
+                    v_mul(v_load(packet->direction[k] + v), v_load(scaled->scales.direction + v)));
+            if (!packet->has_apex) v_store(rays->origin[k] + v, v_mul(v_load(packet->origin[k] + v), v_set1(unit)));
+        }
+        v_store(rays->t_min + v, v_max(v_sub(v_mul(v_load(packet->t_min + v), time), spare), v_set1(0)));
+        v_store(rays->lo + v, v_mul(v_load(packet->lo + v), time));
+        v_store(rays->hi + v, v_add(v_mul(v_load(packet->hi + v), time), spare));
+    }
+    return carried;
+}
+
+/* Takes over what lanes hit nearer than before. Where nothing was, the bounds remain those that were given. */
+static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scaled, uint32_t lanes)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        if (scaled->rays.triangle[lane] != scaled->given->triangle[lane]) unscale_nearest(scaled, lane);
+    }
+}
+
+/* After lanes were decided as they were given. */
+static void hear_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, uint32_t nearer)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        scaled->rays.triangle[lane] = scaled->given->triangle[lane]; /* a tie may have changed it */
+        if (nearer >> lane & 1) scale_nearest(scaled, lane);
+    }
+}
+
+/* As decide_lanes (close_calls.h) and mlrt_decide_triangles (undecided.h), of rays that may be in units. */
+static MLRT_NOINLINE uint32_t decide_scaled_lanes(const struct mlrt_job *job, uint32_t number, uint32_t lanes,
+                                                  uint32_t inside, struct mlrt_packet *packet,
+                                                  struct mlrt_worker *worker)
+{
+    struct mlrt_scaled_packet *scaled = worker->scaled;
+    if (MLRT_LIKELY(!scaled)) return decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
+    take_scaled_hits(scaled, lanes);
+    const uint32_t nearer = decide_lanes(job->tree, number, lanes, inside, scaled->given, worker, COUNTERS(worker));
+    hear_nearest(scaled, lanes, nearer);
+    return nearer;
+}
+
+/* Does a ray as given surely pass by the box of a triangle? Leaves with odd triangles have boxes without bounds. */
+static int passes_box(const struct mlrt_packet *packet, uint32_t lane, const struct mlrt_triangle *triangle)
+{
+    double enter = packet->t_min[lane], exit = packet->hi[lane];
+    for (int k = 0; k < 3; ++k) {
+        const double a = triangle->v[0][k], b = triangle->v[1][k], c = triangle->v[2][k];
+        const double lo = fmin(fmin(a, b), c), hi = fmax(fmax(a, b), c), d = packet->direction[k][lane];
+        const double o = packet->has_apex ? packet->apex[k] : packet->origin[k][lane];
+        if (d == 0) {
+            if (o < lo || o > hi) return 1;
+            continue;
+        }
+        enter = fmax(mlrt_plane_distance(d < 0 ? hi : lo, o, 1 / d).enter, enter);
+        exit = fmin(mlrt_plane_distance(d < 0 ? lo : hi, o, 1 / d).exit, exit);
+    }
+    return enter > exit;
+}
+
+/* As mlrt_decide_triangles. Of odd triangles no filter knows anything, so doubles come first. */
+static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
+                            uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    int changed = 0;
+    for (uint32_t left = mlrt_has_usual_triangles(job->tree) ? 0 : undecided; left; left &= left - 1) {
+        const uint32_t place = mlrt_lowest_bit(left), number = numbers[place];
+        struct mlrt_triangle triangle;
+        if (MLRT_LIKELY(mlrt_triangle_in_units(&job->tree->triangles[number], job->tree->bvh.unit, &triangle)))
+            continue;
+        undecided &= ~(1u << place);
+        if (passes_box(packet, lane, &job->tree->triangles[number])) continue;
+        changed |= decide_lanes(job->tree, number, 1u << lane, 0, packet, worker, COUNTERS(worker)) != 0;
+        if (changed && job->any) return 1;
+    }
+    if (!undecided) return changed;
+    return changed | mlrt_decide_triangles(job, numbers, undecided, inside, lane, packet, worker, COUNTERS(worker));
+}
+
+static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, const uint32_t *numbers,
+                                                 uint32_t undecided, uint32_t inside, uint32_t lane,
+                                                 struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct mlrt_scaled_packet *scaled = worker->scaled;
+    if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, lane, packet, worker);
+    take_scaled_hits(scaled, 1u << lane);
+    const int changed = decide_triangles(job, numbers, undecided, inside, lane, scaled->given, worker);
+    hear_nearest(scaled, 1u << lane, (uint32_t)changed << lane);
+    return changed;
+}
+
+#endif
