@@ -419,7 +419,8 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
     uint32_t may = 0, covered = 0, left_alone = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         if (!((among | bundle->riding) >> v & ALL_LANES)) continue;
-        const uint32_t seeing = among >> v & packets_seeing(bundle, leaf, triangle, v, has_places);
+        /* With places what they are compared with costs about as much as edges do. */
+        const uint32_t seeing = among >> v & (has_places ? ALL_LANES : packets_seeing(bundle, leaf, triangle, v));
         if (!seeing && !(bundle->riding >> v & ALL_LANES)) continue;
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);

@@ -166,9 +166,9 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struc
     return met & among;
 }
 
-/* Of a vector of packets, those whose rays may hit a triangle, likewise. */
+/* Of a vector of packets whose rays begin at the waist, those that may hit a triangle, likewise. */
 MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
-                                    uint32_t triangle, int v, int has_places)
+                                    uint32_t triangle, int v)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     const int is_fan = leaf->fans >> triangle & 1;
@@ -177,10 +177,9 @@ MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const stru
     MLRT_UNROLL
     for (int i = 0; i < 2; ++i) {
         const vf slope[2] = {v_load(hulls->slope[i].lo + v), v_load(hulls->slope[i].hi + v)};
-        const vf place[2] = {v_load(hulls->place[i].lo + v), v_load(hulls->place[i].hi + v)};
         vf ends[2];
-        find_outline_ends(&bundle->waist, i, v_set1(leaf->weight[triangle]), m_from_bits(0), is_fan, slope, place,
-                          has_places, ends);
+        find_outline_ends(&bundle->waist, i, v_set1(leaf->weight[triangle]), m_from_bits(0), is_fan, slope, slope, 0,
+                          ends);
         may = m_and(may, m_and(v_le(v_set1(leaf->outline_lo[i][triangle]), ends[1]),
                                v_ge(v_set1(leaf->outline_hi[i][triangle]), ends[0])));
     }
