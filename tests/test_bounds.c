@@ -21,8 +21,9 @@
 #include <string.h>
 
 #include "rays/camera.c"
+#include "mlrta/view_beam.c"
 #include "scene/clip.c"
-#include "run/trace_ray.c"
+#include "mlrta/ray.c"
 
 #include "simd/scalar.h"
 
@@ -1546,8 +1547,10 @@ static void stacks_hold_what_waits(void **state)
         bundle.hulls.term[side].hi[0] = 0.01f;
     }
     begin_cells(1, &bundle);
-    worker.bundle_caches[0].leaves = leaves;
-    worker.bundle_caches[0].bits = 1;
+    static struct mlrt_bundle_cache caches[2];
+    caches[0].leaves = leaves;
+    caches[0].bits = 1;
+    worker.bundle_caches = caches;
     worker.mask = MLRT_MASK_ALL;
     trace_cells(&job, &worker, 0, &bundle);
     assert_true(bundle.closed == 1 && bundle.going == 1 && bundle.hulls.cover[0] == MLRT_NONE);

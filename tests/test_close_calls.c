@@ -129,7 +129,7 @@ static uint32_t offer(decide_function *decide, struct bench *bench, const struct
         if (!(lanes >> lane & 1)) continue;
         was_none |= (uint32_t)(packet->triangle[lane] == MLRT_NONE) << lane;
         if (is_inside(bench, tree, number, lane)) inside |= 1u << lane;
-        if (mlrt_offer_triangle(tree, &bench->rays[lane], number, &expected[lane], NULL)) hit |= 1u << lane;
+        if (mlrt_offer_triangle(tree->triangles, &bench->rays[lane], number, &expected[lane], NULL)) hit |= 1u << lane;
     }
     if (!lanes) return 0;
     inside &= draw_bits(random);

@@ -13,7 +13,7 @@
 #include "exact/nearest.h"
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
@@ -101,6 +101,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     }
 
     job->tree = tree;
+    job->trace_segment = mlrt_trace_segment;
     job->any = options->query == MLRT_QUERY_ANY;
     job->method = resolve_method(options->method, tree);
     if (job->method == MLRT_METHOD_DEFAULT) return MLRT_ERROR_UNSUPPORTED;
@@ -291,9 +292,8 @@ static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlr
     const uint32_t mask = job.source.common_mask;
     mlrt_counters own = {.struct_size = 0};
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (job.method == MLRT_METHOD_TILE && job.kernels->trace_ray) {
-        job.kernels->trace_ray(tree, ray, job.any, mask, skip, hit);
-    } else {
+    if (job.method != MLRT_METHOD_TILE || !job.kernels->trace_ray ||
+        !job.kernels->trace_ray(tree, ray, job.any, mask, skip, hit)) {
         trace_by_ray(tree, ray, job.any, mask, skip, options->counters ? &own : NULL, hit);
     }
     mlrt_leave_fp_environment(environment);
@@ -327,9 +327,8 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
     }
     const struct mlrt_kernels *kernels = mlrt_widest_kernels();
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (tree->structures & MLRT_STRUCTURE_BVH && kernels->trace_ray) {
-        kernels->trace_ray(tree, ray, any, mask, skip, hit);
-    } else {
+    if (!(tree->structures & MLRT_STRUCTURE_BVH) || !kernels->trace_ray ||
+        !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
         trace_by_ray(tree, ray, any, mask, skip, NULL, hit);
     }
     mlrt_leave_fp_environment(environment);

@@ -32,6 +32,7 @@ struct mlrt_beam {
 #define MLRT_SLOPE_SLACK 0x1p-20
 
 struct mlrt_source;
+struct mlrt_view;
 
 /* The beam of a tile of a source; 0 if its rays differ in sign, are not float-safe, or are all invalid. */
 int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
@@ -39,5 +40,9 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
 
 /* Bounds lo <= d_j / d_a <= hi into a beam. NaNs become no bound. */
 void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi);
+
+/* The beam of a tile, or 0 if its rays differ in sign or are beyond what beams can hold. */
+int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                        struct mlrt_beam *beam);
 
 #endif

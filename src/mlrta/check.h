@@ -19,9 +19,6 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 /* Sets float_safe, from planes and bounds. */
 void mlrt_find_float_safety(struct mlrt_tree *tree);
 
-/* 1 if no leaf may name the triangle. The counts of those left out, in tree->info, must be right. */
-int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
-
 /*
  * NULL if nodes and references are such that any ray may go through them, or else what is wrong: all invariants but I3,
  * and leaves in depth-first order that name no triangle that was left out. Nothing is trusted but the length of the

@@ -53,4 +53,10 @@ struct mlrt_tree {
     mlrt_tree_info info;
 };
 
+/* Can float carry the bounds? */
+int mlrt_has_safe_bounds(const struct mlrt_tree *tree);
+
+/* 1 if no leaf may name the triangle. The counts of those left out, in tree->info, must be right. */
+int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
+
 #endif
