@@ -32,14 +32,14 @@ struct mlrt_demand {
 
 /*
  * Returns count * size bytes, aligned to 64. NULL if the product overflows, the limit would be exceeded, or there is
- * no memory. With count = 0 the result is a block too, not NULL.
+ * no memory. With count = 0 the result is a block too.
  */
 void *mlrt_allocate(struct mlrt_memory *memory, size_t count, size_t size);
 
 /* As mlrt_allocate, with all bytes 0. */
 void *mlrt_allocate_zeroed(struct mlrt_memory *memory, size_t count, size_t size);
 
-/* Frees a block of mlrt_allocate or mlrt_resize; `count` and `size` are those it was allocated with. NULL is allowed. */
+/* Frees a block (or NULL); `count` and `size` are those that mlrt_allocate or mlrt_resize was given. */
 void mlrt_free(struct mlrt_memory *memory, void *block, size_t count, size_t size);
 
 /*
