@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Statistics of a hierarchy of boxes and its invariants: see check.h. The check walks it without recursion: one
- * that is wrong may not end.
+ * Statistics and invariants of a hierarchy of boxes: see check.h. mlrt_check_boxes walks the hierarchy without
+ * recursion, because one that is wrong may have no end.
  */
 #include "bvh/check.h"
 
@@ -16,12 +16,13 @@
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */
 
-/* FNV-1a, as in mlrta/check.c, by words instead of bytes: there are more of them here. */
+/* FNV-1a, as in mlrta/check.c, but by words instead of bytes, because there are more of them. */
 #define HASH_START  0xCBF29CE484222325u
 #define HASH_FACTOR 0x100000001B3u
 
-/* Between two looks at whether the call goes on. */
+/* Nodes, and words of numbers, between two calls of mlrt_is_cancelled. */
 #define NODE_ROUNDS 1024
+#define WORD_ROUNDS 65536
 
 static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
 {
@@ -34,9 +35,7 @@ static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
     return hash;
 }
 
-#define WORD_ROUNDS 65536
-
-/* Corners follow from numbers. */
+/* Boxes, children and numbers. Corners are not hashed: they follow from the numbers. */
 static uint64_t hash_bvh(const struct mlrt_bvh *bvh, struct mlrt_progress *progress)
 {
     const size_t word_count = 4 * (size_t)bvh->quad_count;
@@ -71,7 +70,7 @@ static double half_area(const float lo[3], const float hi[3])
     return x * y + y * z + z * x;
 }
 
-/* In units, where boxes end as far out as they have bounds. */
+/* Half the surface area of a box in units. A bound beyond MLRT_BVH_FAR counts as 2 * MLRT_BVH_FAR. */
 static double half_area_of_box(const float lo[3], const float hi[3])
 {
     float finite_lo[3], finite_hi[3];
@@ -90,7 +89,7 @@ static double slot_area(const struct mlrt_bvh_node *node, int slot)
 }
 
 struct totals {
-    double cost; /* times area, without the root's */
+    double cost; /* sum of cost times area, without the root */
     uint64_t leaf_count;
     uint64_t reference_count;
     uint64_t node_count;
@@ -152,7 +151,7 @@ static int holds_nothing(const float *corners, uint32_t row)
     return 1;
 }
 
-/* Whether a place holds the very bits of the triangle in units. `row` is how many places the leaf has. */
+/* 1 if a place has the corners of the triangle in units, bit for bit. `row` is the number of places of the leaf. */
 static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle, float unit)
 {
     struct mlrt_triangle in_units;
@@ -192,15 +191,15 @@ static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
     return NULL;
 }
 
-/* Kernels number the slots of all nodes. */
+/* Kernels number the slots of all nodes in 32 bits. */
 #define NODE_LIMIT (UINT32_MAX / MLRT_BVH_WIDTH)
 
-/* Where a walk is: what must come next. */
+/* The state of a walk in depth-first order. */
 struct walk {
-    uint32_t node[MLRT_BVH_DEPTH_LIMIT + 1]; /* the path */
-    int slot[MLRT_BVH_DEPTH_LIMIT + 1];
+    uint32_t node[MLRT_BVH_DEPTH_LIMIT + 1]; /* the path from the root */
+    int slot[MLRT_BVH_DEPTH_LIMIT + 1];      /* the next slot to visit, for each node of the path */
     uint32_t depth;
-    uint32_t next_node;
+    uint32_t next_node; /* the node and the quad that depth-first order has next */
     uint32_t next_quad;
 };
 
@@ -213,7 +212,7 @@ static const char *check_empty_slots(const struct mlrt_bvh_node *node, int first
     return first == 0 ? "B2: a node has no children" : NULL;
 }
 
-/* Not so where a bound is a NaN. */
+/* 1 if the slot's box is a box, within the bounds; 0 if a bound is a NaN. */
 static int is_box_within(const struct mlrt_bvh_node *node, int slot, const struct mlrt_box *bounds)
 {
     for (int k = 0; k < 3; k++) {
@@ -272,7 +271,10 @@ static int leaf_holds(const struct mlrt_bvh *bvh, uint32_t child, uint32_t trian
     return 0;
 }
 
-/* Whether a leaf holds the triangle whose box, with those above it, contains the point. At most 33 calls deep. */
+/*
+ * 1 if a leaf below the node holds the triangle, and its box and the boxes above it contain the point. At most 33 calls
+ * deep.
+ */
 static int is_found_at(const struct mlrt_bvh *bvh, uint32_t number, uint32_t triangle, const double point[3])
 {
     const struct mlrt_bvh_node *node = &bvh->nodes[number];

@@ -2,8 +2,8 @@
 /*
  * Cuts a set of references by a plane: see spatial.h.
  *
- * What slabs hold is estimated, in float; it only decides what is done. References are then cut by clip.c, whose boxes
- * hold every point of the triangle.
+ * The bounds of the parts in slabs are estimates in float: they only choose the plane. References are then cut by
+ * scene/clip.c, whose boxes hold every point of the triangle.
  */
 #include "bvh/spatial.h"
 
@@ -21,7 +21,7 @@
 
 struct slabs {
     MLRT_ALIGNED(16) float start[4];
-    MLRT_ALIGNED(16) float scale[4]; /* slabs per length; 0 = all is in slab 0 */
+    MLRT_ALIGNED(16) float scale[4]; /* slabs per unit of length; 0 = all is in slab 0 */
     float width[3];
 };
 
@@ -39,12 +39,13 @@ static struct slabs cut_slabs(const struct mlrt_quad_box *box)
     return slabs;
 }
 
+/* The slab of coordinate x. */
 MLRT_INLINE uint32_t slab_of(const struct slabs *slabs, uint32_t axis, float x)
 {
     return (uint32_t)(int32_t)((x - slabs->start[axis]) * slabs->scale[axis]);
 }
 
-/* Where slab number `slab` starts, about. */
+/* The coordinate at which a slab starts, approximately. */
 MLRT_INLINE float slab_start(const struct slabs *slabs, uint32_t axis, uint32_t slab)
 {
     return slabs->start[axis] + (float)slab * slabs->width[axis];
@@ -58,11 +59,11 @@ MLRT_INLINE f4 load_vertex(const float vertex[3])
     return f4_load(place);
 }
 
-/* A triangle along an axis: its vertices by their heights, and how far its edges move per unit of height. */
+/* A triangle with its vertices in the order of their heights (coordinates along an axis), and its edges' slopes. */
 struct stretched {
     f4 low, middle;
     float low_height, middle_height, high_height;
-    f4 whole_slope, lower_slope, upper_slope; /* of the edges low - high, low - middle, middle - high */
+    f4 whole_slope, lower_slope, upper_slope; /* of the edges low - high, low - middle, middle - high, per height */
 };
 
 MLRT_INLINE f4 slope_of(f4 from, f4 to, float height)
@@ -85,7 +86,7 @@ static struct stretched stretch(const struct mlrt_triangle *triangle, uint32_t a
     return result;
 }
 
-/* The box of what a plane shares with the triangle. */
+/* The box of the segment in which a plane, at that height, cuts the triangle. */
 MLRT_INLINE struct growing_box cross_section(const struct stretched *triangle, float height)
 {
     f4 above_low = f4_set1(height - triangle->low_height), above_middle = f4_set1(height - triangle->middle_height);
@@ -95,8 +96,10 @@ MLRT_INLINE struct growing_box cross_section(const struct stretched *triangle, f
     return (struct growing_box){f4_min(a, b), f4_max(a, b)};
 }
 
-/* Adds a reference to slabs first, ..., last: what is between two planes is bounded by what is in them, and by
- * vertices. */
+/*
+ * Adds a reference to slabs first .. last along an axis. The part between two planes is bounded by its two segments in
+ * the planes, and by the middle vertex if it lies between them.
+ */
 static void fill_axis(const struct mlrt_triangle *triangle, const struct mlrt_quad_box *reference,
                       const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
                       struct mlrt_spatial_bins *bins)
@@ -205,11 +208,11 @@ void mlrt_choose_spatial_split(const struct mlrt_bvh_costs *costs, const struct 
 
 /* ---- dealing out ----------------------------------------------------------------------------------------------- */
 
-/* A set that is being dealt out: what the sides have so far, and what they are expected to have in the end. */
+/* A set whose references are being dealt out to two sides. */
 struct dealing {
-    struct growing_set side[2];
+    struct growing_set side[2]; /* the references dealt so far */
     uint32_t dealt_count[2];
-    uint32_t count[2];
+    uint32_t count[2]; /* how many references, in which box, each side is expected to have in the end */
     struct mlrt_quad_box box[2];
 };
 
@@ -227,7 +230,7 @@ static double joined_area(const struct mlrt_quad_box *box, const struct mlrt_qua
     return area_of(&joined);
 }
 
-/* 0 or 1: a reference on both sides had better be on that one as a whole. 2: on both. ("Reference unsplitting") */
+/* The cheapest place of a reference that lies on both sides: 0 or 1 = whole on that side ("unsplitting"), 2 = cut. */
 static int choose_side(const struct dealing *dealing, const struct mlrt_quad_box *reference)
 {
     double area[2] = {area_of(&dealing->box[0]), area_of(&dealing->box[1])};
@@ -260,8 +263,10 @@ static void set_part(const struct mlrt_box *part, struct mlrt_quad_box *referenc
     }
 }
 
-/* Cuts a reference. Returns which of the two parts there are, as bits; there is always one. Of an odd triangle only the
- * box is cut. */
+/*
+ * Cuts a reference by a plane. Returns a bit for each part that exists, at least one. For an odd triangle, which has no
+ * corners in units, the box is cut instead.
+ */
 static int cut_reference(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *reference,
                          uint32_t axis, float position, struct mlrt_quad_box parts[2])
 {
@@ -284,12 +289,13 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
     return touched != 0 ? touched : 1;
 }
 
-/* References that are cut between two looks at whether the call goes on: a millisecond or two. */
+/* References that are cut between two calls of mlrt_is_cancelled: a millisecond or two. */
 #define CUT_ROUNDS 4096
 
 /*
- * First, lower ones change places with upper ones, so that those on both sides lie between them. Then these are dealt
- * out in turn: lower parts right behind the lower ones, upper parts behind everything.
+ * The first loop orders the references: those of the lower side, those on both sides, those of the upper side. The
+ * second loop deals out those on both sides: parts of the lower side go right behind the lower ones, parts of the upper
+ * side behind all references.
  */
 void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
                               const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,

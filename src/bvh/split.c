@@ -34,7 +34,7 @@ float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
     return costs->leaf + costs->quad * (float)((count + 3) / 4) + costs->triangle * (float)count;
 }
 
-/* ---- few references: every place between two of them ---------------------------------------------------------- */
+/* ---- few references: all places between two of them ----------------------------------------------------------- */
 
 static void sort_by_centre(const float centre[MLRT_SWEEP_LIMIT][4], uint32_t axis, uint32_t count, uint8_t *order)
 {
@@ -103,7 +103,7 @@ struct binning {
     MLRT_ALIGNED(16) float scale[4];
 };
 
-/* A scale that is 0 puts all into bin 0: where the centres are one, or so near each other that it would overflow. */
+/* If all centres along an axis are equal, or so close that the scale would overflow, it is 0: all are in bin 0. */
 static struct binning cut_bins(const struct mlrt_quad_box *centres)
 {
     struct binning binning;
@@ -183,7 +183,7 @@ static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     }
 }
 
-/* The box of what is in bins first, ..., last of the axis. */
+/* The box of the references in bins first .. last along the axis. */
 static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last,
                       struct mlrt_quad_box *joined)
 {
@@ -203,7 +203,7 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     join_bins(bins, split->axis, split->bin + 1, MLRT_BVH_BINS - 1, &split->box[1]);
 }
 
-/* Where the lower side ends is known: references change places across it, from both ends. */
+/* Partitions the references in place: one of the upper side changes places with the last that is not yet tested. */
 static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                        const struct mlrt_bvh_split *split, struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
