@@ -47,7 +47,7 @@ struct growing_box {
     f4 hi;
 };
 
-MLRT_INLINE struct growing_box nothing(void)
+MLRT_INLINE struct growing_box empty_box(void)
 {
     return (struct growing_box){f4_set1(INFINITY), f4_set1(-INFINITY)};
 }
@@ -58,10 +58,10 @@ MLRT_INLINE void grow(struct growing_box *box, f4 lo, f4 hi)
     box->hi = f4_max(box->hi, hi);
 }
 
-MLRT_INLINE void keep(const struct growing_box *box, struct mlrt_quad_box *kept)
+MLRT_INLINE void store_box(const struct growing_box *box, struct mlrt_quad_box *stored)
 {
-    f4_store(kept->lo, box->lo);
-    f4_store(kept->hi, box->hi);
+    f4_store(stored->lo, box->lo);
+    f4_store(stored->hi, box->hi);
 }
 
 /* The boxes of a set while references are added to it. */
@@ -70,9 +70,9 @@ struct growing_set {
     struct growing_box centres;
 };
 
-MLRT_INLINE struct growing_set no_references(void)
+MLRT_INLINE struct growing_set empty_set(void)
 {
-    return (struct growing_set){nothing(), nothing()};
+    return (struct growing_set){empty_box(), empty_box()};
 }
 
 MLRT_INLINE void add_reference(struct growing_set *set, f4 lo, f4 hi)
@@ -85,8 +85,8 @@ MLRT_INLINE void add_reference(struct growing_set *set, f4 lo, f4 hi)
 MLRT_INLINE struct mlrt_bvh_set finish_set(const struct growing_set *growing, uint32_t first, uint32_t count)
 {
     struct mlrt_bvh_set set;
-    keep(&growing->box, &set.box);
-    keep(&growing->centres, &set.centres);
+    store_box(&growing->box, &set.box);
+    store_box(&growing->centres, &set.centres);
     set.first = first;
     set.count = count;
     return set;

@@ -160,8 +160,8 @@ struct build {
     uint32_t task_size; /* sets of at most so many references are tasks */
     uint32_t chunk_count;
     uint32_t depth_limit;
-    double scene_area;              /* area of the core of the scene; a few boxes may be larger */
-    const struct portion *together; /* the portion whose bins all workers fill; NULL = none */
+    double scene_area;                    /* area of the core of the scene; a few boxes may be larger */
+    const struct portion *shared_portion; /* the portion whose bins all workers fill; NULL = none */
     struct mlrt_progress *progress;
     double cut_work; /* work per reference of a set that is cut */
 };
@@ -207,7 +207,7 @@ static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_tri
 }
 
 /* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
-static MLRT_NOINLINE void refer_to_chunk(struct build *build, uint32_t number)
+static MLRT_NOINLINE void make_chunk_references(struct build *build, uint32_t number)
 {
     struct chunk *chunk = &build->chunks[number];
     uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
@@ -242,7 +242,7 @@ static int32_t run_chunk(void *work, uint32_t item, uint32_t worker)
     struct build *build = work;
     (void)worker;
     const uint64_t environment = mlrt_enter_fp_environment();
-    refer_to_chunk(build, item);
+    make_chunk_references(build, item);
     mlrt_leave_fp_environment(environment);
     return mlrt_advance(build->progress, CHUNK_SIZE * FIRST_WORK);
 }
@@ -256,7 +256,7 @@ static void extend_bounds(const struct mlrt_box *bounds, struct mlrt_box *all)
 }
 
 /* Makes the references of all triangles, without gaps, and sets the bounds and the counts of triangles left out. */
-static int32_t refer_to_all(struct build *build)
+static int32_t make_references(struct build *build)
 {
     struct mlrt_box bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     mlrt_tree_info *info = &build->tree->info;
@@ -336,7 +336,7 @@ struct choice {
 };
 
 /* How many references chunk number `chunk` of the portion has. */
-static uint32_t chunk_end(const struct portion *portion, uint32_t chunk)
+static uint32_t count_in_chunk(const struct portion *portion, uint32_t chunk)
 {
     uint32_t left = portion->set.count - chunk * CHUNK_SIZE;
     return left < CHUNK_SIZE ? left : CHUNK_SIZE;
@@ -345,9 +345,9 @@ static uint32_t chunk_end(const struct portion *portion, uint32_t chunk)
 static int32_t fill_bins_item(void *work, uint32_t item, uint32_t worker)
 {
     struct build *build = work;
-    const struct portion *portion = build->together;
+    const struct portion *portion = build->shared_portion;
     const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_fill_bins(build->references, portion->set.first + item * CHUNK_SIZE, chunk_end(portion, item),
+    mlrt_fill_bins(build->references, portion->set.first + item * CHUNK_SIZE, count_in_chunk(portion, item),
                    &portion->set.centres, &build->shares[worker].bins);
     mlrt_leave_fp_environment(environment);
     return mlrt_is_cancelled(build->progress);
@@ -356,10 +356,10 @@ static int32_t fill_bins_item(void *work, uint32_t item, uint32_t worker)
 static int32_t fill_slabs_item(void *work, uint32_t item, uint32_t worker)
 {
     struct build *build = work;
-    const struct portion *portion = build->together;
+    const struct portion *portion = build->shared_portion;
     const uint64_t environment = mlrt_enter_fp_environment();
     mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
-                           portion->set.first + item * CHUNK_SIZE, chunk_end(portion, item), &portion->set.box,
+                           portion->set.first + item * CHUNK_SIZE, count_in_chunk(portion, item), &portion->set.box,
                            &build->shares[worker].slabs);
     mlrt_leave_fp_environment(environment);
     return mlrt_is_cancelled(build->progress);
@@ -371,7 +371,7 @@ static uint32_t chunks_of(uint32_t count)
 }
 
 /* 1 if `count` references have chunk number `chunk` and the call is not cancelled. For chunk 0 that is not asked. */
-static int goes_on(const struct build *build, uint32_t count, uint32_t chunk)
+static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chunk)
 {
     return chunk < chunks_of(count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
 }
@@ -380,9 +380,10 @@ static void fill_bins(struct build *build, const struct portion *portion, struct
 {
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_bins(bins);
-    if (build->together != portion) {
-        for (uint32_t i = 0; goes_on(build, set->count, i); i++)
-            mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, chunk_end(portion, i), &set->centres, bins);
+    if (build->shared_portion != portion) {
+        for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
+            mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->centres,
+                           bins);
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -395,10 +396,10 @@ static void fill_slabs(struct build *build, const struct portion *portion, struc
 {
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_spatial_bins(slabs);
-    if (build->together != portion) {
-        for (uint32_t i = 0; goes_on(build, set->count, i); i++)
+    if (build->shared_portion != portion) {
+        for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
             mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
-                                   set->first + i * CHUNK_SIZE, chunk_end(portion, i), &set->box, slabs);
+                                   set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->box, slabs);
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -408,8 +409,7 @@ static void fill_slabs(struct build *build, const struct portion *portion, struc
 }
 
 /* Sets *split to the cheapest split by centres within the portion's limits. */
-static MLRT_NOINLINE void look_for_split(struct build *build, const struct portion *portion,
-                                         struct mlrt_bvh_split *split)
+static MLRT_NOINLINE void find_split(struct build *build, const struct portion *portion, struct mlrt_bvh_split *split)
 {
     if (portion->set.count <= MLRT_SWEEP_LIMIT) {
         mlrt_sweep_set(&build->costs, build->references, &portion->set, split);
@@ -423,8 +423,8 @@ static MLRT_NOINLINE void look_for_split(struct build *build, const struct porti
 }
 
 /* Sets *plane to the cheapest spatial split within the portion's limits. */
-static MLRT_NOINLINE void look_for_plane(struct build *build, const struct portion *portion,
-                                         struct mlrt_spatial_split *plane)
+static MLRT_NOINLINE void find_plane(struct build *build, const struct portion *portion,
+                                     struct mlrt_spatial_split *plane)
 {
     struct mlrt_spatial_bins slabs;
     fill_slabs(build, portion, &slabs);
@@ -455,12 +455,12 @@ static int may_be_cut(const struct mlrt_quad_box *box)
 
 static void choose(struct build *build, const struct portion *portion, struct choice *choice)
 {
-    look_for_split(build, portion, &choice->split);
+    find_split(build, portion, &choice->split);
     choice->spatial = 0;
     if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
     if (!may_be_cut(&portion->set.box)) return;
     if (choice->split.cost < HUGE_VAL && !choice->split.sorted && !overlaps(build, &choice->split)) return;
-    look_for_plane(build, portion, &choice->plane);
+    find_plane(build, portion, &choice->plane);
     choice->spatial = choice->plane.cost < PLANE_GAIN * choice->split.cost;
 }
 
@@ -484,7 +484,7 @@ static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32
     const uint32_t count = distance < set->count ? distance : set->count;
     const uint32_t from = first > set->first ? set->first : set->first + set->count - count;
     const uint32_t to = first > set->first ? first + set->count - count : first;
-    for (uint32_t chunk = 0; goes_on(build, count, chunk); chunk++) {
+    for (uint32_t chunk = 0; is_chunk_due(build, count, chunk); chunk++) {
         const uint32_t begin = chunk * CHUNK_SIZE, left = count - begin;
         memcpy(build->references + to + begin, build->references + from + begin,
                (left < CHUNK_SIZE ? left : CHUNK_SIZE) * sizeof *build->references);
@@ -583,7 +583,7 @@ static void find_tasks(struct build *build, const struct portion *portion)
         build->tasks[build->task_count++].portion = *portion;
         return;
     }
-    build->together = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
+    build->shared_portion = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
     if (!cut(build, portion, start_node(build, portion), sides)) return;
     for (int side = 0; side < 2; side++) find_tasks(build, &sides[side]);
 }
@@ -807,7 +807,7 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
     build->task_count = 0;
     build->depth_limit = depth_limit;
     find_tasks(build, &root);
-    build->together = NULL;
+    build->shared_portion = NULL;
     if (!mlrt_is_cancelled(build->progress)) mlrt_run_items(build->pool, build->task_count, build_task, build);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
@@ -822,11 +822,11 @@ static int32_t build_hierarchy(struct build *build)
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
     memset(&tree->bounds, 0, sizeof tree->bounds);
     mlrt_set_bvh_unit(tree);
-    int32_t status = refer_to_all(build);
+    int32_t status = make_references(build);
     if (status != MLRT_OK || build->reference_count == 0) return status;
     status = build_binary(build, BINARY_DEPTH, &size);
     if (status == MLRT_OK && size.depth > MLRT_BVH_DEPTH_LIMIT) {
-        status = refer_to_all(build); // the first attempt has cut references
+        status = make_references(build); // the first attempt has cut references
         if (status == MLRT_OK) status = build_binary(build, MLRT_BVH_DEPTH_LIMIT, &size);
     }
     release_references(build);

@@ -97,8 +97,8 @@ struct totals {
     struct mlrt_progress *progress;
 };
 
-static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, const struct mlrt_bvh_costs *costs,
-                   struct totals *totals)
+static void add_subtree(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, const struct mlrt_bvh_costs *costs,
+                        struct totals *totals)
 {
     const struct mlrt_bvh_node *node = &bvh->nodes[number];
     if (depth > totals->depth) totals->depth = depth;
@@ -111,17 +111,17 @@ static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, 
             totals->reference_count += count;
         } else {
             totals->cost += slot_area(node, i) * costs->node;
-            add_up(bvh, mlrt_bvh_offset(node->child[i]), depth + 1, costs, totals);
+            add_subtree(bvh, mlrt_bvh_offset(node->child[i]), depth + 1, costs, totals);
         }
     }
 }
 
-static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
+static void set_info(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
     struct totals totals = {0, 0, 0, 0, 0, progress};
     double area = half_area_of_box(tree->bvh.whole.lo, tree->bvh.whole.hi);
-    if (tree->bvh.node_count > 0) add_up(&tree->bvh, 0, 1, costs, &totals);
+    if (tree->bvh.node_count > 0) add_subtree(&tree->bvh, 0, 1, costs, &totals);
     info->depth = totals.depth;
     info->node_count = tree->bvh.node_count;
     info->leaf_count = totals.leaf_count;
@@ -139,12 +139,12 @@ void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs
 {
     if (tree->nodes != NULL) return;
     tree->float_safe = mlrt_has_safe_bounds(tree);
-    report(tree, costs, progress);
+    set_info(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
 
-static int holds_nothing(const float *corners, uint32_t row)
+static int has_no_corners(const float *corners, uint32_t row)
 {
     for (uint32_t i = 0; i < 9; i++)
         if (corners[i * row] == corners[i * row]) return 0;
@@ -152,11 +152,11 @@ static int holds_nothing(const float *corners, uint32_t row)
 }
 
 /* 1 if a place has the corners of the triangle in units, bit for bit. `row` is the number of places of the leaf. */
-static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle, float unit)
+static int has_corners_of(const float *corners, uint32_t row, const struct mlrt_triangle *triangle, float unit)
 {
     struct mlrt_triangle in_units;
     uint32_t difference = 0, expected[9];
-    if (!mlrt_triangle_in_units(triangle, unit, &in_units)) return holds_nothing(corners, row);
+    if (!mlrt_triangle_in_units(triangle, unit, &in_units)) return has_no_corners(corners, row);
     memcpy(expected, &in_units, sizeof expected);
     for (uint32_t i = 0; i < 9; i++) {
         uint32_t bits;
@@ -181,11 +181,11 @@ static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
     for (uint32_t place = 0; place < place_count; place++) {
         if (place >= count) {
             if (numbers[place] != MLRT_NONE) return "B5: a triangle behind an empty place";
-            if (!holds_nothing(corners + place, place_count)) return "B5: an empty place has corners";
+            if (!has_no_corners(corners + place, place_count)) return "B5: an empty place has corners";
             continue;
         }
         if (mlrt_is_left_out(tree, numbers[place])) return "a leaf holds a triangle that was to be left out";
-        if (!holds_corners(corners + place, place_count, &tree->triangles[numbers[place]], tree->bvh.unit))
+        if (!has_corners_of(corners + place, place_count, &tree->triangles[numbers[place]], tree->bvh.unit))
             return "B5: corners are not those of the triangle";
     }
     return NULL;

@@ -60,7 +60,7 @@ MLRT_INLINE f4 load_vertex(const float vertex[3])
 }
 
 /* A triangle with its vertices in the order of their heights (coordinates along an axis), and its edges' slopes. */
-struct stretched {
+struct sorted_triangle {
     f4 low, middle;
     float low_height, middle_height, high_height;
     f4 whole_slope, lower_slope, upper_slope; /* of the edges low - high, low - middle, middle - high, per height */
@@ -71,14 +71,14 @@ MLRT_INLINE f4 slope_of(f4 from, f4 to, float height)
     return height > 0 ? f4_mul(f4_sub(to, from), f4_set1(1 / height)) : f4_set1(0);
 }
 
-static struct stretched stretch(const struct mlrt_triangle *triangle, uint32_t axis)
+static struct sorted_triangle sort_vertices(const struct mlrt_triangle *triangle, uint32_t axis)
 {
     const float *low = triangle->v[0], *middle = triangle->v[1], *high = triangle->v[2], *swap;
     if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
     if (high[axis] < middle[axis]) swap = middle, middle = high, high = swap;
     if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
-    struct stretched result = {load_vertex(low), load_vertex(middle), low[axis],  middle[axis],
-                               high[axis],       f4_set1(0),          f4_set1(0), f4_set1(0)};
+    struct sorted_triangle result = {load_vertex(low), load_vertex(middle), low[axis],  middle[axis],
+                                     high[axis],       f4_set1(0),          f4_set1(0), f4_set1(0)};
     f4 top = load_vertex(high);
     result.whole_slope = slope_of(result.low, top, high[axis] - low[axis]);
     result.lower_slope = slope_of(result.low, result.middle, middle[axis] - low[axis]);
@@ -87,7 +87,7 @@ static struct stretched stretch(const struct mlrt_triangle *triangle, uint32_t a
 }
 
 /* The box of the segment in which a plane, at that height, cuts the triangle. */
-MLRT_INLINE struct growing_box cross_section(const struct stretched *triangle, float height)
+MLRT_INLINE struct growing_box cross_section(const struct sorted_triangle *triangle, float height)
 {
     f4 above_low = f4_set1(height - triangle->low_height), above_middle = f4_set1(height - triangle->middle_height);
     f4 a = f4_add(triangle->low, f4_mul(triangle->whole_slope, above_low));
@@ -104,18 +104,18 @@ static void fill_axis(const struct mlrt_triangle *triangle, const struct mlrt_qu
                       const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
                       struct mlrt_spatial_bins *bins)
 {
-    struct stretched stretched = stretch(triangle, axis);
+    struct sorted_triangle sorted = sort_vertices(triangle, axis);
     f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
     float height = reference->lo[axis], end = reference->hi[axis];
-    if (height < stretched.low_height) height = stretched.low_height;
-    if (end > stretched.high_height) end = stretched.high_height;
-    struct growing_box below = cross_section(&stretched, height);
+    if (height < sorted.low_height) height = sorted.low_height;
+    if (end > sorted.high_height) end = sorted.high_height;
+    struct growing_box below = cross_section(&sorted, height);
     for (uint32_t slab = first; slab <= last; slab++) {
         float next_height = slab < last ? slab_start(slabs, axis, slab + 1) : end;
-        struct growing_box above = cross_section(&stretched, next_height), box = below;
+        struct growing_box above = cross_section(&sorted, next_height), box = below;
         grow(&box, above.lo, above.hi);
-        if (height <= stretched.middle_height && stretched.middle_height <= next_height)
-            grow(&box, stretched.middle, stretched.middle);
+        if (height <= sorted.middle_height && sorted.middle_height <= next_height)
+            grow(&box, sorted.middle, sorted.middle);
         extend_box(&bins->box[axis][slab], f4_max(box.lo, lo), f4_min(box.hi, hi));
         below = above;
         height = next_height;
@@ -172,20 +172,20 @@ static void choose_on_axis(const struct mlrt_bvh_costs *costs, const struct mlrt
                            uint32_t spare, uint32_t axis, struct mlrt_spatial_split *split)
 {
     struct mlrt_quad_box upper[MLRT_SPATIAL_BINS], lower;
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     uint32_t lower_count = 0, upper_count = count;
     for (uint32_t slab = MLRT_SPATIAL_BINS - 1; slab > 0; slab--) {
         grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
-        keep(&box, &upper[slab]);
+        store_box(&box, &upper[slab]);
     }
-    box = nothing();
+    box = empty_box();
     for (uint32_t slab = 0; slab < MLRT_SPATIAL_BINS - 1; slab++) {
         lower_count += bins->first_count[axis][slab];
         upper_count -= bins->last_count[axis][slab];
         grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
         if (lower_count == 0 || lower_count == count || upper_count == 0 || upper_count == count) continue;
         if (lower_count + upper_count - count > spare) continue;
-        keep(&box, &lower);
+        store_box(&box, &lower);
         double cost =
             area_of(&lower) * set_cost(costs, lower_count) + area_of(&upper[slab + 1]) * set_cost(costs, upper_count);
         if (!(cost < split->cost)) continue;
@@ -303,7 +303,7 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
 {
     struct slabs slabs = cut_slabs(&set->box);
     struct dealing dealing = {
-        {no_references(), no_references()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
+        {empty_set(), empty_set()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
     uint32_t axis = split->axis, lower = set->first, next = lower, upper = lower + set->count, end = upper;
     while (next < upper) {
         if (mlrt_is_cancelled_in_round(progress, upper - next)) break;

@@ -21,7 +21,7 @@ double mlrt_quad_box_area(const struct mlrt_quad_box *box)
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                                      struct mlrt_progress *progress)
 {
-    struct growing_set set = no_references();
+    struct growing_set set = empty_set();
     for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
         add_reference(&set, f4_load(references[first + i].lo), f4_load(references[first + i].hi));
     return finish_set(&set, first, count);
@@ -50,17 +50,17 @@ static void sweep_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_qua
                        const uint8_t *order, uint32_t axis, struct mlrt_bvh_split *split)
 {
     double upper_area[MLRT_SWEEP_LIMIT];
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     struct mlrt_quad_box kept;
     for (uint32_t i = count - 1; i > 0; i--) {
         grow(&box, f4_load(references[order[i]].lo), f4_load(references[order[i]].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         upper_area[i] = area_of(&kept);
     }
-    box = nothing();
+    box = empty_box();
     for (uint32_t i = 1; i < count; i++) {
         grow(&box, f4_load(references[order[i - 1]].lo), f4_load(references[order[i - 1]].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         double cost = area_of(&kept) * set_cost(costs, i) + upper_area[i] * set_cost(costs, count - i);
         if (cost >= split->cost) continue;
         split->cost = cost;
@@ -158,21 +158,21 @@ static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
                        uint32_t axis, struct mlrt_bvh_split *split)
 {
     double upper_area[MLRT_BVH_BINS];
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     struct mlrt_quad_box kept;
     for (int i = MLRT_BVH_BINS - 1; i > 0; i--) {
         grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         upper_area[i] = area_of(&kept);
     }
-    box = nothing();
+    box = empty_box();
     uint32_t lower_count = 0;
     for (int i = 0; i < MLRT_BVH_BINS - 1; i++) {
         if (bins->count[axis][i] == 0) continue;
         lower_count += bins->count[axis][i];
         if (lower_count == count) break;
         grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         double cost =
             area_of(&kept) * set_cost(costs, lower_count) + upper_area[i + 1] * set_cost(costs, count - lower_count);
         if (cost >= split->cost) continue;
@@ -187,9 +187,9 @@ static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
 static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last,
                       struct mlrt_quad_box *joined)
 {
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     for (uint32_t i = first; i <= last; i++) grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-    keep(&box, joined);
+    store_box(&box, joined);
 }
 
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
@@ -209,7 +209,7 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
 {
     struct binning binning = cut_bins(&set->centres);
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
-    struct growing_set lower = no_references(), upper = no_references();
+    struct growing_set lower = empty_set(), upper = empty_set();
     struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *back = end;
     float limit = (float)(split->bin + 1);
     while (next < back) {

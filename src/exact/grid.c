@@ -46,7 +46,7 @@ static void extend(struct extent *extent, const float v[3])
     }
 }
 
-static const struct extent nothing = {255, 0};
+static const struct extent empty_extent = {255, 0};
 
 /* Sets *scale to the factor that makes all numbers integers. Returns 0 if the integers would exceed 61 bits. */
 static int find_grid(const struct extent *extent, double *scale)
@@ -150,7 +150,7 @@ static int sign_of_difference(const struct determinant *a, const struct determin
 
 static int direction_on_grid(const float d[3], int64_t direction[3], double *scale)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     extend(&extent, d);
     if (!find_grid(&extent, scale)) return 0;
     for (int k = 0; k < 3; ++k) direction[k] = (int64_t)(d[k] * *scale);
@@ -174,7 +174,7 @@ static int is_zero(const int128 cross[3])
  */
 int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3], vertex[3][3];
     int128 moment[3][3];
@@ -195,7 +195,7 @@ int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_t
 
 int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[3], int *meets)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3], to_point[3];
     int128 moment[3];
@@ -210,7 +210,7 @@ int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[
 
 int mlrt_grid_distance_sign(const struct mlrt_triangle *triangle, const float point[3], int *sign)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale;
     int64_t ab[3], ac[3], to_a[3];
     extend(&extent, point);
@@ -241,7 +241,7 @@ static struct crossing cross_plane(const float origin[3], const int64_t directio
 int mlrt_grid_order(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                     const struct mlrt_triangle *second, int *sign)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3];
     extend(&extent, ray->origin);
@@ -263,7 +263,7 @@ static double size_of(const struct determinant *determinant)
 
 int mlrt_grid_quotients(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, double quotient[3])
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3], ab[3], ca[3], to_a[3], to_c[3];
     extend(&extent, ray->origin);

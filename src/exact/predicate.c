@@ -710,8 +710,8 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
     const struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     const struct crossing crossing = measure_crossing(&operands);
     const int facing = certain_sign(crossing.d, SIGN_ERROR);
-    const int begun = facing * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR);
-    if (begun < 0) return 0; /* most rays that are offered here start beside a surface and leave it */
+    const int beyond_t_min = facing * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR);
+    if (beyond_t_min < 0) return 0; /* most rays that are offered here start beside a surface and leave it */
     if (facing == 0 || !is_safe_denominator(crossing.d)) return -1;
     if (!is_inside) {
         const struct two_edges edges = measure_edges(&operands);
@@ -722,7 +722,7 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
     }
     const struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
     if (t.low > *hi) return 0;
-    if (!is_inside || begun == 0) return -1;
+    if (!is_inside || beyond_t_min == 0) return -1;
     if (!(t.high < *lo)) {
         if (!other) return -1;
         const struct crossing crossing_2 = cross_plane(ray->origin, ray->direction, other);

@@ -173,7 +173,7 @@ MLRT_INLINE void extend(struct bounds *bounds, const double point[3], const doub
 static void bound_inside(const struct polygon *polygon, const struct plane *plane, const double margin[3],
                          struct bounds *bounds)
 {
-    static const double nothing[3];
+    static const double no_margin[3];
     int last = polygon->vertex_count - 1;
     double last_distance = last < 0 ? 0 : distance_inside(plane, polygon->vertex[last]);
     for (int k = 0; k < 3; k++) {
@@ -190,7 +190,7 @@ static void bound_inside(const struct polygon *polygon, const struct plane *plan
             cut_edge(polygon->vertex[i], distance, polygon->vertex[last], last_distance, point);
             extend(bounds, point, margin);
         }
-        if (distance >= 0) extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : nothing);
+        if (distance >= 0) extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : no_margin);
         last = i;
         last_distance = distance;
     }
