@@ -10,19 +10,18 @@
 
 /*
  * On entry, tree->triangles and triangle_count are set, `options` is checked (or NULL), and the floating-point
- * environment is the library's. Returns a status. With MLRT_OK, tree->bvh, tree->bounds, and the counts of triangles
- * left out in tree->info are set; if the tree has no kd-tree (nodes is NULL), so are float_safe and the rest of
- * tree->info, except triangle_count, memory_size and build_seconds, which the caller sets. After an error the hierarchy
+ * environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds, float_safe and tree->info are set,
+ * except triangle_count, structure, memory_size and build_seconds, which the caller sets. After an error the hierarchy
  * is empty, and tree->memory holds what it held on entry. MLRT_ERROR_TOO_LARGE: more nodes or quads than node.h has
  * bits for. Adds about MLRT_BVH_WORK per triangle to `progress` (NULL = none).
  */
-int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_build_options *options, struct mlrt_progress *progress);
+int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options, struct mlrt_progress *progress);
 
 /* The work per triangle, where copying a triangle is 1 (MLRT_COPY_WORK, scene/meshes.h). */
 #define MLRT_BVH_WORK 10.0
 
 /* About how many bytes a hierarchy of mlrt_build_bvh takes when it is finished, and at most while it is built. */
-struct mlrt_demand mlrt_foresee_bvh(const mlrt_build_options *options, uint32_t triangle_count);
+struct mlrt_demand mlrt_foresee_bvh(const mlrt_tree_options *options, uint32_t triangle_count);
 
 /* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
 void mlrt_free_bvh(struct mlrt_tree *tree);

@@ -137,7 +137,6 @@ static void set_info(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs,
 
 void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
-    if (tree->nodes != NULL) return;
     tree->float_safe = mlrt_has_safe_bounds(tree);
     set_info(tree, costs, progress);
 }

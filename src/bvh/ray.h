@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Traces one ray through the hierarchy of boxes, in double: part of run/trace_ray.h, for trees without a kd-tree.
+ * Traces one ray through the hierarchy of boxes, in double: the part of run/trace_ray.h for trees of boxes.
  */
 #ifndef MLRT_BVH_RAY_H
 #define MLRT_BVH_RAY_H

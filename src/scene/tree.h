@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The tree as a whole: the triangles of the scene, and over them a hierarchy of boxes (bvh/node.h), a kd-tree
- * (mlrta/kdtree.h), or both.
+ * The tree as a whole: the triangles of the scene, and the structure over them, a hierarchy of boxes (bvh/node.h) or a
+ * kd-tree (mlrta/kdtree.h).
  *
  * Triangles keep the order of the input: triangle i of mesh m has the number mesh_first[m] + i everywhere in the
  * library, so the order of numbers is the order of ties in the hit rule. Triangles that are left out (not finite, or
@@ -42,14 +42,14 @@ struct mlrt_tree {
     uint32_t *mesh_by_id; /* mesh_count: positions of the meshes in the order of their ids */
     uint32_t *masks;      /* triangle_count: the mask of each triangle's mesh; NULL = all are MLRT_MASK_ALL */
     int borrowed;         /* 1 = all arrays lie in the caller's memory and are not freed (api/save.c) */
-    /* The kd-tree: nodes is NULL without it */
+    /* The kd-tree: nodes is NULL, and the counts are 0, in a hierarchy of boxes */
     struct mlrt_node *nodes;
-    uint32_t node_count; /* at least 1 */
+    uint32_t node_count; /* at least 1 in a kd-tree */
     uint32_t *references;
     uint32_t reference_count;
     struct mlrt_box bounds; /* of all triangles not left out, not rounded; all 0 if there are none */
-    struct mlrt_bvh bvh;    /* node_count is 0 without it, and without triangles */
-    uint32_t structures;    /* MLRT_STRUCTURE_*: those that the tree has */
+    struct mlrt_bvh bvh;    /* node_count is 0 in a kd-tree, and without triangles */
+    uint32_t structure;     /* MLRT_STRUCTURE_* */
     int float_safe;         /* 1 = every split plane and every bound is mlrt_is_float_safe */
     mlrt_tree_info info;
 };
