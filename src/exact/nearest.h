@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The hit rule as traversal uses it: which rays can hit at all, and what the nearest hit so far becomes when a triangle
- * is offered. The decisions are predicate.h's; what is here saves most of them by floats around t.
+ * The hit rule as traversal uses it: which rays can hit anything (R1), and how a triangle that is offered changes the
+ * nearest hit so far (R2, R3). predicate.h decides; the floats around t that are kept here save most comparisons.
  */
 #ifndef MLRT_EXACT_NEAREST_H
 #define MLRT_EXACT_NEAREST_H
@@ -10,7 +10,7 @@
 
 #include "exact/predicate.h"
 
-/* Rule R1: makes a segment of the numbers given. 0 if the ray can hit nothing. */
+/* Rule R1: sets *ray. Returns 0 if the ray can hit nothing. */
 static inline int mlrt_make_segment(const float origin[3], const float direction[3], float t_min, float t_max,
                                     struct mlrt_ray_segment *ray)
 {
@@ -26,14 +26,17 @@ static inline int mlrt_make_segment(const float origin[3], const float direction
     return ray->t_min < ray->t_max;
 }
 
-/* The nearest hit so far: before the first, lo = hi = t_max. */
+/* The nearest hit so far. Before the first hit, lo = hi = t_max. */
 struct mlrt_nearest {
     uint32_t triangle; /* its number, or MLRT_NONE */
     float lo;          /* lo <= t <= hi */
     float hi;
 };
 
-/* Offers one of the triangles to a ray: 1 if it is hit and comes before *nearest, which it then becomes (rules R2, R3). */
+/*
+ * Offers triangle `number` to a ray (rules R2, R3). If the ray hits it before *nearest, sets *nearest to it and returns
+ * 1; else returns 0.
+ */
 static inline int mlrt_offer_triangle(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray,
                                       uint32_t number, struct mlrt_nearest *nearest, mlrt_counters *counters)
 {

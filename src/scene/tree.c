@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which triangles the structures of a tree leave out, and whether float carries its bounds.
+ * Facts about a tree that both structures use: whether its bounds are float-safe, and which triangles are left out.
  */
 #include "scene/tree.h"
 
@@ -9,7 +9,8 @@
 int mlrt_has_safe_bounds(const struct mlrt_tree *tree)
 {
     int is_safe = 1;
-    for (int k = 0; k < 3; k++) is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
+    for (int k = 0; k < 3; k++)
+        is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
     return is_safe;
 }
 
