@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The camera: checking it, and the beams of its tiles.
+ * The check of a camera, and the beams of its tiles.
  *
- * A tile's vectors p = d00 + x dx + y dy are affine in (x, y), so over the rectangle of sample positions each
- * component, and each ratio of two components whose denominator keeps its sign, has its extremes at the four corners.
- * The rays are those of *rounded* vectors: by the formula, component k is off by at most
+ * A tile's vectors p = d00 + x dx + y dy are affine in (x, y). So over the rectangle of sample positions, each
+ * component has its extremes at the four corners, and so has each ratio of two components whose denominator keeps its
+ * sign. But the rays have *rounded* vectors. By the formula of camera.h, component k is off by at most
  *
  *     fl(x dx): u |x dx|;  first sum: u (|d00| + |x dx|)(1 + u);  fl(y dy): u |y dy|;  second sum: u of everything
  *
- * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), u = 2^-24: `pad` is 4 u of the largest such sum over
- * the corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
+ * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), with u = 2^-24. `pad` is 4 u times the largest such
+ * sum over the corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
  *
  *     |(A_j + e_j) / (A_a + e_a) - A_j / A_a| <= (p_j + |A_j / A_a| p_a) / (|A_a| - p_a).
  */
@@ -22,6 +22,7 @@
 #include "exact/rounding.h"
 #include "mlrta/beam.h"
 
+/* Up to here float holds the number of a column or row exactly, and its sum with 0.5. */
 #define PIXEL_LIMIT (1u << 23)
 
 static int is_finite_vector(const float v[3])
@@ -34,7 +35,7 @@ static int is_zero_vector(const float v[3])
     return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
-/* The cross product of two float vectors is not zero, in double: enough to tell a picture from a line. */
+/* 1 if the vectors are not parallel, so that they span a picture. Exact: products of two floats are, in double. */
 static int spans_plane(const float a[3], const float b[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -44,6 +45,7 @@ static int spans_plane(const float a[3], const float b[3])
     return 0;
 }
 
+/* Resolves the length of a crop along one axis; 0 if it is not in the picture. */
 static int crop_range(uint32_t first, uint32_t count, uint32_t whole, uint32_t *resolved)
 {
     if (first >= whole || count > whole - first) return 0;
@@ -87,12 +89,12 @@ int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
     view->sample_x = camera->sample_x;
     view->sample_y = camera->sample_y;
     view->t_min = camera->t_min < 0 ? 0 : camera->t_min;
-    /* Below 0 there is no hit, nor up to 0; -inf must not pass for no limit. */
+    /* A t_max below 0 allows no hit, and neither does 0. As 0, -inf is not taken for inf, which is no limit. */
     view->t_max = camera->t_max == 0 ? INFINITY : camera->t_max < 0 ? 0 : camera->t_max;
     return MLRT_OK;
 }
 
-/* p at the corners of a tile's sample positions, exact but for 2^-52, and the pad that covers every rounding. */
+/* The vectors p at the corners of a tile's sample positions, off by at most 2^-52 of their terms, and the pads. */
 struct corners {
     double p[3][4];
     double pad[3];
@@ -118,7 +120,7 @@ struct range {
     double hi;
 };
 
-/* All values of component k over the tile. */
+/* Bounds of component k over the rays of the tile. */
 static struct range component_range(const struct corners *corners, int k)
 {
     struct range range = {corners->p[k][0], corners->p[k][0]};
@@ -131,13 +133,13 @@ static struct range component_range(const struct corners *corners, int k)
     return range;
 }
 
-/* A component that is 0 for every pixel: the formula rounds nothing. */
+/* 1 if component k is exactly 0 for every pixel, so that it needs no pad. */
 static int is_zero_component(const struct mlrt_view *view, int k)
 {
     return view->d00[k] == 0 && view->dx[k] == 0 && view->dy[k] == 0;
 }
 
-/* The half of the axis in front of an origin range, cut at t_max. */
+/* Bounds the points of the rays along axis k: from the range of their origins forward, to t_max. */
 static void set_region(struct mlrt_beam *beam, int k, double direction_lo, double direction_hi, double t_max)
 {
     double lo = beam->origin_lo[k], hi = beam->origin_hi[k];

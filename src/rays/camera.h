@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The camera: the one formula that makes a pixel's ray (rule R7), and the beam around a tile of such rays.
+ * The camera: the formula that makes the ray of a pixel (rule R7), and the beam around a tile of such rays.
  */
 #ifndef MLRT_RAYS_CAMERA_H
 #define MLRT_RAYS_CAMERA_H
@@ -8,7 +8,7 @@
 #include "mlrt.h"
 #include "mlrta/beam.h"
 
-/* A checked camera. Pixels are counted from the crop's first. */
+/* A checked camera with defaults resolved. Pixel (0, 0) is the first of the crop. */
 struct mlrt_view {
     int parallel;
     uint32_t width; /* of the crop */
@@ -26,16 +26,16 @@ struct mlrt_view {
     float t_max; /* inf = no limit */
 };
 
-/* Checks a camera (its struct_size is right) and resolves its defaults. */
+/* Checks a camera, whose struct_size is right, and resolves its defaults. Returns a status. */
 int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view);
 
-/* fl(i + sample) for a pixel's column or row. */
+/* fl(first + i + sample): where column or row i of the crop is sampled. first + i is exact in float. */
 static inline float mlrt_sample_position(uint32_t first, uint32_t i, float sample)
 {
     return (float)(first + i) + sample;
 }
 
-/* p of the formula: the direction of a pinhole camera's ray, the origin of a parallel one's. */
+/* The vector p of a pixel: the direction of a pinhole camera's ray, the origin of a parallel camera's. */
 static inline void mlrt_view_point(const struct mlrt_view *view, uint32_t i, uint32_t j, float p[3])
 {
     const float x = mlrt_sample_position(view->first_x, i, view->sample_x);
@@ -43,7 +43,7 @@ static inline void mlrt_view_point(const struct mlrt_view *view, uint32_t i, uin
     for (int k = 0; k < 3; ++k) p[k] = (view->d00[k] + x * view->dx[k]) + y * view->dy[k];
 }
 
-/* The beam of a tile, or 0 if its rays differ in sign or are beyond what beams can hold. */
+/* Makes the beam of a tile. Returns 0 if its rays differ in sign, or may not be float-safe (exact/triangle.h). */
 int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                         struct mlrt_beam *beam);
 
