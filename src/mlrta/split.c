@@ -377,7 +377,7 @@ static void sort_events(struct events *events, uint32_t *spare)
     mlrt_sort_keys(events->planars, spare, events->planar_count);
 }
 
-/* Starts are stored from keys[0] up, planars from keys[count] down, and ends from keys[count] up. */
+/* Starts are stored from keys[0] up, planars from keys[count - 1] down, and ends from keys[count] up. */
 static struct events gather_all_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
                                        uint32_t *keys)
 {

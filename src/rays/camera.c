@@ -89,7 +89,7 @@ int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
     view->sample_x = camera->sample_x;
     view->sample_y = camera->sample_y;
     view->t_min = camera->t_min < 0 ? 0 : camera->t_min;
-    /* A t_max below 0 allows no hit, and neither does 0. As 0, -inf is not taken for inf, which is no limit. */
+    /* 0 stands for no limit. A t_max below 0 allows no hit and becomes 0: -inf would pass for no limit. */
     view->t_max = camera->t_max == 0 ? INFINITY : camera->t_max < 0 ? 0 : camera->t_max;
     return MLRT_OK;
 }

@@ -84,7 +84,7 @@ MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packe
     for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(d[k], v_set1(0)));
 }
 
-/* Checks the vectors of all lanes: at once, and one by one if that fails. */
+/* Checks the vectors of all lanes: together, and only if that fails, each of them. */
 static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
 {
     struct usual_vectors all = NO_VECTORS;

@@ -45,7 +45,7 @@ static int lie_together(const mlrt_const_array *array, const mlrt_const_array *o
     return array->stride == other->stride && apart + 63 <= 126;
 }
 
-/* Finds the arrays that are prefetched: those with an element for each ray, but one of those that lie together. */
+/* Finds the arrays that are prefetched: those with an element for each ray; of those that lie together, the first. */
 static void find_streams(struct mlrt_source *source)
 {
     const mlrt_const_array *arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which processor gets which kernels. Its instruction sets are looked up once per process: CPUID takes long in a
- * virtual machine.
+ * Which processor gets which kernels. Instruction sets are looked up once per process: CPUID takes long in a virtual
+ * machine.
  *
  * With counters, the scalar kernels run, which do the same work in more steps: counting kernels for every instruction
  * set would nearly double the size of the library. If there is SSE, the scalar kernels serve no other purpose and
