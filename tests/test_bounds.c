@@ -21,8 +21,9 @@
 #include <string.h>
 
 #include "rays/camera.c"
+#include "mlrta/view_beam.c"
 #include "scene/clip.c"
-#include "run/trace_ray.c"
+#include "mlrta/ray.c"
 
 #include "simd/scalar.h"
 
@@ -1443,8 +1444,8 @@ static void products_that_underflow_decide_nothing(void **state)
  */
 static void rays_may_begin_and_end_in_a_split_plane(void **state)
 {
-    const mlrt_build_options build = {
-        .struct_size = sizeof build, .preset = MLRT_TREE_PAPER, .intersection_cost = 100, .traversal_cost = 0.01f};
+    const mlrt_kdtree_options build = {
+        .struct_size = sizeof build, .preset = MLRT_KDTREE_PAPER, .intersection_cost = 100, .traversal_cost = 0.01f};
     (void)state;
     for (uint64_t seed = 0; seed < scaled(40 * search_effort); ++seed) {
         struct random random = {seed * 0x10001 + 9};
@@ -1546,8 +1547,10 @@ static void stacks_hold_what_waits(void **state)
         bundle.hulls.term[side].hi[0] = 0.01f;
     }
     begin_cells(1, &bundle);
-    worker.bundle_caches[0].leaves = leaves;
-    worker.bundle_caches[0].bits = 1;
+    static struct mlrt_bundle_cache caches[2];
+    caches[0].leaves = leaves;
+    caches[0].bits = 1;
+    worker.bundle_caches = caches;
     worker.mask = MLRT_MASK_ALL;
     trace_cells(&job, &worker, 0, &bundle);
     assert_true(bundle.closed == 1 && bundle.going == 1 && bundle.hulls.cover[0] == MLRT_NONE);

@@ -19,6 +19,7 @@
 #include "exact/nearest.h"
 #include "hits/shadow_ray.h"
 #include "trace/ray_tile.h"
+#include "trace/shadow_cells.h"
 
 /*
  * No more of the slack than this may be used, or a constant is not what it was: searches a hundred times as long find

@@ -13,7 +13,6 @@
 #include "bvh/split.h"
 #include "bvh/unit.h"
 #include "exact/check_point.h"
-#include "mlrta/check.h"
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */
 
@@ -139,8 +138,8 @@ static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, s
 
 void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
-    mlrt_find_float_safety(tree);
-    if (tree->nodes == NULL) report(tree, costs, progress);
+    tree->float_safe = mlrt_has_safe_bounds(tree);
+    report(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */

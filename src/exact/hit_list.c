@@ -26,7 +26,7 @@ static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
 
 /* What hits are compared with: the ray, and where its counts go. */
 struct order {
-    const struct mlrt_tree *tree;
+    const struct mlrt_triangle *triangles;
     const struct mlrt_ray_segment *ray;
     mlrt_counters *counters;
 };
@@ -35,7 +35,7 @@ static int is_before(const struct order *order, const struct mlrt_nearest *first
 {
     if (first->hi < second->lo) return 1;
     if (second->hi < first->lo) return 0;
-    const struct mlrt_triangle *triangles = order->tree->triangles;
+    const struct mlrt_triangle *triangles = order->triangles;
     const int sign =
         mlrt_compare_distance(order->ray, &triangles[first->triangle], &triangles[second->triangle], order->counters);
     return sign < 0 || (sign == 0 && first->triangle < second->triangle);
@@ -110,23 +110,23 @@ static int make_room(struct mlrt_hit_list *list)
     return 1;
 }
 
-void mlrt_gather_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number,
+void mlrt_gather_hit(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t number,
                      struct mlrt_hit_list *list, mlrt_counters *counters)
 {
-    if (!mlrt_hits_triangle(ray, &tree->triangles[number], counters)) return;
+    if (!mlrt_hits_triangle(ray, &triangles[number], counters)) return;
     if (!make_room(list)) {
         list->failed = 1;
         return;
     }
     struct mlrt_nearest *hit = &list->hits[list->count++];
     hit->triangle = number;
-    mlrt_bound_distance(ray, &tree->triangles[number], &hit->lo, &hit->hi);
+    mlrt_bound_distance(ray, &triangles[number], &hit->lo, &hit->hi);
 }
 
-void mlrt_order_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t wanted,
+void mlrt_order_hits(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t wanted,
                      struct mlrt_hit_list *list, mlrt_counters *counters)
 {
-    const struct order order = {tree, ray, counters};
+    const struct order order = {triangles, ray, counters};
     if (wanted > list->count) wanted = list->count;
     if (wanted == 0) return;
     move_to_end(is_before, &order, wanted, list->hits, list->count);

@@ -5,6 +5,7 @@
 #ifndef MLRT_EXACT_HIT_LIST_H
 #define MLRT_EXACT_HIT_LIST_H
 
+#include "base/memory.h"
 #include "exact/nearest.h"
 
 /* One worker's list, used for one ray after the other. Zeroed = empty, with memory from malloc. */
@@ -17,14 +18,14 @@ struct mlrt_hit_list {
 };
 
 /* Adds a triangle if the ray hits it. */
-void mlrt_gather_hit(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number,
+void mlrt_gather_hit(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t number,
                      struct mlrt_hit_list *list, mlrt_counters *counters);
 
 /* Leaves each triangle once, ascending by number. */
 void mlrt_remove_repetitions(struct mlrt_hit_list *list);
 
 /* Puts the nearest `wanted` hits first and in order (rules R3, R6); the others follow in any. No repetitions. */
-void mlrt_order_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t wanted,
+void mlrt_order_hits(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t wanted,
                      struct mlrt_hit_list *list, mlrt_counters *counters);
 
 void mlrt_free_hit_list(struct mlrt_hit_list *list);

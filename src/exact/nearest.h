@@ -9,7 +9,6 @@
 #include <math.h>
 
 #include "exact/predicate.h"
-#include "scene/masks.h"
 
 /* Rule R1: makes a segment of the numbers given. 0 if the ray can hit nothing. */
 static inline int mlrt_make_segment(const float origin[3], const float direction[3], float t_min, float t_max,
@@ -34,18 +33,18 @@ struct mlrt_nearest {
     float hi;
 };
 
-/* Offers a triangle to a ray: 1 if it is hit and comes before *nearest, which it then becomes (rules R2, R3). */
-static inline int mlrt_offer_triangle(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t number,
-                                      struct mlrt_nearest *nearest, mlrt_counters *counters)
+/* Offers one of the triangles to a ray: 1 if it is hit and comes before *nearest, which it then becomes (rules R2, R3). */
+static inline int mlrt_offer_triangle(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray,
+                                      uint32_t number, struct mlrt_nearest *nearest, mlrt_counters *counters)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    const struct mlrt_triangle *triangle = &triangles[number];
     if (!mlrt_hits_triangle(ray, triangle, counters)) return 0;
     float lo, hi;
     mlrt_bound_distance(ray, triangle, &lo, &hi);
     if (nearest->triangle != MLRT_NONE) {
         if (lo > nearest->hi) return 0;
         if (!(hi < nearest->lo)) {
-            int order = mlrt_compare_distance(ray, triangle, &tree->triangles[nearest->triangle], counters);
+            int order = mlrt_compare_distance(ray, triangle, &triangles[nearest->triangle], counters);
             if (order > 0 || (order == 0 && number > nearest->triangle)) return 0;
         }
     }

@@ -27,6 +27,8 @@ struct mlrt_ray_segment {
     uint32_t mask; /* scene/masks.h */
 };
 
+#define MLRT_MASK_ALL 0xFFFFFFFFu
+
 static inline int mlrt_triangle_is_finite(const struct mlrt_triangle *triangle)
 {
     for (int i = 0; i < 3; ++i) {

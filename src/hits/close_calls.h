@@ -38,7 +38,7 @@
 #include <float.h>
 
 #include "hits/outcome.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "hits/undecided.h"
 #include "job/stop.h"
 #include "simd/doubles.h"

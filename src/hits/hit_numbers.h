@@ -41,9 +41,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "hits/hit_terms.h"
+#include "job/hit_terms.h"
 #include "hits/outcome.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "simd/doubles.h"
 #include "simd/simd.h"
 

@@ -4,10 +4,8 @@
  */
 #include "hits/results.h"
 
-#include "hits/sink.h"
-#include "run/trace_ray.h"
+#include "job/sink.h"
 #include "simd/sixteen.h"
-#include "trace/ray_tile.h"
 
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                             mlrt_counters *counters)
@@ -20,7 +18,7 @@ void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct m
         if (!packet->has_masks) ray.mask = job->source.common_mask;
         if (counters) ++counters->packet_count;
         packet->triangle[lane] =
-            mlrt_trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE, job->any, counters);
+            job->trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE, job->any, counters);
     }
 }
 
@@ -74,20 +72,14 @@ void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_wor
     }
 }
 
-/* For a rectangle of at most 16 x 16 rays. */
 static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                                const struct mlrt_rectangle *area)
+                                const struct mlrt_rectangle *block)
 {
-    struct mlrt_ray_tile tile;
-    mlrt_begin_tile(area, 0, &tile);
-    job->kernels->picture->read_packets(&job->source, &tile);
-    for (uint32_t left = tile.blocks; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        const struct mlrt_rectangle block = mlrt_block_of_tile(&tile, place);
-        struct mlrt_packet *packet = &tile.packets[place];
-        mlrt_fill_words(packet->triangle, number);
-        job->kernels->picture->write_packet(job, worker, packet, mlrt_block_lanes(block.width, block.height), &block);
-    }
+    struct mlrt_packet packet;
+    const uint32_t lanes = mlrt_block_lanes(block->width, block->height);
+    job->kernels->picture->fetch_block(&job->source, block, lanes, &packet);
+    mlrt_fill_words(packet.triangle, number);
+    job->kernels->picture->write_packet(job, worker, &packet, lanes, block);
 }
 
 /* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
@@ -105,10 +97,10 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
         }
         return;
     }
-    for (uint32_t j = 0; j < tile->height; j += 16) {
-        for (uint32_t i = 0; i < tile->width; i += 16) {
-            const struct mlrt_rectangle piece = mlrt_cut_piece(tile, i, j, 16);
-            write_cover_numbers(job, worker, number, &piece);
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
+            write_cover_numbers(job, worker, number, &block);
         }
     }
 }

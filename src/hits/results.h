@@ -17,7 +17,7 @@ static inline void mlrt_get_packet(const struct mlrt_job *job, const struct mlrt
     job->kernels->picture->check_block(&job->source, lanes, packet);
 }
 
-/* Traces lanes of a packet by mlrt_trace_segment. */
+/* Traces lanes of a packet one by one in double. */
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                             mlrt_counters *counters);
 

@@ -9,8 +9,7 @@
 
 #include "exact/nearest.h"
 #include "exact/offset.h"
-#include "hits/sink.h"
-#include "run/trace_ray.h"
+#include "job/sink.h"
 
 static double dot(const double a[3], const double b[3])
 {
@@ -116,7 +115,7 @@ int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ra
     if (!mlrt_make_shadow_ray(&job->source, &job->tree->triangles[number], ray, &faces, &shadow)) return !faces;
     shadow.mask = job->source.common_mask;
     if (counters) ++counters->ray_count, ++counters->packet_count;
-    return mlrt_trace_segment(job->tree, &shadow, number, 1, counters) != MLRT_NONE;
+    return job->trace_segment(job->tree, &shadow, number, 1, counters) != MLRT_NONE;
 }
 
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,

@@ -83,16 +83,4 @@ int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ra
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
                        uint8_t shadows[MLRT_PACKET_RAYS], mlrt_counters *counters);
 
-/* bundle.h */
-struct mlrt_bundle;
-
-/*
- * What a point light sees of those packets, or tiles, of a pinhole camera's bundle in `among` (bit per place, some), each
- * of which one triangle covers: in `lit`, the main axis with its sign, and for packets of which that is known slopes, and
- * depths between which their shadow rays look; the waist is the light. Returns these packets. *dark receives those where
- * the light is on the other side of the cover.
- */
-uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
-                             const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit, uint32_t *dark);
-
 #endif

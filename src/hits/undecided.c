@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "exact/nearest.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "job/stop.h"
 #include "simd/sixteen.h"
 
@@ -75,7 +75,7 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
         if (mlrt_is_stopped_in_step(worker)) break;
         mlrt_get_segment(packet, lane, &ray);
         struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
-        if (!mlrt_offer_triangle(tree, &ray, number, &nearest, counters)) continue;
+        if (!mlrt_offer_triangle(tree->triangles, &ray, number, &nearest, counters)) continue;
         packet->triangle[lane] = nearest.triangle;
         packet->lo[lane] = nearest.lo;
         packet->hi[lane] = nearest.hi;

@@ -8,7 +8,7 @@
 
 #include "hits/hit_numbers.h"
 #include "hits/outcome.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "job/job.h"
 #include "rays/rectangle.h"
 #include "simd/simd.h"

@@ -5,13 +5,17 @@
 #ifndef MLRT_JOB_JOB_H
 #define MLRT_JOB_JOB_H
 
-#include "hits/hit_terms.h"
-#include "hits/sink.h"
+#include "job/hit_terms.h"
+#include "job/sink.h"
 #include "rays/source.h"
-#include "trace/bundle.h"
 
 /* Lights whose shadows a picture may have: one bit each. */
 #define MLRT_LIGHT_LIMIT 8
+
+/* What structures keep for a worker, and pass: trace/bundle.h, mlrta/setups.h. */
+struct mlrt_bundle;
+struct mlrt_bundle_cache;
+struct mlrt_triangle_setup;
 
 /* progress.h */
 struct mlrt_progress;
@@ -29,6 +33,9 @@ struct mlrt_job {
     int entry_lists;
     int shared_setups;
     int any;
+    /* One ray in double, whatever its numbers: mlrt_trace_segment (run/trace_ray.h). */
+    uint32_t (*trace_segment)(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
+                              mlrt_counters *counters);
     const struct mlrt_job *lights; /* of each light whose shadows are wanted: its source, and `any` */
     uint32_t light_count;
     uint32_t initial_tile_size;
@@ -40,30 +47,6 @@ struct mlrt_job {
     mlrt_tile_callback callback;
     void *user;
 };
-
-/* Where something is seen from an apex, against a main axis: bounds of x_j / depth for the two other axes. */
-struct mlrt_outline {
-    float slope_lo[2];
-    float slope_hi[2];
-    float least_depth; /* along the main axis */
-};
-
-/*
- * What packets of one apex share about a triangle (triangle_setup.h): where it is seen from the apex, and the terms of
- * its edge functions.
- */
-struct mlrt_triangle_setup {
-    uint32_t number;    /* of the triangle; MLRT_NONE = empty entry */
-    uint32_t main_axis; /* of the outline, with its sign: axis | negative << 2 */
-    int has_terms;
-    int in_plane; /* with terms: the apex lies in the triangle's plane, so no ray hits it at t > 0 */
-    struct mlrt_outline outline;
-    float distance;
-    float distance_bound;
-    MLRT_ALIGNED(16) float cross[3][4]; /* [component][edge ab, bc, ca; normal] */
-};
-
-#define MLRT_SETUP_COUNT 256 /* 24 KiB: fits the first-level cache beside a tile's packets and nodes */
 
 /* What was found of two triangles: not that they lie in one plane (undecided.h). All 0 = empty entry: nobody asks about
  * a triangle and itself. */
@@ -98,12 +81,12 @@ struct mlrt_worker {
     uint32_t pair_mask;               /* how many there are: a power of two, less one */
     struct mlrt_known_plane *planes;  /* entry number & plane_mask */
     uint32_t plane_mask;
-    struct mlrt_triangle_setup setups[MLRT_SETUP_COUNT]; /* entry number & setup_mask; for rays from `apex` */
-    uint32_t setup_mask;                                 /* the kept part of the table: a power of two, less one */
+    struct mlrt_triangle_setup *setups; /* mlrta/setups.h: entry number & setup_mask; for rays from `apex` */
+    uint32_t setup_mask;                /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    struct mlrt_bundle_cache
-        bundle_caches[2];     /* of closest hits; of any: a picture's shadows go in turn with its tiles */
+    struct mlrt_bundle_cache *bundle_caches; /* trace/bundle.h: of closest hits; of any, as a picture's shadows go in turn
+                                                with its tiles */
     uint32_t mask;            /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets: of closest hits, of any */
     uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane: of closest hits, of any */
@@ -148,11 +131,12 @@ struct mlrt_kernels {
     /* What follows is there for the hierarchy of boxes only. */
 
     /*
-     * Traces one ray, and tells its hit: what mlrt_trace_ray does, whose structs are whole by now. The ray passes the
-     * triangle with number `skip`. bvh_single.h. It does not count: the ones that do have NULL.
+     * Traces one ray, and tells its hit: as mlrt_trace_ray, with structs of this version. `skip` is the number of the
+     * triangle that the ray passes. Returns 0, having done nothing, if float does not carry the ray (trace/single.h).
+     * Kernels that count have NULL.
      */
-    void (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
-                      mlrt_hit *hit);
+    int (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
+                     mlrt_hit *hit);
     /* Makes a bundle without rays out of a camera's picture; 0 if it cannot be. camera_cells.h */
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_bundle *bundle);

@@ -35,6 +35,7 @@ struct mlrt_beam {
 #define MLRT_SLOPE_SLACK 0x1p-20
 
 struct mlrt_source;
+struct mlrt_view;
 
 /*
  * Makes the beam of a tile of a source. Returns 0 if it has none: the directions of its rays differ in sign, a ray is
@@ -45,5 +46,9 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
 
 /* Sets the bounds of d_j / d_a from lo <= d_j / d_a <= hi. If lo or hi is a NaN, the slope has no bounds. */
 void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi);
+
+/* The beam of a tile, or 0 if its rays differ in sign or are beyond what beams can hold. */
+int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                        struct mlrt_beam *beam);
 
 #endif

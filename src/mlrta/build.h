@@ -19,12 +19,12 @@
  *   - MLRT_ERROR_CANCELLED: likewise, unless the call is cancelled after the last node: then nodes and references are
  *     set.
  */
-int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *options, struct mlrt_progress *progress);
+int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *options, struct mlrt_progress *progress);
 
 /* The work of building per triangle, where copying one is MLRT_COPY_WORK (scene/meshes.h). */
 #define MLRT_KDTREE_WORK 60.0
 
 /* Guesses how many bytes mlrt_build_nodes will hold at its end, and at most while it runs. */
-struct mlrt_demand mlrt_foresee_nodes(const mlrt_build_options *options, uint32_t triangle_count);
+struct mlrt_demand mlrt_foresee_nodes(const mlrt_kdtree_options *options, uint32_t triangle_count);
 
 #endif

@@ -81,11 +81,7 @@ static double half_area(const struct mlrt_box *box)
 
 void mlrt_find_float_safety(struct mlrt_tree *tree)
 {
-    tree->float_safe = 1;
-    for (int k = 0; k < 3; k++) {
-        const float lo = tree->bounds.lo[k], hi = tree->bounds.hi[k];
-        if (!mlrt_is_float_safe(lo) || !mlrt_is_float_safe(hi)) tree->float_safe = 0;
-    }
+    tree->float_safe = mlrt_has_safe_bounds(tree);
     for (uint32_t i = 0; i < tree->node_count; i++) {
         const struct mlrt_node *node = &tree->nodes[i];
         if (!mlrt_node_is_leaf(node) && !mlrt_is_float_safe(node->u.split)) tree->float_safe = 0;
@@ -125,13 +121,6 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
-
-int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
-{
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
-    if (tree->info.non_finite_count + tree->info.zero_area_count == 0) return 0;
-    return !mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle);
-}
 
 /* Returns NULL, or the error. The leaf's entries must begin at `next`, behind those of all leaves before it. */
 static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t next)

@@ -20,12 +20,6 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 void mlrt_find_float_safety(struct mlrt_tree *tree);
 
 /*
- * 1 if no leaf may name the triangle: it is not finite, or has no area. The counts of such triangles in tree->info must
- * be right.
- */
-int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
-
-/*
  * Checks that any ray can be traced through nodes and references: all invariants but I3, leaves in depth-first order,
  * and no leaf that names a triangle that was left out. Returns NULL, or the first error as a static string. Relies only
  * on the lengths of the arrays, finite bounds, and the counts of triangles left out. Takes linear time and little

@@ -18,6 +18,7 @@
 
 #include "job/job.h"
 #include "mlrta/covering.h"
+#include "mlrta/setups.h"
 #include "rays/slopes.h"
 #include "simd/simd.h"
 

@@ -11,6 +11,7 @@
 #include "hits/outcome.h"
 #include "hits/triangle_filter.h"
 #include "mlrta/ray_group.h"
+#include "mlrta/setups.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 

@@ -12,6 +12,7 @@
 #include <math.h>
 
 #include "mlrta/outline.h"
+#include "mlrta/setups.h"
 #include "rays/extremes.h"
 #include "rays/slopes.h"
 #include "simd/simd.h"

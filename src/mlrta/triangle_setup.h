@@ -12,6 +12,7 @@
 #include "hits/triangle_filter.h"
 #include "mlrta/outline.h"
 #include "mlrta/ray_group.h"
+#include "mlrta/setups.h"
 #include "rays/extremes.h"
 
 /* Empties the worker's table for packets from another apex. */

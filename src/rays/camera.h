@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The camera: the formula that makes the ray of a pixel (rule R7), and the beam around a tile of such rays.
+ * The camera: the one formula that makes a pixel's ray (rule R7).
  */
 #ifndef MLRT_RAYS_CAMERA_H
 #define MLRT_RAYS_CAMERA_H
 
 #include "mlrt.h"
-#include "mlrta/beam.h"
 
 /* A checked camera with defaults resolved. Pixel (0, 0) is the first of the crop. */
 struct mlrt_view {
@@ -42,9 +41,5 @@ static inline void mlrt_view_point(const struct mlrt_view *view, uint32_t i, uin
     const float y = mlrt_sample_position(view->first_y, j, view->sample_y);
     for (int k = 0; k < 3; ++k) p[k] = (view->d00[k] + x * view->dx[k]) + y * view->dy[k];
 }
-
-/* Makes the beam of a tile. Returns 0 if its rays differ in sign, or may not be float-safe (exact/triangle.h). */
-int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                        struct mlrt_beam *beam);
 
 #endif

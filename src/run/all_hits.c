@@ -12,7 +12,7 @@
 #include "base/scheduler.h"
 #include "base/structs.h"
 #include "exact/hit_list.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "run/trace_ray.h"
 
 #define ITEM_RAYS 256
@@ -115,7 +115,7 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
     if (mlrt_get_ray(source, i % source->width, i / source->width, &ray, &skip)) {
         ++worker->counters.packet_count;
         mlrt_gather_hits(run->tree, &ray, skip, list, counters);
-        mlrt_order_hits(run->tree, &ray, run->capacity, list, counters);
+        mlrt_order_hits(run->tree->triangles, &ray, run->capacity, list, counters);
     }
     if (list->failed) return 0;
     write_word(&run->arrays[TOTAL], i, list->count);

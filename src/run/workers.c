@@ -12,10 +12,12 @@
 #include "base/progress.h"
 #include "base/run_options.h"
 #include "base/scheduler.h"
-#include "hits/sink.h"
 #include "hits/undecided.h"
+#include "job/sink.h"
+#include "mlrta/setups.h"
 #include "rays/rectangle.h"
 #include "simd/sixteen.h"
+#include "trace/bundle.h"
 
 struct run {
     const struct mlrt_job *job;
@@ -138,6 +140,17 @@ static int keeps_leaves(const struct mlrt_job *job, int any)
     return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
 }
 
+static int uses_bundles(const struct mlrt_job *job)
+{
+    return job->method == MLRT_METHOD_TILE;
+}
+
+/* The entries of a worker's table of triangle set-ups: only multilevel shares set-ups among packets. */
+static uint32_t setup_count(const struct mlrt_job *job)
+{
+    return uses_bundles(job) ? 0 : job->shared_setups ? MLRT_SETUP_COUNT : 1;
+}
+
 /* The bytes of a worker's share of memory, beside its state: its tables and its tile buffer. */
 static size_t share_size(const struct mlrt_job *job)
 {
@@ -148,20 +161,35 @@ static size_t share_size(const struct mlrt_job *job)
             size += sizeof(struct mlrt_bundle_leaf) << leaf_setup_bits(job);
         }
     }
+    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) + setup_count(job) * sizeof(struct mlrt_triangle_setup);
     return (size + 63) / 64 * 64;
 }
 
-/* Lays out a worker's share, which begins at `next`: its tables and its tile buffer. */
+/* Leaves first, since their lines are whole. Returns what is left. */
+static unsigned char *lay_out_leaves(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
+{
+    struct mlrt_bundle_leaf *leaves = (struct mlrt_bundle_leaf *)(void *)next;
+    const uint32_t bits = leaf_setup_bits(job);
+    next += sizeof *leaves * ((size_t)(keeps_leaves(job, 0) + keeps_leaves(job, 1)) << bits);
+    worker->bundle_caches = (struct mlrt_bundle_cache *)(void *)next;
+    for (int any = 0; any < 2; ++any) {
+        struct mlrt_bundle_cache *cache = &worker->bundle_caches[any];
+        cache->waist.main_axis = -1;
+        cache->waist_count = 0;
+        cache->bits = bits;
+        cache->leaves = leaves;
+        if (keeps_leaves(job, any)) leaves += (size_t)1 << bits;
+    }
+    return next + 2 * sizeof *worker->bundle_caches;
+}
+
 static void lay_out_share(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
-    for (int any = 0; any < 2; ++any) {
-        struct mlrt_bundle_cache *cache = &worker->bundle_caches[any];
-        if (!keeps_leaves(job, any)) continue;
-        cache->bits = leaf_setup_bits(job);
-        cache->leaves = (struct mlrt_bundle_leaf *)(void *)next;
-        next += sizeof(struct mlrt_bundle_leaf) << cache->bits;
-    }
+    worker->setups = (struct mlrt_triangle_setup *)(void *)next;
+    next += setup_count(job) * sizeof *worker->setups;
+    worker->setup_mask = setup_count(job) - 1;
+    if (uses_bundles(job)) next = lay_out_leaves(job, next, worker);
     worker->planes = (struct mlrt_known_plane *)(void *)next;
     next += sizeof *worker->planes << known_plane_bits(job);
     worker->pairs = (struct mlrt_triangle_pair *)(void *)next;
@@ -184,16 +212,10 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     memset(&worker->tile, 0, sizeof worker->tile);
     lay_out_share(job, share, worker);
     mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
-    /* Of the methods of the kd-tree, only multilevel shares set-ups among packets; others use one entry. */
-    worker->setup_mask = job->shared_setups ? MLRT_SETUP_COUNT - 1 : 0;
     for (int k = 0; k < 3; ++k) {
         worker->apex[k] = NAN;
     }
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
-    for (int any = 0; any < 2; ++any) {
-        worker->bundle_caches[any].waist.main_axis = -1;
-        worker->bundle_caches[any].waist_count = 0;
-    }
     worker->mask = job->source.common_mask;
     worker->open_bundles[0] = worker->open_bundles[1] = 0;
     worker->lane_tiles[0] = worker->lane_tiles[1] = 0;

@@ -5,9 +5,8 @@
 #ifndef MLRT_SCENE_MASKS_H
 #define MLRT_SCENE_MASKS_H
 
+#include "exact/predicate.h"
 #include "scene/tree.h"
-
-#define MLRT_MASK_ALL 0xFFFFFFFFu
 
 /* Does a ray with this mask pass through the triangle as if it were not there? */
 static inline int mlrt_is_hidden(const struct mlrt_tree *tree, uint32_t number, uint32_t mask)

@@ -10,6 +10,7 @@
 #include "rays/extremes.h"
 #include "rays/slopes.h"
 #include "simd/simd.h"
+#include "trace/bundle.h"
 #include "trace/ray_tile.h"
 
 /* The columns or rows of a camera's pixels that cells begin and end with; 0 for what is beyond `length`. */

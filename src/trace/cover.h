@@ -37,6 +37,7 @@
 #include "rays/extremes.h"
 #include "rays/slopes.h"
 #include "simd/simd.h"
+#include "trace/bundle.h"
 #include "trace/hulls.h"
 #include "trace/leaf.h"
 #include "trace/make_rays.h"

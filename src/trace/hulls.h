@@ -38,6 +38,7 @@
 #include "rays/extremes.h"
 #include "rays/slopes.h"
 #include "simd/simd.h"
+#include "trace/bundle.h"
 #include "trace/ray_tile.h"
 
 #define PLACE_ERROR (4 * 0x1p-24f)

@@ -41,7 +41,9 @@
 #include "hits/triangle_filter.h"
 #include "rays/check_packet.h"
 #include "rays/extremes.h"
+#include "scene/masks.h"
 #include "simd/simd.h"
+#include "trace/bundle.h"
 #include "trace/single.h"
 #include "trace/units.h"
 

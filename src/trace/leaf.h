@@ -62,6 +62,7 @@
 #include "rays/slopes.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
+#include "trace/bundle.h"
 #include "trace/hulls.h"
 #include "trace/outline.h"
 #include "trace/pair_line.h"

@@ -5,7 +5,7 @@
 #include "trace/levels.h"
 
 #include "hits/results.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "job/stop.h"
 #include "simd/sixteen.h"
 #include "trace/make_rays.h"

@@ -7,6 +7,7 @@
 #define MLRT_TRACE_PAIR_LINE_H
 
 #include "job/job.h"
+#include "trace/bundle.h"
 
 /* The plane of a triangle in double: a point of it, n, and the sizes of its components (close_calls.h). */
 struct mlrt_plane {

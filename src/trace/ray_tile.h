@@ -7,6 +7,7 @@
 
 #include "job/job.h"
 #include "rays/rectangle.h"
+#include "trace/bundle.h"
 
 #define MLRT_CELL_COUNT MLRT_BUNDLE_PACKETS
 

@@ -9,9 +9,10 @@
 
 #include "hits/results.h"
 #include "hits/shadow_ray.h"
-#include "hits/sink.h"
+#include "job/sink.h"
 #include "simd/sixteen.h"
 #include "trace/make_rays.h"
+#include "trace/shadow_cells.h"
 
 static uint32_t lanes_with_hit(const struct mlrt_packet *packet)
 {

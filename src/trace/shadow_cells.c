@@ -16,6 +16,8 @@
  * + 2.1 z) 2.1 / D < 2^-26 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more. Where D is less, bounds are wide,
  * and rays are better.
  */
+#include "trace/shadow_cells.h"
+
 #include <math.h>
 #include <string.h>
 

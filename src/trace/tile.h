@@ -21,6 +21,7 @@
 #include "rays/check_packet.h"
 #include "simd/simd.h"
 #include "simd/sixteen.h"
+#include "trace/bundle.h"
 #include "trace/cover.h"
 #include "trace/hulls.h"
 #include "trace/lanes.h"

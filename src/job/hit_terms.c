@@ -3,7 +3,7 @@
  * What rays that hit one triangle share of t, u and v: see hit_terms.h. Formulas and widths are those of
  * hit_numbers.h, for one triangle and one origin.
  */
-#include "hits/hit_terms.h"
+#include "job/hit_terms.h"
 
 #include <math.h>
 #include <string.h>

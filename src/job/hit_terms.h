@@ -3,8 +3,8 @@
  * What rays that hit one triangle share of t, u and v, in double, as a worker keeps it: the next packets hit the same
  * triangles, if they are large. hit_numbers.h has the formulas.
  */
-#ifndef MLRT_HITS_HIT_TERMS_H
-#define MLRT_HITS_HIT_TERMS_H
+#ifndef MLRT_JOB_HIT_TERMS_H
+#define MLRT_JOB_HIT_TERMS_H
 
 #include "exact/triangle.h"
 

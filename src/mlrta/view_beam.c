@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The beams of a camera's tiles.
+ *
+ * A tile's vectors p = d00 + x dx + y dy are affine in (x, y), so over the rectangle of sample positions each
+ * component, and each ratio of two components whose denominator keeps its sign, has its extremes at the four corners.
+ * The rays are those of *rounded* vectors: by the formula, component k is off by at most
+ *
+ *     fl(x dx): u |x dx|;  first sum: u (|d00| + |x dx|)(1 + u);  fl(y dy): u |y dy|;  second sum: u of everything
+ *
+ * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), u = 2^-24: `pad` is 4 u of the largest such sum over
+ * the corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
+ *
+ *     |(A_j + e_j) / (A_a + e_a) - A_j / A_a| <= (p_j + |A_j / A_a| p_a) / (|A_a| - p_a).
+ */
+#include <math.h>
+
+#include "exact/rounding.h"
+#include "mlrta/beam.h"
+#include "rays/camera.h"
+
+/* p at the corners of a tile's sample positions, exact but for 2^-52, and the pad that covers every rounding. */
+struct corners {
+    double p[3][4];
+    double pad[3];
+};
+
+static void find_corners(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                         struct corners *corners)
+{
+    const double xs[2] = {mlrt_sample_position(view->first_x, x, view->sample_x),
+                          mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)};
+    const double ys[2] = {mlrt_sample_position(view->first_y, y, view->sample_y),
+                          mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)};
+    const double x_max = fmax(fabs(xs[0]), fabs(xs[1])), y_max = fmax(fabs(ys[0]), fabs(ys[1]));
+    for (int k = 0; k < 3; ++k) {
+        const double d00 = view->d00[k], dx = view->dx[k], dy = view->dy[k];
+        for (int i = 0; i < 4; ++i) corners->p[k][i] = d00 + xs[i & 1] * dx + ys[i >> 1] * dy;
+        corners->pad[k] = 0x1p-22 * (fabs(d00) + x_max * fabs(dx) + y_max * fabs(dy)) + 0x1p-146;
+    }
+}
+
+struct range {
+    double lo;
+    double hi;
+};
+
+/* All values of component k over the tile. */
+static struct range component_range(const struct corners *corners, int k)
+{
+    struct range range = {corners->p[k][0], corners->p[k][0]};
+    for (int i = 1; i < 4; ++i) {
+        range.lo = corners->p[k][i] < range.lo ? corners->p[k][i] : range.lo;
+        range.hi = corners->p[k][i] > range.hi ? corners->p[k][i] : range.hi;
+    }
+    range.lo -= corners->pad[k];
+    range.hi += corners->pad[k];
+    return range;
+}
+
+/* A component that is 0 for every pixel: the formula rounds nothing. */
+static int is_zero_component(const struct mlrt_view *view, int k)
+{
+    return view->d00[k] == 0 && view->dx[k] == 0 && view->dy[k] == 0;
+}
+
+/* The half of the axis in front of an origin range, cut at t_max. */
+static void set_region(struct mlrt_beam *beam, int k, double direction_lo, double direction_hi, double t_max)
+{
+    double lo = beam->origin_lo[k], hi = beam->origin_hi[k];
+    if (beam->negative[k]) {
+        lo = isinf(t_max) ? -INFINITY : lo + t_max * direction_lo;
+    } else if (direction_hi > 0) {
+        hi = isinf(t_max) ? INFINITY : hi + t_max * direction_hi;
+    }
+    beam->region.lo[k] = mlrt_float_down(lo - fabs(lo) * 0x1p-50);
+    beam->region.hi[k] = mlrt_float_up(hi + fabs(hi) * 0x1p-50);
+}
+
+static int make_pinhole_beam(const struct mlrt_view *view, const struct corners *corners, struct mlrt_beam *beam)
+{
+    double reciprocal[3][4], nearest[3], largest = -1;
+    for (int k = 0; k < 3; ++k) {
+        struct range range = is_zero_component(view, k) ? (struct range){0, 0} : component_range(corners, k);
+        if (range.lo < 0 && range.hi >= 0) return 0;
+        if (!mlrt_is_float_safe(view->eye[k])) return 0;
+        if (range.lo < -MLRT_SAFE_MAX || range.hi > MLRT_SAFE_MAX) return 0;
+        beam->negative[k] = range.hi < 0;
+        beam->origin_lo[k] = beam->origin_hi[k] = view->eye[k];
+        set_region(beam, k, range.lo, range.hi, view->t_max);
+        nearest[k] = beam->negative[k] ? -range.hi : range.lo; /* min |A_a| - p_a */
+        for (int i = 0; i < 4; ++i) reciprocal[k][i] = 1 / corners->p[k][i];
+        if (nearest[k] > largest) {
+            largest = nearest[k];
+            beam->main_axis = k;
+        }
+    }
+    if (largest <= 0) return 0;
+    for (int a = 0; a < 3; ++a) {
+        for (int j = 0; j < 3; ++j) {
+            if (j == a) continue;
+            if (nearest[a] <= 0) {
+                mlrt_set_slope(beam, a, j, -INFINITY, INFINITY);
+                continue;
+            }
+            double lo = INFINITY, hi = -INFINITY, size = 0;
+            for (int i = 0; i < 4; ++i) {
+                double slope = corners->p[j][i] * reciprocal[a][i];
+                lo = slope < lo ? slope : lo;
+                hi = slope > hi ? slope : hi;
+            }
+            size = fabs(lo) > fabs(hi) ? fabs(lo) : fabs(hi);
+            double slack = (corners->pad[j] + size * corners->pad[a]) / nearest[a] * (1 + 0x1p-40);
+            mlrt_set_slope(beam, a, j, lo - slack, hi + slack);
+        }
+    }
+    beam->has_apex = 1;
+    return 1;
+}
+
+static int make_parallel_beam(const struct mlrt_view *view, const struct corners *corners, struct mlrt_beam *beam)
+{
+    beam->main_axis = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float d = view->direction[k];
+        struct range range = is_zero_component(view, k) ? (struct range){0, 0} : component_range(corners, k);
+        beam->negative[k] = d < 0;
+        beam->origin_lo[k] = mlrt_float_down(range.lo);
+        beam->origin_hi[k] = mlrt_float_up(range.hi);
+        if (!mlrt_is_float_safe(beam->origin_lo[k]) || !mlrt_is_float_safe(beam->origin_hi[k])) return 0;
+        set_region(beam, k, d, d, view->t_max);
+        if (fabsf(d) > fabsf(view->direction[beam->main_axis])) beam->main_axis = k;
+    }
+    for (int a = 0; a < 3; ++a) {
+        for (int j = 0; j < 3; ++j) {
+            double slope = (double)view->direction[j] / view->direction[a];
+            if (j != a) mlrt_set_slope(beam, a, j, slope, slope);
+        }
+    }
+    beam->has_apex = 0;
+    return 1;
+}
+
+int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                        struct mlrt_beam *beam)
+{
+    struct corners corners;
+    find_corners(view, x, y, width, height, &corners);
+    beam->may_cover = view->t_min == 0;
+    beam->is_unlimited = isinf(view->t_max);
+    return view->parallel ? make_parallel_beam(view, &corners, beam) : make_pinhole_beam(view, &corners, beam);
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which triangles the structures of a tree leave out, and whether float carries its bounds.
+ */
+#include "scene/tree.h"
+
+#include "exact/predicate.h"
+
+int mlrt_has_safe_bounds(const struct mlrt_tree *tree)
+{
+    int is_safe = 1;
+    for (int k = 0; k < 3; k++) is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
+    return is_safe;
+}
+
+int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
+{
+    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    if (tree->info.non_finite_count + tree->info.zero_area_count == 0) return 0;
+    return !mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle);
+}
