@@ -32,7 +32,7 @@
 #   make check-copies    runs three copies of the library in one process
 #   make check-churn     makes and destroys 10,000 trees and pools under valgrind
 #   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
-#   make dist            the sources of the last commit, the amalgamation and their checksums, in build/dist
+#   make dist            the sources of the last commit, the amalgamation, and checksums of both, in build/dist
 #   make test-amalgamation  compiles the amalgamation with gcc and clang: golden numbers, exported names, nothing fused
 #   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers
 #                        from emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)

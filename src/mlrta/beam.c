@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The beam of a tile of any source. rays/camera.c makes the beams of cameras; those of arrays are made here, from every
+ * The beam of a tile of any source. view_beam.c makes the beams of cameras; those of arrays are made here, from every
  * ray of the tile.
  */
 #include "mlrta/beam.h"

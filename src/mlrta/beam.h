@@ -47,7 +47,10 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
 /* Sets the bounds of d_j / d_a from lo <= d_j / d_a <= hi. If lo or hi is a NaN, the slope has no bounds. */
 void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi);
 
-/* The beam of a tile, or 0 if its rays differ in sign or are beyond what beams can hold. */
+/*
+ * Makes the beam of a tile of a camera. Returns 0 if its rays differ in sign, or may not be float-safe
+ * (exact/triangle.h).
+ */
 int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                         struct mlrt_beam *beam);
 

@@ -32,19 +32,19 @@ struct preset {
 /*
  * Measured per 4x4 packet that starts at the root, at 1024 x 1024, as cells / triangle tests.
  *
- * Intersection cost 1, 1.5, 2.5, 4, 8: erw6 21.5 / 2.4, 21.9 / 2.2, 22.1 / 2.0, 22.3 / 2.0, 22.4 / 1.9; conference 55.9
- * / 5.2, 56.9 / 4.7, 58.3 / 4.1, 58.8 / 4.0, 59.6 / 3.8; with 3.2, 4.4, 6.1, 7.4, 8.7 nodes per triangle. So leaves
- * that are smaller than those of 2.5 do not pay.
+ * Intersection cost 1, 1.5, 2.5, 4, 8: erw6 21.5 / 2.4, 21.9 / 2.2, 22.1 / 2.0, 22.3 / 2.0, 22.4 / 1.9; conference
+ * 55.9 / 5.2, 56.9 / 4.7, 58.3 / 4.1, 58.8 / 4.0, 59.6 / 3.8; with 3.2, 4.4, 6.1, 7.4, 8.7 nodes per triangle. So
+ * leaves that are smaller than those of 2.5 do not pay.
  *
  * Empty factor: expected costs for 1, 0.9, 0.8, 0.7 differ by less than 1 %.
  *
  * Minimum cell 1e-8, 1e-6, 2e-5, 1e-4, with preset `paper` and method packet4 (which skips a triangle that it tested in
- * a leaf just before, and triangles whose outlines its rays do not overlap): conference 64.8 / 6.7, 59.6 / 6.2, 56.9 /
- * 6.3, 55.0 / 6.9; a ship seen from inside (cruiser) 84.6 / 10.0, 75.0 / 8.5, 71.9 / 8.6, 69.4 / 9.9; a dense scan
- * (dragon, 7.8 M triangles) 333 / 51, 146 / 51, 42.9 / 43, 30.4 / 37. Build times fall by a third at each step. But
- * leaves grow, and frame times follow neither count: frames of cruiser take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5, those
- * of the dragon 969, 749, 694 ms. So the default, 1e-6, is a compromise. At 2e-5 the dragon's cells match those that
- * the paper counts for its own dragon without beams, 42.2.
+ * a leaf just before, and triangles whose outlines its rays do not overlap): conference 64.8 / 6.7, 59.6 / 6.2,
+ * 56.9 / 6.3, 55.0 / 6.9; a ship seen from inside (cruiser) 84.6 / 10.0, 75.0 / 8.5, 71.9 / 8.6, 69.4 / 9.9; a dense
+ * scan (dragon, 7.8 M triangles) 333 / 51, 146 / 51, 42.9 / 43, 30.4 / 37. Build times fall by a third at each step.
+ * But leaves grow, and frame times follow neither count: frames of cruiser take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5,
+ * those of the dragon 969, 749, 694 ms. So 1e-6 is a compromise. At 2e-5 the dragon's cells match those that the paper
+ * counts for its own dragon without beams, 42.2.
  */
 static const struct preset PRESETS[] = {
     {{1.0, 2.5, 0.9}, 2e-5}, /* MLRT_KDTREE_PAPER */

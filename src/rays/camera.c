@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The camera: checking it. What its rays are is said in camera.h.
+ * The check of a camera. The formula of its rays is in camera.h.
  */
 #include "rays/camera.h"
 
@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Up to here float holds the number of a column or row exactly, and its sum with 0.5. */
 #define PIXEL_LIMIT (1u << 23)
 
 static int is_finite_vector(const float v[3])

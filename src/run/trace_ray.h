@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray through the tree, the textbook way: the answers that every other path must match.
+ * One ray through a tree, the textbook way: the answers that every other path must match.
  */
 #ifndef MLRT_RUN_TRACE_RAY_H
 #define MLRT_RUN_TRACE_RAY_H

@@ -161,11 +161,15 @@ static size_t share_size(const struct mlrt_job *job)
             size += sizeof(struct mlrt_bundle_leaf) << leaf_setup_bits(job);
         }
     }
-    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) + setup_count(job) * sizeof(struct mlrt_triangle_setup);
+    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) +
+            setup_count(job) * sizeof(struct mlrt_triangle_setup);
     return (size + 63) / 64 * 64;
 }
 
-/* Leaves first, since their lines are whole. Returns what is left. */
+/*
+ * Lays out the set-ups of leaves from `next` on, then their tables' heads. Leaves come first, since they fill whole
+ * cache lines. Returns the end.
+ */
 static unsigned char *lay_out_leaves(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
 {
     struct mlrt_bundle_leaf *leaves = (struct mlrt_bundle_leaf *)(void *)next;
