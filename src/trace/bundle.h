@@ -59,8 +59,8 @@ enum mlrt_ray_term {
 
 /* The rays of a packet, lane by lane. */
 struct mlrt_bundle_rays {
-    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, place j, place l */
+    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without places, slopes only */
+    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, and with places, place j, place l */
     MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];        /* |d_main| */
     MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];       /* bounds of tau: after it; nearest hit so far */
     MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
@@ -123,7 +123,8 @@ struct mlrt_ray_tile;
 struct mlrt_bundle {
     struct mlrt_waist waist;
     int has_places; /* 0: all rays start at the waist, and all places are 0 */
-    int is_apex;    /* the waist is where some rays start */
+    int is_apex;    /* the waist is where some rays start: */
+    float apex[3];  /* there, as rays are given */
     int has_begins; /* some t_min is not 0 */
     int far_first;  /* boxes that the rays come to last are opened first */
     float unit;     /* brings rays into units (bvh/unit.h), where all of this is */
@@ -179,8 +180,7 @@ enum mlrt_pair_kind { MLRT_NO_LINE, MLRT_LINE, MLRT_ONE_PLANE };
 
 /*
  * The line that the planes of two triangles have in common, as an edge function: of a ray that meets both, its sign times
- * those of both D is that of t(first) - t(second); if D of the second is taken from `normal`, of rays that hit the second
- * (pair_line.c).
+ * those of both D is that of t(first) - t(second) (pair_line.c). `normal` is that of the second.
  */
 struct mlrt_pair_line {
     uint32_t first;
@@ -190,7 +190,7 @@ struct mlrt_pair_line {
     float constant;
     float coefficient[MLRT_RAY_TERMS];
     float normal[3];
-    float error;     /* relative to R; as EDGE_ERROR. 0: of rays that hit the second only, known without them */
+    float error;     /* relative to R; as EDGE_ERROR */
     float steepness; /* as that of a leaf */
 };
 

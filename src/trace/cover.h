@@ -17,8 +17,9 @@
  *
  * BEGINS AND ENDS. Rays begin on surfaces, and end on them. Where D has one certain sign over the hull, say 1, a ray does not
  * hit the triangle if N < 0, as t < 0, or if N > t_max D. Both are told in double, lane by lane, with the determinants and
- * sizes of close_calls.h. N - t_max D has one rounding more for the product and one for the difference: with those of N and
- * D no more than 10.01 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is told.
+ * sizes of close_calls.h. N - t_max D has no more than 9 roundings: 8 of N, or 7 of D and that of the product, and the
+ * difference. So it is off by 9.001 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is
+ * told.
  *
  * Rays that a light's cell stands for end before the plane of the triangle that they pass, S, on the light's side (shadow_ray.h).
  * The hull has the direction to a point of S, and D of S one sign over it (find_order), so all rays go towards S, and end at a
@@ -308,6 +309,42 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
     return settled;
 }
 
+/* A number of DW lanes, and what its error is relative to. */
+struct measured_lanes {
+    vd value;
+    vd size;
+};
+
+/* N of a plane. */
+MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                           struct measured_lanes *n)
+{
+    n->value = n->size = d_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        const vd to = d_sub(d_set1(plane->point[k]), origin);
+        n->value = d_add(n->value, d_mul(to, d_set1(plane->normal[k])));
+        n->size = d_add(n->size, d_mul(d_abs(to), d_set1(plane->size[k])));
+    }
+}
+
+/* N - t_max D. */
+MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                             const struct measured_lanes *n, struct measured_lanes *height)
+{
+    const vd t_max = d_load(packet->t_max + lane);
+    vd d = d_set1(0), d_size = d;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd direction = d_load(packet->direction[k] + lane);
+        d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
+        d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
+    }
+    height->value = d_sub(n->value, d_mul(t_max, d));
+    height->size = d_add(n->size, d_mul(t_max, d_size));
+}
+
 /*
  * Rays of a packet that surely do not come to a plane, by the sign of N - t D where they begin, at t = 0, or end, in
  * double: those that leave it, or end before it. `sign` is that of D.
@@ -316,33 +353,13 @@ MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlr
                                 double sign)
 {
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
-    vd n = d_set1(0), n_size = n;
+    struct measured_lanes n;
     uint32_t apart = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        if (lane == 0 || !packet->has_apex) {
-            n = n_size = d_set1(0);
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-                const vd to = d_sub(d_set1(plane->point[k]), origin);
-                n = d_add(n, d_mul(to, d_set1(plane->normal[k])));
-                n_size = d_add(n_size, d_mul(d_abs(to), d_set1(plane->size[k])));
-            }
-        }
-        vd height = n, size = n_size;
-        if (at_end) {
-            const vd t_max = d_load(packet->t_max + lane);
-            vd d = d_set1(0), d_size = d;
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                const vd direction = d_load(packet->direction[k] + lane);
-                d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
-                d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
-            }
-            height = d_sub(n, d_mul(t_max, d));
-            size = d_add(n_size, d_mul(t_max, d_size));
-        }
-        apart |= d_gt(d_flip(height, signs), d_mul(size, error)) << lane;
+        if (lane == 0 || !packet->has_apex) measure_n(plane, packet, lane, &n);
+        struct measured_lanes height = n;
+        if (at_end) measure_end(plane, packet, lane, &n, &height);
+        apart |= d_gt(d_flip(height.value, signs), d_mul(height.size, error)) << lane;
     }
     return apart;
 }
@@ -375,8 +392,7 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 
 /*
  * Packets without rays that end before the triangle that they pass (shadow_cells.c), and so before another one that they
- * come to later, or that lies in its plane. They may come to that plane beside the triangle: what a line without an error
- * says, of rays that hit it, does not hold for them.
+ * come to later, or that lies in its plane.
  */
 static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                   struct mlrt_bundle *bundle, uint32_t number, uint32_t places, int v,
@@ -393,7 +409,7 @@ static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, st
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, skip, worker, bundle->cache);
         if (line->kind == MLRT_ONE_PLANE) {
             behind |= same;
-        } else if (line->kind == MLRT_LINE && line->error > 0) {
+        } else if (line->kind == MLRT_LINE) {
             struct order_of_packets order;
             find_order(hulls, line, v, of, &order);
             behind |= same & m_bits(order.farther);
