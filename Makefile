@@ -67,7 +67,10 @@ GUESS    ?=
 EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) -ffp-contract=off $(if $(filter i386% i486% i586% i686%,$(TARGET)),-msse2 -mfpmath=sse) \
             $(if $(filter s390x%,$(TARGET)),-fexcess-precision=fast)
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
-COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
+# Jumps and loops that are not aligned: 12 kB less, and of 20 medians of kinds of rays the middle one is 1 % faster. clang
+# does not know them all.
+LAYOUT   := $(shell $(CC) -Werror -fno-align-jumps -fno-align-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fno-align-jumps -fno-align-loops)
+COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object of kernels per instruction set, and the scalar kernels with counters (src/run/dispatch.c).

@@ -753,7 +753,7 @@ static double outlines_over(const float *input, int has_places)
     bundle.waist.is_beam = fabsf(input[3]) > 1;
     for (int i = 0; i < 2; i++) bundle.waist.slope[i] = bundle.waist.is_beam ? fminf(fmaxf(input[4 + i], -2), 2) : 0;
     set_up_triangle(point);
-    outline_packet(&bundle, 0, has_places, &hull);
+    outline_packet(&bundle, 0, &hull);
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const double error = has_places ? PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR : 0;
     const double depth = fabs(mpf_get_d(corner[0].x[0]));
@@ -770,11 +770,16 @@ static double outlines_over(const float *input, int has_places)
         size += HULL_FLOOR;
         if (is_fan) mpf_div(other, other, corner[0].x[0]);
         mpf_set(truth, other);
-        const float weight = leaf.weight[0], room = (is_fan ? hull.aside[i] : hull.turn[i]) * weight;
-        const float upper = (is_fan ? hull.slope_hi[i] : has_places ? hull.place_hi[i] : 0) + room;
-        const float lower = (is_fan ? hull.slope_lo[i] : has_places ? hull.place_lo[i] : 0) - room;
+        const vf slopes[2] = {v_set1(hull.slope_lo[i]), v_set1(hull.slope_hi[i])};
+        const vf places[2] = {v_set1(hull.place_lo[i]), v_set1(hull.place_hi[i])};
+        MLRT_ALIGNED(64) float lower[VW], upper[VW];
+        vf ends[2];
+        find_outline_ends(&bundle.waist, i, v_set1(leaf.weight[0]), m_from_bits(0), is_fan, slopes, places, has_places,
+                          ends);
+        v_store(lower, ends[0]);
+        v_store(upper, ends[1]);
         /* What is compared, relative to the ray's own: lo - upper is not more than `truth`, hi - lower not less. */
-        const double low = (double)leaf.outline_lo[i][0] - upper, high = (double)leaf.outline_hi[i][0] - lower;
+        const double low = (double)leaf.outline_lo[i][0] - upper[0], high = (double)leaf.outline_hi[i][0] - lower[0];
         if (!(low <= INFINITY && high >= -INFINITY)) return INFINITY;
         if ((mpf_sgn(truth) <= 0 && low > 0) || (mpf_sgn(truth) >= 0 && high < 0)) return INFINITY;
         if (!has_places && !is_fan && p < 0x1p-100) continue; /* what underflows keeps its order: nothing is used */
@@ -839,9 +844,9 @@ static double attack_apex_cut(const float *input)
 static int is_cut(int has_places)
 {
     struct hull_outline hull;
-    outline_packet(&bundle, 0, has_places, &hull);
+    outline_packet(&bundle, 0, &hull);
     leaf.row = 4;
-    if (!(triangles_met(&leaf, &hull, has_places, 1) & 1)) return 1;
+    if (!(triangles_met(&bundle, &leaf, &hull, has_places, 1) & 1)) return 1;
     return !(triangles_within_edges(&bundle, &leaf, 0, has_places, 1) & 1);
 }
 
@@ -966,6 +971,7 @@ static double covers_over(const float *input, int has_places)
         if (!leaf.from_waist) return -1;
     }
     see_triangle_of_packets(&bundle.hulls, &leaf, 0, 0, has_places, &of);
+    bound_depths(&bundle.hulls, &leaf, 0, 0, has_places, &of);
     tile.packets[0].triangle[0] = MLRT_NONE;
     const uint32_t may = offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1);
     const int is_covered = bundle.hulls.cover[0] == 0;

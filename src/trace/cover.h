@@ -8,8 +8,9 @@
  * the same doubled bounds. At depth z = N / D a ray at x + s z meets the plane, N = n . (a - w) - n_j x_j - n_l x_l. A place
  * as computed is off by no more than blur (hulls.h), and |n_j|, |n_l| <= 2 in units of its size: so N over the hull is off
  * by DISTANCE_ERROR F + 4 blur, and twice that is taken, which pays for the roundings of middle and radius. D has W as
- * there. z lies between the least and the greatest of the quotients of these ends, whatever their signs; each quotient has
- * one rounding, and is moved by SLOPE_SLACK of itself.
+ * there. Where D has one certain sign, which is made 1, z lies between the quotients of the ends of N, each by that end of D
+ * which makes it the least or the greatest, as the sign of N says; each quotient has one rounding, and is moved by SLOPE_SLACK
+ * of itself.
  *
  * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
  * first, the line of their planes does (pair_line.c): an edge function, which is bounded over the hull as those of
@@ -51,7 +52,9 @@ struct triangle_of_packets {
     vm inside;   /* all rays pass inside its edges */
     vm sure;     /* D has one sign: */
     vm backward; /* -1 */
-    vf near;     /* where `sure`: depths between which the rays cross its plane */
+    vf least_d;
+    vf greatest_d;
+    vf near; /* where `sure`: depths between which the rays cross its plane */
     vf far;
 };
 
@@ -73,9 +76,9 @@ MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float
 
 /* N over the hulls, and from it the depths. */
 MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                              int v, int has_places, vm backward, vf least_d, vf greatest_d,
-                              struct triangle_of_packets *of)
+                              int v, int has_places, struct triangle_of_packets *of)
 {
+    const vm backward = of->backward;
     vf middle = v_set1(leaf->distance[triangle]), radius = v_set1(0), error = v_set1(0);
     if (!MLRT_GUESS) {
         error = v_set1(2 * DISTANCE_ERROR * leaf->away[triangle] + 2 * DISTANCE_FLOOR);
@@ -90,10 +93,10 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
     const vf width = v_mul(v_load(hulls->reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
     const vf n = v_select(backward, v_sub(zero, middle), middle), room = v_add(radius, error);
     const vf least_n = v_sub(n, room), greatest_n = v_add(n, room);
-    const vf from = v_sub(v_select(backward, v_sub(zero, greatest_d), least_d), width);
-    const vf to = v_add(v_select(backward, v_sub(zero, least_d), greatest_d), width);
-    const vf near = v_min(v_div(least_n, from), v_div(least_n, to));
-    const vf far = v_max(v_div(greatest_n, from), v_div(greatest_n, to));
+    const vf from = v_sub(v_select(backward, v_sub(zero, of->greatest_d), of->least_d), width);
+    const vf to = v_add(v_select(backward, v_sub(zero, of->least_d), of->greatest_d), width);
+    const vf near = v_div(least_n, v_select(v_gt(least_n, zero), to, from));
+    const vf far = v_div(greatest_n, v_select(v_gt(greatest_n, zero), from, to));
     const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
     of->near = v_sub(near, v_mul_add(v_abs(near), slack, floor));
     of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
@@ -128,7 +131,8 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
     if (has_places) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
     of->sure = m_or(forward, backward);
     of->backward = backward;
-    bound_depths(hulls, leaf, triangle, v, has_places, backward, least, greatest, of);
+    of->least_d = least;
+    of->greatest_d = greatest;
 }
 
 /*
@@ -431,8 +435,16 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
     uint32_t may = 0, covered = 0, left_alone = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         if (!((among | bundle->riding) >> v & ALL_LANES)) continue;
+        /* With places what they are compared with costs about as much as edges do. */
+        const uint32_t seeing = among >> v & (has_places ? ALL_LANES : packets_seeing(bundle, leaf, triangle, v));
+        if (!seeing && !(bundle->riding >> v & ALL_LANES)) continue;
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
+        if (!((seeing & ~m_bits(of.out) & bundle->closed >> v) | (bundle->riding >> v & ALL_LANES))) {
+            may |= (seeing & ~m_bits(of.out)) << v;
+            continue;
+        }
+        bound_depths(hulls, leaf, triangle, v, has_places, &of);
         if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D as it is */
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
         const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
@@ -441,7 +453,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
         if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
-        uint32_t met = among >> v & ~m_bits(m_or(of.out, passed)) & ALL_LANES, passing = 0;
+        uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), passing = 0;
         if (met & bundle->closed >> v) {
             const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
             const vf core_last = v_load(hulls->core_last + v), ends = v_sub(last, core_last);

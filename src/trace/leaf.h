@@ -380,8 +380,8 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
         cache->children[place] = child;
     }
     struct hull_outline whole;
-    outline_whole(bundle, has_places, &whole);
-    *seen = triangles_met(leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
+    outline_whole(bundle, &whole);
+    *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
     if (*seen & ~leaf->ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->ready, leaf);
     if (MLRT_UNLIKELY(leaf->doubtful != 0) && !has_places) {
         settle_signs(job->tree, &bundle->waist, leaf);
@@ -474,8 +474,8 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
 struct edge_values {
     MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT];
-    uint32_t of_vector[PACKET_VECTORS]; /* triangles that some ray of each is not surely outside of */
+    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* without places the first is that of all */
+    uint32_t of_vector[PACKET_VECTORS];                /* triangles that some ray of each is not surely outside of */
 };
 
 /*
@@ -487,7 +487,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
                                   struct edge_values *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    vf term[PACKET_VECTORS][MLRT_RAY_TERMS];
+    vf term[PACKET_VECTORS][MLRT_RAY_TERMS], bound = v_set1(of->bound[0]);
     uint32_t met[PACKET_VECTORS] = {0};
     MLRT_UNROLL
     for (int n = 0; n < count; ++n) {
@@ -497,7 +497,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
         for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
     }
     for (; triangles; triangles &= triangles - 1) {
-        const uint32_t triangle = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
+        const uint32_t triangle = mlrt_lowest_bit(triangles);
         vf least[PACKET_VECTORS], greatest[PACKET_VECTORS];
         MLRT_UNROLL
         for (int edge = 0; edge < 3; ++edge) {
@@ -516,7 +516,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
                 if (has_places) greatest[n] = edge ? v_max(e[n], greatest[n]) : e[n];
             }
         }
-        const vf bound = v_set1(of->bound[triangle]);
+        if (has_places) bound = v_set1(of->bound[triangle]);
         MLRT_UNROLL
         for (int n = 0; n < count; ++n) {
             const int v = VW * (first + n);
@@ -525,7 +525,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
             /* Lanes that are not active have NaN, of which no comparison is true. */
             vm may = v_ge(least[n], v_sub(v_set1(0), bound));
             if (has_places) may = m_or(may, v_le(greatest[n], bound));
-            met[n] |= m_bits(may) ? bit : 0;
+            met[n] |= (uint32_t)(m_bits(may) != 0) << triangle;
         }
     }
     MLRT_UNROLL
@@ -803,12 +803,13 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
                                         bundle->has_begins};
     const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
     uint32_t decided = 0;
+    vf bound = v_set1(edges->bound[0]);
     struct bundle_vector of;
     load_bundle_vector(rays, packet, has_places, v, &of);
     for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
-        const vf bound = v_set1(edges->bound[triangle]), below = v_sub(v_set1(0), bound);
-        const vf least = v_load(edges->least[triangle] + v);
+        if (has_places) bound = v_set1(edges->bound[triangle]);
+        const vf least = v_load(edges->least[triangle] + v), below = v_sub(v_set1(0), bound);
         const vm known = m_or(i_eq(of.nearest.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
         vm inside = v_gt(least, bound), may = v_ge(least, below);
         if (has_places) {
@@ -850,7 +851,7 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     uint32_t changed = 0, met = 0;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(active));
-    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+    for (int v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
         v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
     }
     if (has_places) {
