@@ -95,7 +95,9 @@ static int test_leaf(struct search *search, uint32_t leaf, uint32_t skip, int an
         if (list) {
             mlrt_gather_hit(search->tree->triangles, search->ray, numbers[i], list, counters);
         } else if (numbers[i] != search->nearest.triangle) {
-            if (mlrt_offer_triangle(search->tree->triangles, search->ray, numbers[i], &search->nearest, counters) && any) return 1;
+            if (mlrt_offer_triangle(search->tree->triangles, search->ray, numbers[i], &search->nearest, counters) &&
+                any)
+                return 1;
         }
     }
     return 0;

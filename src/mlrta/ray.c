@@ -92,7 +92,8 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
                 mlrt_gather_hit(tree->triangles, ray, entries[i], list, counters);
                 continue;
             }
-            if (mlrt_offer_triangle(tree->triangles, ray, entries[i], &nearest, counters) && any) return nearest.triangle;
+            if (mlrt_offer_triangle(tree->triangles, ray, entries[i], &nearest, counters) && any)
+                return nearest.triangle;
         }
         do {
             if (pending_count == 0) return nearest.triangle;

@@ -159,7 +159,8 @@ static size_t share_size(const struct mlrt_job *job)
             size += sizeof(struct mlrt_bundle_leaf) << leaf_setup_bits(job);
         }
     }
-    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) + setup_count(job) * sizeof(struct mlrt_triangle_setup);
+    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) +
+            setup_count(job) * sizeof(struct mlrt_triangle_setup);
     return (size + 63) / 64 * 64;
 }
 

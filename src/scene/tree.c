@@ -9,7 +9,8 @@
 int mlrt_has_safe_bounds(const struct mlrt_tree *tree)
 {
     int is_safe = 1;
-    for (int k = 0; k < 3; k++) is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
+    for (int k = 0; k < 3; k++)
+        is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
     return is_safe;
 }
 
