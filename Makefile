@@ -201,9 +201,10 @@ $(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BU
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-$(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+# With the shared object, as Embree is one, and the build of another commit that it may be compared with.
+$(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.so
 	@mkdir -p $(@D)
-	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
+	$(Q)$(LINK) $(filter %.o,$^) -L$(BUILD) -lmlrt -Wl,-rpath,'$$ORIGIN/..' $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
 
 # ---- dependencies --------------------------------------------------------------------------------------------------
 

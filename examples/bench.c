@@ -188,7 +188,7 @@ static uint32_t kinds_of(uint32_t words)
 {
     static const uint32_t kinds[] = {
         1u << FRAME,  1u << LIT,   1u << PRIMARY, 1u << SHADOW, 1u << SUN,     1u << ARRAY | 1u << LIST, 1u << PARALLEL,
-        1u << BOUNCE, 1u << REACH, 1u << MIRROR,  1u << LENS,   1u << ONE_WAY, 1u << HEMISPHERE,         1u << RECORD};
+        1u << BOUNCE, 1u << REACH, 1u << MIRROR,  1u << LENS,   1u << ONE_WAY, 1u << HEMISPHERE,         1u << RECORD, 1u << SINGLE, 1u << SINGLE_ANY};
     uint32_t result = 0;
     for (size_t i = 0; i < LENGTH(kinds); i++) result |= words & 1u << i ? kinds[i] : 0;
     return result;
@@ -227,7 +227,7 @@ int main(int argc, char **argv)
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
          16384},
         {OPTION_SET, "--kind", &kind_words,
-         "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record",
+         "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record,single,single-any",
          "kinds of rays, a list (default: all);\nlit is a frame with shadows, after frame also the difference, "
          "lit-frame",
          0, 0},
@@ -237,6 +237,8 @@ int main(int argc, char **argv)
         {OPTION_SET, "--method", &settings.methods, "default,ray,packet2,packet4,multilevel,tile",
          "methods, a list (default: default)", 0, 0},
         {OPTION_SET, "--isa", &settings.isas, "auto,scalar,sse,avx2,avx512", "instruction sets, a list (default: auto)",
+         0, 0},
+        {OPTION_CHOICE, "--peer-isa", &settings.peer_isa, "auto|sse|avx|avx2|avx512", "the widest that Embree may use",
          0, 0},
         {OPTION_CHOICE, "--structure", &settings.structure, "default|kdtree|bvh", "what to search in", 0, 0},
         {OPTION_CHOICE, "--preset", &settings.preset, "default|paper|fast|best", "the kind of tree", MLRT_TREE_DEFAULT,

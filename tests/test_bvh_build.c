@@ -233,7 +233,8 @@ static void check_scaled(float scale, float unit)
     soup_add_random(&soup, &random, 1000, 1, 0.1f);
     move_soup(&soup, scale, offset);
     struct mlrt_tree tree = build_with(triangles_of(&soup), (uint32_t)soup.count, NULL);
-    if (tree.bvh.unit != unit) fail_msg("times %a: unit %a, not %a", (double)scale, (double)tree.bvh.unit, (double)unit);
+    if (tree.bvh.unit != unit)
+        fail_msg("times %a: unit %a, not %a", (double)scale, (double)tree.bvh.unit, (double)unit);
     free_hierarchy(&tree);
     check_soup(&soup);
 }

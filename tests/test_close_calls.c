@@ -502,9 +502,9 @@ static void a_render_is_stopped_within_an_item(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sheets_that_nearly_coincide),         cmocka_unit_test(hostile_rays_in_hard_scenes),
-        cmocka_unit_test(what_double_decides_is_not_judged),   cmocka_unit_test(ends_of_rays_at_walls),
-        cmocka_unit_test(planes_are_asked_for_once),
-        cmocka_unit_test(close_calls_are_stopped),             cmocka_unit_test(a_render_is_stopped_within_an_item)};
+        cmocka_unit_test(sheets_that_nearly_coincide),       cmocka_unit_test(hostile_rays_in_hard_scenes),
+        cmocka_unit_test(what_double_decides_is_not_judged), cmocka_unit_test(ends_of_rays_at_walls),
+        cmocka_unit_test(planes_are_asked_for_once),         cmocka_unit_test(close_calls_are_stopped),
+        cmocka_unit_test(a_render_is_stopped_within_an_item)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

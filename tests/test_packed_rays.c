@@ -462,7 +462,8 @@ static void compare_lanes(const char *what, uint32_t place, uint32_t lanes, cons
 }
 
 /* Rays as they were read, unchecked. Lanes that do not exist hold anything. */
-static void compare_packets(uint32_t place, uint32_t lanes, const struct mlrt_packet *one, const struct mlrt_packet *other)
+static void compare_packets(uint32_t place, uint32_t lanes, const struct mlrt_packet *one,
+                            const struct mlrt_packet *other)
 {
     static const char *const components[] = {"x", "y", "z"};
     assert_int_equal(one->active, lanes);

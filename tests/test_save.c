@@ -166,7 +166,8 @@ static void assert_same_tree(const mlrt_tree *tree, const struct file *file, con
     assert_same_file(file, loaded);
     assert_same_answers(tree, loaded);
     assert_int_equal(tree->float_safe, loaded->float_safe);
-    if (tree->bvh.node_count > 0) assert_memory_equal(&tree->bvh.unit, &loaded->bvh.unit, sizeof tree->bvh.unit + 2 * sizeof tree->bvh.core);
+    if (tree->bvh.node_count > 0)
+        assert_memory_equal(&tree->bvh.unit, &loaded->bvh.unit, sizeof tree->bvh.unit + 2 * sizeof tree->bvh.core);
     assert_int_equal(tree->masks == NULL, loaded->masks == NULL);
     assert_true(loaded->node_count == 0 || mlrt_check_tree(loaded) == NULL);
     assert_true(loaded->bvh.node_count == 0 || mlrt_check_bvh(loaded) == NULL);

@@ -69,7 +69,8 @@ static int build_old_tree(const struct bench_settings *settings, struct arena *a
 
 static int build_peers(const struct bench_settings *settings, struct arena *arena)
 {
-    const struct peer_settings fast = {.quality = PEER_HIGH_QUALITY}, robust = {1, PEER_HIGH_QUALITY, 0};
+    const struct peer_settings fast = {0, PEER_HIGH_QUALITY, 0, settings->peer_isa},
+                               robust = {1, PEER_HIGH_QUALITY, 0, settings->peer_isa};
     if (settings->alone || !have_peer() || !arena->tree) return 0;
     arena->fast = create_peer(&arena->subject.scene, &fast, NULL);
     arena->robust = create_peer(&arena->subject.scene, &robust, NULL);

@@ -14,6 +14,7 @@ struct bench_settings {
     uint32_t size, threads, runs;
     uint32_t kinds, methods, isas; /* a bit for each */
     int32_t structure, preset, study;
+    int32_t peer_isa; /* PEER_ISA_* */
     int csv;
     int alone;                 /* without Embree */
     int paced;                 /* contest.h */

@@ -74,10 +74,12 @@ int have_peer(void)
 
 struct peer *create_peer(const struct scene *scene, const struct peer_settings *settings, struct peer_build *build)
 {
+    static const char *const isa_names[] = {"", ",isa=sse4.2", ",isa=avx", ",isa=avx2", ",isa=avx512"};
     char configuration[64];
     struct peer *peer = calloc(1, sizeof *peer);
     double seconds;
-    snprintf(configuration, sizeof configuration, "hugepages=1,threads=%u", (unsigned)settings->threads);
+    snprintf(configuration, sizeof configuration, "hugepages=1,threads=%u%s", (unsigned)settings->threads,
+             isa_names[settings->isa]);
     if (peer) peer->device = rtcNewDevice(configuration);
     if (!peer || !peer->device) {
         fprintf(stderr, "cannot start Embree\n");
@@ -252,6 +254,9 @@ const char *peer_variant_name(enum kind kind, int variant)
         return v->lit ? v->name : NULL;
     case PRIMARY:
         return v->picture && !v->table ? v->name : NULL;
+    case SINGLE:
+    case SINGLE_ANY:
+        return v->closest == trace_closest_1 ? v->name : NULL;
     default:
         return v->closest && (!v->incoherent || kind >= REACH) ? v->name : NULL;
     }
@@ -316,7 +321,7 @@ static size_t start_batches(const struct peer *peer, const struct task *task, co
 {
     job->batch = (struct batch){.scene = peer->scene, .stream = &task->stream, .answers = answers};
     rtcInitIntersectContext(&job->batch.context);
-    job->batch.context.flags = task->kind == BOUNCE || job->variant->incoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
+    job->batch.context.flags = task->kind == BOUNCE || is_single(task->kind) || job->variant->incoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
                                                                                 : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     job->any = is_yes_or_no(task->kind);
     return (task->stream.count + BATCH_SIZE - 1) / BATCH_SIZE;

@@ -169,6 +169,33 @@ static int32_t trace_arrays(const struct library *library, const mlrt_tree *tree
     return status;
 }
 
+// A call for each ray, as a program makes that has a ray at a time.
+static int32_t trace_singles(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
+                             const struct task *task, const struct answers *answers)
+{
+    mlrt_trace_options with_query = *options;
+    mlrt_ray ray = {.struct_size = sizeof ray};
+    mlrt_hit hit = {.struct_size = sizeof hit};
+    if (is_any(task->kind)) with_query.query = MLRT_QUERY_ANY;
+    for (size_t i = 0; i < task->element_count; i++) {
+        const struct ray_record *record = &task->records[i];
+        if (isnan(record->origin[0])) {
+            if (answers->triangles) answers->triangles[i] = MLRT_NONE, answers->t[i] = INFINITY;
+            if (answers->occluded) answers->occluded[i] = 0;
+            continue;
+        }
+        memcpy(ray.origin, record->origin, sizeof ray.origin);
+        memcpy(ray.direction, record->direction, sizeof ray.direction);
+        ray.t_min = record->t_min;
+        ray.t_max = record->t_max;
+        const int32_t status = library->trace_ray(tree, &ray, &with_query, &hit);
+        if (status != MLRT_OK) return status;
+        if (answers->triangles) answers->triangles[i] = hit.triangle, answers->t[i] = hit.t;
+        if (answers->occluded) answers->occluded[i] = (uint8_t)hit.occluded;
+    }
+    return MLRT_OK;
+}
+
 int32_t run_library(const struct library *library, const mlrt_tree *tree, const mlrt_trace_options *options,
                     const struct task *task, const struct answers *answers)
 {
@@ -182,6 +209,9 @@ int32_t run_library(const struct library *library, const mlrt_tree *tree, const 
     case SHADOW:
     case SUN:
         return trace_shadows(library, tree, options, task, answers);
+    case SINGLE:
+    case SINGLE_ANY:
+        return trace_singles(library, tree, options, task, answers);
     default:
         return trace_arrays(library, tree, options, task, answers);
     }

@@ -16,12 +16,16 @@
 
 enum { PEER_MEDIUM_QUALITY = 0, PEER_HIGH_QUALITY = 1 };
 
+/* PEER_ISA_AUTO: all that the processor has. */
+enum { PEER_ISA_AUTO, PEER_ISA_SSE, PEER_ISA_AVX, PEER_ISA_AVX2, PEER_ISA_AVX512 };
+
 struct peer;
 
 struct peer_settings {
     int robust;
     int quality;      /* PEER_*_QUALITY */
     uint32_t threads; /* of the builder; 0 = all */
+    int32_t isa;      /* PEER_ISA_*: the widest instruction set it may use */
 };
 
 /* What it took. */

@@ -119,7 +119,7 @@ static int build_with_mlrt(const struct builder *builder, const struct scene *sc
 static int build_with_peer(const struct builder *builder, const struct scene *scene, uint32_t threads,
                            struct built *built, double *seconds)
 {
-    const struct peer_settings settings = {builder->robust, builder->preset, threads};
+    const struct peer_settings settings = {builder->robust, builder->preset, threads, PEER_ISA_AUTO};
     struct peer_build build = {0, 0};
     built->unsupported = !have_peer();
     if (built->unsupported) return 0;

@@ -18,6 +18,8 @@ from DATA/NAME.csv. WHAT is one of
                 millions of rays per second; likewise
     all         these four, of one kind
     settings    what sweep.py wrote: a row for each setting, a column for each kind and scene
+    spread      a row for each kind: the least, the median and the greatest `ratio` of all scenes. NAME may be
+                several, NAME.csv=TITLE,NAME.csv=TITLE,...: side by side
 
 A kind is the bench's, or KIND=TITLE with _ for spaces. With --check nothing is written, and the exit status is 1 if
 something would be.
@@ -25,6 +27,7 @@ something would be.
 import csv
 import os
 import re
+import statistics
 import sys
 
 BLOCK = re.compile(r"(<!-- table: (\S+) (\S+) ([^>]*?) -->\n).*?(<!-- end of table -->)", re.S)
@@ -94,7 +97,24 @@ def table_of_aims(rows, titles, aims):
     return table_of_kinds(rows, titles, show)
 
 
+def table_of_spreads(data, names, titles):
+    head, columns = ["rays"], []
+    for name in names.split(","):
+        file, _, title = name.partition("=")
+        head += [f"{title}: least", "median", "greatest"]
+        columns.append(read(os.path.join(data, file)))
+
+    def spread(rows, kind):
+        ratios = [float(row["mrays"]) / float(row["embree_fast_mrays"]) for row in rows
+                  if row["kind"] == kind and float(row["embree_fast_mrays"]) > 0]
+        return [f"{value:.2f}" for value in (min(ratios), statistics.median(ratios), max(ratios))] if ratios else [""] * 3
+
+    return table(head, [[title] + sum((spread(rows, kind) for rows in columns), []) for kind, title in titles.items()])
+
+
 def make_table(data, name, what, titles):
+    if what == "spread":
+        return table_of_spreads(data, name, titles)
     rows = read(os.path.join(data, name))
     if what == "aims":
         return table_of_aims(rows, titles, read(os.path.join(data, "aims.csv")))

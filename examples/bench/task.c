@@ -11,7 +11,7 @@
 
 const char *const kind_names[KIND_COUNT + 1] = {"frame",   "lit",        "primary", "shadow",   "sun",    "array",
                                                 "list",    "parallel",   "bounce",  "reach",    "mirror", "lens",
-                                                "one-way", "hemisphere", "record",  "lit-frame"};
+                                                "one-way", "hemisphere", "record",  "single",   "single-any", "lit-frame"};
 
 enum { WIDTH = 16, BLOCK_SIDE = 4, REGION_SIDE = 64, LARGEST_SPHERE = 9 };
 
@@ -553,6 +553,46 @@ static int make_hemispheres(const mlrt_tree *tree, const struct view_hits *hits,
     return 0;
 }
 
+// Off the surface, in a random direction; the first ray of each two is the camera's, or the one of reach.
+static void make_single_record(const struct task *task, const struct view_hits *hits, size_t i, double diagonal,
+                               uint64_t *state, struct ray_record *ray)
+{
+    double normal[3];
+    float n[3];
+    normal_of(task->subject, hits, i, normal);
+    for (int k = 0; k < 3; k++) n[k] = (float)normal[k];
+    ray->t_min = (float)(OFF_SURFACE * diagonal);
+    random_direction(state, n, 1, ray->direction);
+}
+
+static int make_single_records(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
+{
+    const double diagonal = diagonal_of(&task->subject->scene);
+    uint64_t state = 24680;
+    if (make_camera_records(task)) return 1;
+    task->row_length = 0;
+    task->ray_count = 0;
+    for (size_t i = 0; i < task->element_count; i++) {
+        const size_t pixel = i - i % 2; // both of a pair are of the same place
+        struct ray_record *ray = &task->records[i];
+        if (i % 2 == 0 && task->kind == SINGLE) {
+            task->ray_count++;
+            continue;
+        }
+        *ray = (struct ray_record){.t_max = NO_END};
+        if (!place_point(tree, hits, pixel, ray->origin)) {
+            ray->origin[0] = NAN;
+            continue;
+        }
+        task->ray_count++;
+        if (i % 2)
+            make_single_record(task, hits, pixel, diagonal, &state, ray);
+        else
+            aim_at(task->subject->light, ray);
+    }
+    return 0;
+}
+
 static int make_rays_at_hits(const mlrt_tree *tree, const struct view_hits *hits, struct task *task)
 {
     switch ((int)task->kind) {
@@ -565,6 +605,9 @@ static int make_rays_at_hits(const mlrt_tree *tree, const struct view_hits *hits
         return make_lens_rays(hits, task);
     case HEMISPHERE:
         return make_hemispheres(tree, hits, task);
+    case SINGLE:
+    case SINGLE_ANY:
+        return make_single_records(tree, hits, task);
     default:
         return make_records(tree, hits, task);
     }

@@ -23,6 +23,11 @@
  *     hemisphere from each hit of every fourth pixel of every fourth row 16 rays in random directions, cosine-weighted,
  *                a tenth of the diagonal far: is anything there; a list: arrays of origins, directions and ends
  *     record *   the camera's rays; distances, weights, and numbers of meshes and triangles
+ *
+ * A call for each ray, in a list of such structs:
+ *
+ *     single     the camera's ray and the one of bounce by turns; numbers and distances
+ *     single-any the ray of reach and the one of bounce by turns: is anything hit
  */
 #ifndef TASK_H
 #define TASK_H
@@ -48,6 +53,8 @@ enum kind {
     ONE_WAY,
     HEMISPHERE,
     RECORD,
+    SINGLE,
+    SINGLE_ANY,
     KIND_COUNT,
     LIT_LESS_FRAME = KIND_COUNT
 };
@@ -67,13 +74,19 @@ static inline int is_shadow(enum kind kind)
 /* Kinds that ask whether anything is hit, of rays. */
 static inline int is_any(enum kind kind)
 {
-    return kind == REACH || kind == ONE_WAY || kind == HEMISPHERE;
+    return kind == REACH || kind == ONE_WAY || kind == HEMISPHERE || kind == SINGLE_ANY;
 }
 
 /* Kinds whose answers are only whether something is hit. */
 static inline int is_yes_or_no(enum kind kind)
 {
     return is_shadow(kind) || is_any(kind);
+}
+
+/* Kinds with a call for each ray. */
+static inline int is_single(enum kind kind)
+{
+    return kind == SINGLE || kind == SINGLE_ANY;
 }
 
 /*

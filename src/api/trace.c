@@ -221,56 +221,25 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
 }
 
-/* What a ray hit; `number` is MLRT_NONE for a miss. */
-static void set_hit(const mlrt_tree *tree, const struct mlrt_ray_segment *segment, uint32_t number, int any,
-                    mlrt_hit *hit)
-{
-    hit->occluded = number != MLRT_NONE;
-    if (any) return;
-    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
-    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
-    if (number != MLRT_NONE) {
-        mlrt_report_hit(segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING,
-                        &report);
-    }
-    hit->t = report.t;
-    hit->u = report.u;
-    hit->v = report.v;
-    hit->facing = report.facing;
-}
-
-/* By the kernel for rays that go alone, if that is the method and it can, or else by method `ray`. */
-static uint32_t trace_segment(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip,
-                              mlrt_counters *counters)
-{
-    if (job->method == MLRT_METHOD_TILE && job->kernels->trace_ray &&
-        (job->tree->bvh.unit != 1 || mlrt_is_safe_ray(segment))) {
-        return job->kernels->trace_ray(job, segment, skip);
-    }
-    return mlrt_trace_segment(job->tree, segment, skip, job->any, counters);
-}
-
 static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
 {
     return ray->t_max == 0 ? INFINITY : ray->t_max;
 }
 
-/* One ray: nothing to set up. */
-static MLRT_NOINLINE void trace_directly(const struct mlrt_job *job, const mlrt_ray *ray, mlrt_counters *counters,
-                                         mlrt_hit *hit)
+/* Method `ray`, and all others where they count. */
+static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask,
+                                       uint32_t skip, mlrt_counters *counters, mlrt_hit *hit)
 {
-    const struct mlrt_tree *tree = job->tree;
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
-    const uint32_t skip =
-        ray->flags & MLRT_RAY_SKIP ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
     if (counters) ++counters->ray_count;
     if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment)) {
-        segment.mask = job->source.common_mask;
+        segment.mask = mask;
         if (counters) ++counters->packet_count;
-        number = trace_segment(job, &segment, skip, counters);
+        number = mlrt_trace_segment(tree, &segment, skip, any, counters);
     }
-    set_hit(tree, &segment, number, job->any, hit);
+    hit->occluded = number != MLRT_NONE;
+    if (!any) mlrt_tell_hit(tree, ray, number, hit);
 }
 
 /* Any other method: a list of one ray. The arrays are a struct. */
@@ -307,43 +276,99 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
     return status;
 }
 
-/* By whatever method; the hit is ours, and of it what the query does not write stays. */
-static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const struct call *call, mlrt_hit *hit)
+/* With options that are not the default: they are checked as those of all calls are. */
+static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t skip,
+                                                const mlrt_trace_options *options, mlrt_hit *hit)
 {
-    const int32_t method = call->options.method;
-    mlrt_counters own = {.struct_size = sizeof own}, *counters = call->options.counters;
+    struct call call;
     struct mlrt_job job = {.callback = NULL};
-    const int32_t status = resolve_options(tree, &call->options, &job);
+    int32_t status = take_options(options, &call);
+    if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
     if (status != MLRT_OK) return status;
+    const int32_t method = options->method;
     if (method != MLRT_METHOD_DEFAULT && method != MLRT_METHOD_RAY) {
-        return trace_as_list(tree, ray, &call->options, job.any, hit);
+        return trace_as_list(tree, ray, options, job.any, hit);
     }
+    const uint32_t mask = job.source.common_mask;
+    mlrt_counters own = {.struct_size = 0};
     const uint64_t environment = mlrt_enter_fp_environment();
-    trace_directly(&job, ray, counters ? &own : NULL, hit);
+    if (job.method == MLRT_METHOD_TILE && job.kernels->trace_ray) {
+        job.kernels->trace_ray(tree, ray, job.any, mask, skip, hit);
+    } else {
+        trace_by_ray(tree, ray, job.any, mask, skip, options->counters ? &own : NULL, hit);
+    }
     mlrt_leave_fp_environment(environment);
-    if (counters) mlrt_add_counters(counters, &own);
+    if (options->counters) mlrt_add_counters(options->counters, &own);
+    return MLRT_OK;
+}
+
+/* Is there something to look at in options, besides the query, the mask and the pool? */
+static int has_options(const mlrt_trace_options *of)
+{
+    return (of->method | of->isa | of->culling | (of->query & ~MLRT_QUERY_ANY)) != 0 ||
+           (of->culling_check | of->initial_tile_size | of->minimum_tile_size | of->split_factor | of->outputs |
+            of->shortcuts_off | of->light_count | of->reserved) != 0 ||
+           ((uintptr_t)of->counters | (uintptr_t)of->host | (uintptr_t)of->lights) != 0;
+}
+
+/* All structs are of this version. Of the hit, what the query does not write stays. */
+static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                             mlrt_hit *hit)
+{
+    int any = 0;
+    uint32_t mask = MLRT_MASK_ALL, skip = MLRT_NONE;
+    if (MLRT_UNLIKELY(ray->flags)) {
+        if (ray->flags != MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+        skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
+    }
+    if (options) {
+        if (has_options(options)) return trace_with_options(tree, ray, skip, options, hit);
+        any = options->query;
+        if (options->mask) mask = options->mask;
+    }
+    const struct mlrt_kernels *kernels = mlrt_widest_kernels();
+    const uint64_t environment = mlrt_enter_fp_environment();
+    if (tree->structures & MLRT_STRUCTURE_BVH && kernels->trace_ray) {
+        kernels->trace_ray(tree, ray, any, mask, skip, hit);
+    } else {
+        trace_by_ray(tree, ray, any, mask, skip, NULL, hit);
+    }
+    mlrt_leave_fp_environment(environment);
     return MLRT_OK;
 }
 
 #define FIRST_RAY_SIZE MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle)
 #define FIRST_HIT_SIZE MLRT_SIZE_UP_TO(mlrt_hit, occluded)
 
+/* Of structs of other versions. */
+static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const mlrt_ray *ray,
+                                                 const mlrt_trace_options *options, mlrt_hit *hit)
+{
+    mlrt_ray own_ray;
+    mlrt_hit own_hit;
+    mlrt_trace_options own_options;
+    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
+    if (status == MLRT_OK) status = mlrt_check_result_size(hit, FIRST_HIT_SIZE, sizeof own_hit);
+    if (status == MLRT_OK && options) {
+        status = mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &own_options,
+                                  sizeof own_options);
+    }
+    if (status != MLRT_OK) return status;
+    memcpy(&own_hit, hit, FIRST_HIT_SIZE);
+    status = trace_one_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
+    if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
+    return status;
+}
+
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {
     if (!tree || !ray || !hit) return MLRT_ERROR_ARGUMENT;
-    mlrt_ray own_ray;
-    mlrt_hit own_hit;
-    struct call call;
-    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
-    if (status == MLRT_OK) status = mlrt_check_result_size(hit, FIRST_HIT_SIZE, sizeof own_hit);
-    if (status == MLRT_OK) status = take_options(options, &call);
-    if (status != MLRT_OK) return status;
-    if (own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
-    memcpy(&own_hit, hit, FIRST_HIT_SIZE);
-    status = trace_one_ray(tree, &own_ray, &call, &own_hit);
-    if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
-    return status;
+    if (MLRT_LIKELY(ray->struct_size == sizeof *ray && hit->struct_size == sizeof *hit &&
+                    (!options || options->struct_size == sizeof *options))) {
+        return trace_one_ray(tree, ray, options, hit);
+    }
+    return trace_versioned_ray(tree, ray, options, hit);
 }
 
 static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,

@@ -127,15 +127,17 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
  */
 #if MLRT_HAVE_SSE
 #include <xmmintrin.h>
+#define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */
+#define MLRT_CONTROL_BITS   0xFFC0u /* the others are flags of what has happened, and stay */
 MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
 {
-    uint32_t saved = _mm_getcsr();
-    _mm_setcsr(0x1F80);
+    const uint32_t saved = _mm_getcsr();
+    if (MLRT_UNLIKELY((saved & MLRT_CONTROL_BITS) != MLRT_WANTED_CONTROL)) _mm_setcsr(MLRT_WANTED_CONTROL);
     return saved;
 }
 MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
 {
-    _mm_setcsr((uint32_t)saved);
+    if (_mm_getcsr() != (uint32_t)saved) _mm_setcsr((uint32_t)saved);
 }
 #elif defined(__aarch64__) && defined(__GNUC__)
 MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)

@@ -153,7 +153,7 @@ struct build {
     uint32_t task_size; /* sets up to this are tasks */
     uint32_t chunk_count;
     uint32_t depth_limit;
-    double scene_area; /* of the core: a few large boxes are as large as that */
+    double scene_area;              /* of the core: a few large boxes are as large as that */
     const struct portion *together; /* the set that the pool is looking at */
     struct mlrt_progress *progress;
     double cut_work; /* per reference of a set that is cut */

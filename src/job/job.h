@@ -131,10 +131,11 @@ struct mlrt_kernels {
     /* What follows is there for the hierarchy of boxes only. */
 
     /*
-     * As mlrt_trace_segment, for a ray that float can carry, unless the unit of the hierarchy is not 1. Of the job,
-     * tree, `any` and trace_segment count. It does not count: the ones that do have NULL.
+     * Traces one ray, and tells its hit: what mlrt_trace_ray does, whose structs are whole by now. The ray passes the
+     * triangle with number `skip`. trace/single.h. It does not count: the ones that do have NULL.
      */
-    uint32_t (*trace_ray)(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t skip);
+    void (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
+                      mlrt_hit *hit);
     /* Makes a bundle without rays out of a camera's picture; 0 if it cannot be. camera_cells.h */
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_bundle *bundle);

@@ -139,6 +139,23 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *triangle = number - tree->mesh_first[position];
 }
 
+void mlrt_tell_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
+{
+    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
+    if (number != MLRT_NONE) {
+        struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
+        memcpy(segment.origin, ray->origin, sizeof segment.origin);
+        memcpy(segment.direction, ray->direction, sizeof segment.direction);
+        mlrt_report_hit(&segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING,
+                        &report);
+    }
+    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
+    hit->t = report.t;
+    hit->u = report.u;
+    hit->v = report.v;
+    hit->facing = report.facing;
+}
+
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray)
 {
     for (int k = 0; k < 3; ++k) {

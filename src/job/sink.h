@@ -114,4 +114,7 @@ uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 /* The ids that a triangle number is reported by; those of a miss for MLRT_NONE. */
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
 
+/* All of a hit but `occluded`, for the triangle with this number; that of a miss for MLRT_NONE. */
+void mlrt_tell_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit);
+
 #endif

@@ -35,8 +35,8 @@ struct mlrt_packet {
     uint32_t single;                                       /* bit per lane */
     int has_apex;
     int has_skip;
-    int has_limits;                 /* 0 = all t_min are 0 or less, and all t_max are equal */
-    int has_masks;                  /* 0 = the rays see all, or the kernel takes care of the one mask that they have */
+    int has_limits; /* 0 = all t_min are 0 or less, and all t_max are equal */
+    int has_masks;  /* 0 = the rays see all, or the kernel takes care of the one mask that they have */
 };
 
 /* What brings rays into the units of boxes (units.h) besides the unit, lane by lane: powers of two. */

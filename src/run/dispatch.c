@@ -44,45 +44,36 @@ static int32_t widest_isa(void)
 }
 #endif
 
-static int is_supported(int32_t isa)
-{
-    switch (isa) {
-    case MLRT_ISA_SCALAR:
-        return 1;
+/* The kernels for boxes of each instruction set, MLRT_ISA_*. */
+static const struct mlrt_kernels *const kernels_of_isa[MLRT_ISA_AVX512 + 1] = {
 #if MLRT_HAVE_SSE
-    case MLRT_ISA_SSE:
-    case MLRT_ISA_AVX2:
-    case MLRT_ISA_AVX512:
-        return isa <= widest_isa();
+    [MLRT_ISA_SCALAR] = &mlrt_kernels_scalar_counting,
+    [MLRT_ISA_SSE] = &mlrt_kernels_sse,
+    [MLRT_ISA_AVX2] = &mlrt_kernels_avx2,
+    [MLRT_ISA_AVX512] = &mlrt_kernels_avx512,
+#else
+    [MLRT_ISA_SCALAR] = &mlrt_kernels_scalar,
 #endif
-    default:
-        return 0;
-    }
+};
+
+const struct mlrt_kernels *mlrt_widest_kernels(void)
+{
+#if MLRT_HAVE_SSE
+    return kernels_of_isa[widest_isa()];
+#else
+    return kernels_of_isa[MLRT_ISA_SCALAR];
+#endif
 }
 
 const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting)
 {
-    if (isa == MLRT_ISA_AUTO) {
-        isa = MLRT_ISA_AVX512;
-        while (!is_supported(isa)) --isa;
-    } else if (!is_supported(isa)) {
-        return NULL;
-    }
-    if (method != MLRT_METHOD_TILE) return &mlrt_kernels_kdtree;
-    if (counting) return &mlrt_kernels_scalar_counting;
-    switch (isa) {
 #if MLRT_HAVE_SSE
-    case MLRT_ISA_SSE:
-        return &mlrt_kernels_sse;
-    case MLRT_ISA_AVX2:
-        return &mlrt_kernels_avx2;
-    case MLRT_ISA_AVX512:
-        return &mlrt_kernels_avx512;
-    default:
-        return &mlrt_kernels_scalar_counting;
+    const int32_t widest = widest_isa();
 #else
-    default:
-        return &mlrt_kernels_scalar;
+    const int32_t widest = MLRT_ISA_SCALAR;
 #endif
-    }
+    if (isa == MLRT_ISA_AUTO) isa = widest;
+    if (isa > widest) return NULL;
+    if (method != MLRT_METHOD_TILE) return &mlrt_kernels_kdtree;
+    return counting ? &mlrt_kernels_scalar_counting : kernels_of_isa[isa];
 }

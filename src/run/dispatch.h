@@ -13,4 +13,7 @@
  */
 const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting);
 
+/* Those of method tile for the widest instruction set there is, which do not count. */
+const struct mlrt_kernels *mlrt_widest_kernels(void);
+
 #endif

@@ -55,6 +55,29 @@ MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
     memcpy(words, p, sizeof words);
     return (words[0] == word) | (words[1] == word) << 1 | (words[2] == word) << 2 | (words[3] == word) << 3;
 }
+/* bits of those that are 0, and of those that are 0 or whose magnitude is lo .. hi */
+MLRT_INLINE unsigned f4_zeros(f4 a)
+{
+    return (unsigned)((a.x[0] == 0) | (a.x[1] == 0) << 1 | (a.x[2] == 0) << 2 | (a.x[3] == 0) << 3);
+}
+MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
+{
+    unsigned bits = f4_zeros(a);
+    for (int i = 0; i < 4; ++i) bits |= (unsigned)(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) << i;
+    return bits;
+}
+/* the last three, and the last one again */
+MLRT_INLINE f4 f4_rest(f4 a)
+{
+    return (f4){{a.x[1], a.x[2], a.x[3], a.x[3]}};
+}
+/* a where the sign bit of `sign` is set, else b */
+MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
+{
+    f4 c;
+    for (int i = 0; i < 4; ++i) c.x[i] = signbit(sign.x[i]) ? a.x[i] : b.x[i];
+    return c;
+}
 /* so_far, but 0 where any four words are not those of a */
 MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
 {

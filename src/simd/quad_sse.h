@@ -45,6 +45,25 @@ MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_set1_epi32((int)word));
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
+MLRT_INLINE unsigned f4_zeros(f4 a)
+{
+    return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(a, _mm_setzero_ps()));
+}
+MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
+{
+    const __m128 b = _mm_andnot_ps(_mm_set1_ps(-0.0f), a), zero = _mm_cmpeq_ps(a, _mm_setzero_ps());
+    const __m128 within = _mm_and_ps(_mm_cmple_ps(_mm_set1_ps(lo), b), _mm_cmple_ps(b, _mm_set1_ps(hi)));
+    return (unsigned)_mm_movemask_ps(_mm_or_ps(zero, within));
+}
+MLRT_INLINE f4 f4_rest(f4 a)
+{
+    return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 2, 1));
+}
+MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
+{
+    const __m128 mask = _mm_castsi128_ps(_mm_srai_epi32(_mm_castps_si128(sign), 31));
+    return _mm_or_ps(_mm_and_ps(mask, a), _mm_andnot_ps(mask, b));
+}
 MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
 {
     return _mm_and_ps(so_far, _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_castps_si128(a))));

@@ -48,11 +48,15 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "base/counters.h"
+#include "bvh/ray.h"
+#include "exact/nearest.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
+#include "job/sink.h"
 #include "rays/extremes.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
@@ -369,58 +373,160 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
 }
 
 #if !MLRT_COUNTING
-/* A packet of one ray, in lane 0. Of a worker nothing is used but what it remembers of planes. */
-static uint32_t trace_lone_ray(const struct mlrt_job *job, const struct mlrt_ray_segment *segment, uint32_t skip)
+/* The numbers of one ray that float arithmetic carries: x, y, z, and z once more. */
+struct lone_ray {
+    f4 origin;
+    f4 direction;
+    f4 near; /* 1 / direction as boxes need it: see the head of this file */
+    f4 far;
+    float t_min;
+    float t_max;
+};
+
+/* Three numbers of a struct that has another one before them. */
+MLRT_INLINE f4 load_three(const float numbers[3])
 {
-    struct mlrt_packet packet;
+    return f4_rest(f4_load_any((const unsigned char *)numbers - sizeof *numbers));
+}
+
+MLRT_INLINE void set_lone_reciprocals(struct lone_ray *ray)
+{
+    const f4 r = f4_div(f4_set1(1), ray->direction);
+    ray->near = f4_mul(r, f4_set1(1 - RECIPROCAL_SLACK));
+    ray->far = f4_mul(r, f4_set1(1 + RECIPROCAL_SLACK));
+}
+
+/* Rule R1. Returns 1; 0 if the ray can hit nothing, -1 if float does not carry it. */
+MLRT_INLINE int take_lone_ray(const mlrt_ray *given, struct lone_ray *ray)
+{
+    ray->origin = load_three(given->origin);
+    ray->direction = f4_add(load_three(given->direction), f4_set1(0)); /* -0 becomes 0 */
+    if ((f4_zeros_or_within(ray->origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
+         f4_zeros_or_within(ray->direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
+        return -1;
+    }
+    set_lone_reciprocals(ray);
+    ray->t_min = given->t_min < 0 ? 0 : given->t_min;
+    ray->t_max = given->t_max == 0 ? INFINITY : given->t_max;
+    return ray->t_min < ray->t_max && f4_zeros(ray->direction) != 15;
+}
+
+/* Can the ray meet the box of the scene? As meet_boxes. */
+MLRT_INLINE int meets_scene(const struct lone_ray *ray, const struct mlrt_box *box)
+{
+    const f4 lo = load_three(box->lo), hi = load_three(box->hi);
+    const f4 to_near = f4_sub(f4_by_sign(ray->direction, hi, lo), ray->origin);
+    const f4 to_far = f4_sub(f4_by_sign(ray->direction, lo, hi), ray->origin);
+    const f4 first = f4_max(f4_mul(to_near, ray->near), f4_set1(ray->t_min));
+    const f4 last = f4_min(f4_mul(to_far, ray->far), f4_set1(finite_limit(ray->t_max)));
+    return f4_hmax(first) <= f4_hmin(last);
+}
+
+/* Traces a ray as lane 0 of a packet. Of a worker nothing is used but what it remembers of planes. */
+static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ray *ray, uint32_t mask, uint32_t skip,
+                                struct mlrt_scaled_packet *scaled)
+{
+    struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
     struct mlrt_reciprocals reciprocals;
-    struct mlrt_worker worker;
     struct mlrt_known_plane plane;
-    struct mlrt_triangle_pair pairs[4];
-    if (job->tree->bvh.node_count == 0) return MLRT_NONE;
-    struct mlrt_scaled_packet scaled;
-    struct mlrt_packet *rays = &packet;
+    struct mlrt_triangle_pair pair;
+    struct mlrt_worker worker;
+    MLRT_ALIGNED(16) float numbers[4][4];
+    f4_store(numbers[0], ray->origin);
+    f4_store(numbers[1], ray->direction);
+    f4_store(numbers[2], ray->near);
+    f4_store(numbers[3], ray->far);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        packet.origin[k][0] = segment->origin[k];
-        packet.direction[k][0] = segment->direction[k];
+        packet->origin[k][0] = numbers[0][k];
+        packet->direction[k][0] = numbers[1][k];
+        reciprocals.near[k][0] = numbers[2][k];
+        reciprocals.far[k][0] = numbers[3][k];
     }
-    packet.t_min[0] = segment->t_min;
-    packet.t_max[0] = packet.lo[0] = packet.hi[0] = segment->t_max;
+    packet->t_min[0] = ray->t_min;
+    packet->t_max[0] = packet->lo[0] = packet->hi[0] = ray->t_max;
+    packet->triangle[0] = MLRT_NONE;
+    packet->skip[0] = skip;
+    packet->has_skip = skip != MLRT_NONE;
+    packet->has_apex = packet->has_masks = 0;
+    worker.mask = mask;
+    worker.planes = &plane;
+    worker.pairs = &pair;
+    worker.plane_mask = worker.pair_mask = 0;
+    plane.number = MLRT_NONE;
+    pair.first = pair.second = 0;
+    worker.progress = NULL;
+    worker.scaled = scaled;
+    trace_single(job, &reciprocals, 0, 0, packet, &worker);
+    return packet->triangle[0];
+}
+
+/* Traces a ray that float does not carry, or only in units. */
+static MLRT_NOINLINE uint32_t trace_unusual_ray(const struct mlrt_job *job, const mlrt_ray *given, uint32_t mask,
+                                                uint32_t skip)
+{
+    const float unit = job->tree->bvh.unit;
+    struct mlrt_packet packet;
+    struct mlrt_scaled_packet scaled;
+    struct mlrt_ray_segment segment;
+    struct lone_ray ray;
+    const float t_max = given->t_max == 0 ? INFINITY : given->t_max;
+    if (!mlrt_make_segment(given->origin, given->direction, given->t_min, t_max, &segment)) return MLRT_NONE;
+    segment.mask = mask;
+    if (unit == 1) return mlrt_trace_boxes(job->tree, &segment, skip, job->any, NULL, NULL);
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
+        for (int k = 0; k < 3; ++k) {
+            packet.origin[k][lane] = segment.origin[k];
+            packet.direction[k][lane] = segment.direction[k];
+        }
+        packet.t_min[lane] = segment.t_min;
+        packet.t_max[lane] = packet.lo[lane] = packet.hi[lane] = segment.t_max;
+    }
     packet.triangle[0] = MLRT_NONE;
     packet.skip[0] = skip;
-    packet.has_apex = packet.has_masks = 0;
-    worker.mask = segment->mask;
     packet.has_skip = skip != MLRT_NONE;
-    worker.planes = &plane;
-    worker.pairs = pairs;
-    mlrt_forget_planes(0, 2, &worker);
-    worker.progress = NULL;
-    worker.scaled = NULL;
-    if (MLRT_UNLIKELY(job->tree->bvh.unit != 1)) {
-        for (int lane = 1; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                packet.origin[k][lane] = packet.origin[k][0];
-                packet.direction[k][lane] = packet.direction[k][0];
-            }
-            packet.t_min[lane] = packet.t_min[0];
-            packet.lo[lane] = packet.hi[lane] = packet.hi[0];
-        }
-        if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) {
-            return job->trace_segment(job->tree, segment, skip, job->any, NULL);
-        }
-        worker.scaled = &scaled;
-        rays = &scaled.rays;
+    packet.has_apex = packet.has_masks = 0;
+    if (!scale_packet(1, unit, &packet, &scaled)) return mlrt_trace_boxes(job->tree, &segment, skip, job->any, NULL, NULL);
+    float origin[4], direction[4];
+    for (int k = 0; k < 4; ++k) {
+        origin[k] = scaled.rays.origin[k < 3 ? k : 2][0];
+        direction[k] = scaled.rays.direction[k < 3 ? k : 2][0];
     }
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const float r = 1 / rays->direction[k][0];
-        reciprocals.near[k][0] = r * (1 - RECIPROCAL_SLACK);
-        reciprocals.far[k][0] = r * (1 + RECIPROCAL_SLACK);
+    ray.origin = f4_load_any(origin);
+    ray.direction = f4_load_any(direction);
+    set_lone_reciprocals(&ray);
+    ray.t_min = scaled.rays.t_min[0];
+    ray.t_max = scaled.rays.hi[0];
+    return trace_lone_lane(job, &ray, mask, skip, &scaled);
+}
+
+/* job.h: trace_ray. */
+static void trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, int any, uint32_t mask, uint32_t skip,
+                           mlrt_hit *hit)
+{
+    struct lone_ray ray;
+    struct mlrt_job job;
+    uint32_t number = MLRT_NONE;
+    job.tree = tree;
+    job.any = any;
+    if (MLRT_LIKELY(tree->bvh.node_count > 0)) {
+        const int is_taken = tree->bvh.unit == 1 ? take_lone_ray(given, &ray) : -1;
+        if (MLRT_UNLIKELY(is_taken < 0)) {
+            number = trace_unusual_ray(&job, given, mask, skip);
+        } else if (is_taken && meets_scene(&ray, &tree->bvh.whole)) {
+            number = trace_lone_lane(&job, &ray, mask, skip, NULL);
+        }
     }
-    trace_single(job, &reciprocals, 0, 0, rays, &worker);
-    return rays->triangle[0];
+    hit->occluded = number != MLRT_NONE;
+    if (any) return;
+    if (number != MLRT_NONE) {
+        mlrt_tell_hit(tree, given, number, hit);
+        return;
+    }
+    hit->t = INFINITY;
+    hit->u = hit->v = 0;
+    hit->mesh = hit->triangle = MLRT_NONE;
+    hit->facing = 0;
 }
 #endif
 
