@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where one ray crosses planes, in double: what single rays test nodes with (trace_ray.c, bvh/ray.c).
+ * Where one ray crosses planes, in double: what single rays test nodes with (mlrta/ray.c, bvh/ray.c).
  *
  * In double no finite float overflows or underflows here: with x = fl(c - o) and r = fl(1 / d), the distance to a plane
  * is x r with a relative error under 3 * 2^-53 (1 + 2^-50), so [x r (1 - 2^-50), x r (1 + 2^-50)] contains it, and a

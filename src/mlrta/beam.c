@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Beams: of tiles of any source. Those of cameras are worked out in camera.c; those of arrays by looking at every ray.
+ * Beams: of tiles of any source. Those of cameras are worked out in view_beam.c; those of arrays by looking at every ray.
  */
 #include "mlrta/beam.h"
 
