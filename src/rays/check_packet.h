@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What nearest.h's mlrt_make_segment and source.h's mlrt_is_safe_ray say of one ray, for the rays of a packet as a source
+ * What segment.h's mlrt_make_segment and source.h's mlrt_is_safe_ray say of one ray, for the rays of a packet as a source
  * gave them (mlrt_fetch_packet), a vector at a time.
  */
 #ifndef MLRT_RAYS_CHECK_PACKET_H
@@ -109,7 +109,7 @@ MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *pack
     i_store(packet->triangle + v, i_set1(MLRT_NONE));
 }
 
-/* Rule R1 (exact/nearest.h), and which rays float can carry (packet.h). */
+/* Rule R1 (segment.h), and which rays float can carry (packet.h). */
 MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
 {
     struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */
