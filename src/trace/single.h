@@ -486,7 +486,8 @@ static MLRT_NOINLINE uint32_t trace_unusual_ray(const struct mlrt_job *job, cons
     packet.skip[0] = skip;
     packet.has_skip = skip != MLRT_NONE;
     packet.has_apex = packet.has_masks = 0;
-    if (!scale_packet(1, unit, &packet, &scaled)) return mlrt_trace_boxes(job->tree, &segment, skip, job->any, NULL, NULL);
+    if (!scale_packet(1, unit, &packet, &scaled))
+        return mlrt_trace_boxes(job->tree, &segment, skip, job->any, NULL, NULL);
     float origin[4], direction[4];
     for (int k = 0; k < 4; ++k) {
         origin[k] = scaled.rays.origin[k < 3 ? k : 2][0];
