@@ -30,6 +30,7 @@
 #   make check-copies    three copies of the library in one process
 #   make check-churn     10,000 trees and pools made and destroyed under valgrind
 #   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
+#   make dist            the sources of the last commit, the amalgamation and their checksums, in build/dist
 #   make test-amalgamation  compiles it by gcc and clang: golden numbers, exported names, nothing fused
 #   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers from
 #                        emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)
@@ -397,7 +398,7 @@ check-lemmas:
 
 # ---- one file, other machines --------------------------------------------------------------------------------------
 
-.PHONY: amalgamation test-amalgamation test-cross deps-cross
+.PHONY: amalgamation dist test-amalgamation test-cross deps-cross
 
 ONE_FILE := $(BUILD)/amalgamation
 
@@ -405,6 +406,18 @@ amalgamation: $(ONE_FILE)/mlrt.c
 
 $(ONE_FILE)/mlrt.c: src/amalgamate.py include/mlrt.h $(wildcard src/*/*.[ch])
 	$(Q)python3 src/amalgamate.py $(@D)
+
+DIST := $(BUILD)/dist
+AMALGAMATED := mlrt-$(VERSION)-amalgamation
+
+# The same bytes from the same commit.
+dist: amalgamation
+	$(Q)rm -rf $(DIST) && mkdir -p $(DIST)/$(AMALGAMATED)
+	$(Q)git archive --prefix=mlrt-$(VERSION)/ HEAD | gzip -n9 >$(DIST)/mlrt-$(VERSION).tar.gz
+	$(Q)cp $(ONE_FILE)/mlrt.c $(ONE_FILE)/mlrt.h LICENSE $(DIST)/$(AMALGAMATED)
+	$(Q)tar -C $(DIST) -c --sort=name --owner=0 --group=0 --numeric-owner --mtime=@$$(git log -1 --format=%ct) $(AMALGAMATED) | \
+	    gzip -n9 >$(DIST)/$(AMALGAMATED).tar.gz && rm -r $(DIST)/$(AMALGAMATED)
+	$(Q)cd $(DIST) && sha256sum *.tar.gz >SHA256SUMS && cat SHA256SUMS
 
 X86_32_FLAGS = $(if $(filter i386% i486% i586% i686%,$1),-msse2 -mfpmath=sse)
 

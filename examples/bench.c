@@ -154,8 +154,8 @@ static int bench_scene(const struct bench_settings *settings, const char *word)
     struct arena arena;
     struct contest contest, frame = {.count = 0};
     int failed = open_arena(settings, word, &arena) || set_size(&arena.subject, settings->size);
-    if (!failed && arena.tree && !settings->csv) print_head(&arena, settings->size);
-    for (int kind = 0; kind < KIND_COUNT && arena.tree && !failed; kind++) {
+    if (!failed && !settings->csv) print_head(&arena, settings->size);
+    for (int kind = 0; kind < KIND_COUNT && !failed; kind++) {
         if (!(settings->kinds & 1u << kind)) continue;
         struct task task;
         failed = start_contest(settings, &arena, (enum kind)kind, &task, &contest) || hold_contest(&contest);
@@ -187,8 +187,9 @@ static int bench_scenes(const struct bench_settings *settings)
 static uint32_t kinds_of(uint32_t words)
 {
     static const uint32_t kinds[] = {
-        1u << FRAME,  1u << LIT,   1u << PRIMARY, 1u << SHADOW, 1u << SUN,     1u << ARRAY | 1u << LIST, 1u << PARALLEL,
-        1u << BOUNCE, 1u << REACH, 1u << MIRROR,  1u << LENS,   1u << ONE_WAY, 1u << HEMISPHERE,         1u << RECORD, 1u << SINGLE, 1u << SINGLE_ANY};
+        1u << FRAME,      1u << LIT,    1u << PRIMARY, 1u << SHADOW,    1u << SUN,  1u << ARRAY | 1u << LIST,
+        1u << PARALLEL,   1u << BOUNCE, 1u << REACH,   1u << MIRROR,    1u << LENS, 1u << ONE_WAY,
+        1u << HEMISPHERE, 1u << RECORD, 1u << SINGLE,  1u << SINGLE_ANY};
     uint32_t result = 0;
     for (size_t i = 0; i < LENGTH(kinds); i++) result |= words & 1u << i ? kinds[i] : 0;
     return result;
@@ -227,7 +228,8 @@ int main(int argc, char **argv)
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024; the study's largest: 8192)", 64,
          16384},
         {OPTION_SET, "--kind", &kind_words,
-         "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record,single,single-any",
+         "frame,lit,primary,shadow,sun,array,parallel,bounce,reach,mirror,lens,one-way,hemisphere,record,single,single-"
+         "any",
          "kinds of rays, a list (default: all);\nlit is a frame with shadows, after frame also the difference, "
          "lit-frame",
          0, 0},
@@ -240,9 +242,7 @@ int main(int argc, char **argv)
          0, 0},
         {OPTION_CHOICE, "--peer-isa", &settings.peer_isa, "auto|sse|avx|avx2|avx512", "the widest that Embree may use",
          0, 0},
-        {OPTION_CHOICE, "--structure", &settings.structure, "default|kdtree|bvh", "what to search in", 0, 0},
-        {OPTION_CHOICE, "--preset", &settings.preset, "default|paper|fast|best", "the kind of tree", MLRT_TREE_DEFAULT,
-         0},
+        {OPTION_CHOICE, "--tree", &settings.tree, TREE_WORDS, "boxes, or kd-trees", TREE_DEFAULT, 0},
         {OPTION_COUNT, "--threads", &settings.threads, "N", "threads; more than 1: one as well (default: 1)", 1, 256},
         {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 11; of building 3)", 1, MAXIMUM_RUNS},
         {OPTION_FLAG, "--alone", &settings.alone, NULL, "without Embree", 0, 0},

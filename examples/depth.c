@@ -2,8 +2,8 @@
 /*
  * depth.c - how much kd-tree a scene needs: below how many triangles none at all, and how deep elsewhere
  *
- *     depth                               small meshes: their default tree against a single leaf of everything
- *     depth --scene erw6.ply,building     scenes: trees of limited depth against the default tree
+ *     depth                               small meshes: their tuned tree against a single leaf of everything
+ *     depth --scene erw6.ply,building     scenes: trees of limited depth against the tuned tree
  *
  * Two trees over the same triangles take turns at the same rays, so that a machine that slows down does so for both.
  * Shown are medians of times, and of the ratios of runs next to each other.
@@ -316,9 +316,8 @@ static void print_small_head(const struct settings *settings)
         puts("mesh,triangles,depth,leaves,work,tree_ns,leaf_ns,ratio");
         return;
     }
-    puts(
-        "Time per ray in ns with the default tree, with a single leaf of everything, and leaf / tree: below 1 the leaf "
-        "is faster.\n");
+    puts("Time per ray in ns with the tuned tree, with a single leaf of everything, and leaf / tree: below 1 the leaf "
+         "is faster.\n");
     printf("%-9s %5s %6s %6s", "mesh", "tri", "depth", "leaves");
     for (size_t i = 0; i < WORK_COUNT; i++) printf(" | %-12s  leaf  ratio", works[i].name);
     puts("");
@@ -343,10 +342,9 @@ static void print_small_row(const struct settings *settings, const char *name, c
 
 static int study_small(const struct settings *settings, const char *name, struct scene *scene)
 {
-    const mlrt_build_options usual = {.struct_size = sizeof usual, .structures = MLRT_STRUCTURE_KDTREE};
+    const struct tree_settings usual = {.kind = TREE_KDTREE_TUNED};
     // A step that costs a million tests never pays: retraction makes everything one leaf.
-    const mlrt_build_options one_leaf = {
-        .struct_size = sizeof one_leaf, .traversal_cost = 1e6f, .structures = MLRT_STRUCTURE_KDTREE};
+    const struct tree_settings one_leaf = {.kind = TREE_KDTREE_TUNED, .traversal_cost = 1e6f};
     mlrt_tree *tree = NULL, *leaf = NULL;
     struct rays rays = {.t = NULL};
     double seconds;
@@ -387,7 +385,7 @@ static int study_small_meshes(const struct settings *settings)
 
 static const uint32_t depth_limits[] = {60, 52, 48, 44, 40, 36, 32, 28, 24, 20, 16, 12, 8};
 
-/* Where a picture takes this many times as long as with the default tree, the limits below are not tried. */
+/* Where a picture takes this many times as long as with the tuned tree, the limits below are not tried. */
 #define HOPELESS 3.0
 
 static void print_depth_head(const struct settings *settings)
@@ -398,7 +396,7 @@ static void print_depth_head(const struct settings *settings)
     }
     puts("Trees of at most `limit` inner nodes above a leaf, 0 = the default. ns: per ray, of the picture and of "
          "single\n"
-         "random rays; ratio: to the default tree, whose runs took turns with these.\n");
+         "random rays; ratio: to the tuned tree, whose runs took turns with these.\n");
     printf("%-18s %5s %5s %9s %9s %7s %9s %7s %8s %9s\n", "scene", "limit", "depth", "sah_cost", "picture", "ratio",
            "single", "ratio", "build s", "MiB");
 }
@@ -415,7 +413,7 @@ static void print_depth_row(const struct settings *settings, const char *name, u
     fflush(stdout);
 }
 
-/* A row of the table. Returns how much longer the picture takes than with the default tree. */
+/* A row of the table. Returns how much longer the picture takes than with the tuned tree. */
 static double compare_trees(const struct settings *settings, const char *name, uint32_t limit, const mlrt_tree *tree,
                             const mlrt_tree *other, const struct rays *rays)
 {
@@ -428,7 +426,7 @@ static double compare_trees(const struct settings *settings, const char *name, u
 
 static int study_depth(const struct settings *settings, const char *name, const struct scene *scene)
 {
-    mlrt_build_options build = {.struct_size = sizeof build, .structures = MLRT_STRUCTURE_KDTREE};
+    struct tree_settings build = {.kind = TREE_KDTREE_TUNED};
     mlrt_tree *tree = NULL;
     struct rays rays = {.t = NULL};
     double seconds, ratio = 1;

@@ -93,16 +93,16 @@ static int32_t load(struct engine *engine)
     // The bar is this call's alone. The tree keeps heap and log of the host, but not its progress.
     mlrt_host host = engine->host;
     host.progress = on_progress;
-    mlrt_build_options options = {.struct_size = sizeof options,
-                                  .pool = engine->pool,
-                                  .host = &host,
-                                  .memory_limit = (uint64_t)engine->budget << 20};
+    mlrt_tree_options options = {.struct_size = sizeof options,
+                                 .pool = engine->pool,
+                                 .host = &host,
+                                 .memory_limit = (uint64_t)engine->budget << 20};
     mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
-    const int32_t status = mlrt_estimate_memory(meshes, 2, &options, &estimate);
+    const int32_t status = mlrt_estimate_tree(meshes, 2, &options, &estimate);
     if (status != MLRT_OK) return status;
     say(engine, "load", "will take %.1f MB, %.1f MB meanwhile, of %u MB", 1e-6 * (double)estimate.memory_size,
         1e-6 * (double)estimate.peak_memory_size, (unsigned)engine->budget);
-    return mlrt_build_kdtree(meshes, 2, &options, &world->tree);
+    return mlrt_build_tree(meshes, 2, &options, &world->tree);
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */

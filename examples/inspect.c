@@ -39,16 +39,16 @@ static int inspect_file(const char *name)
 }
 
 // What the library foresees, to compare with memory_size and peak_memory_size.
-static void print_estimate(const struct scene *scene, const mlrt_build_options *build)
+static void print_estimate(const struct scene *scene, const struct tree_settings *build)
 {
     const mlrt_mesh mesh = {.struct_size = sizeof mesh, .triangle_count = scene->triangle_count};
     mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
-    if (mlrt_estimate_memory(&mesh, 1, build, &estimate) != MLRT_OK) return;
+    if (estimate_by_settings(&mesh, build, &estimate) != MLRT_OK) return;
     print_count("estimated_memory_size", estimate.memory_size);
     print_count("estimated_peak_memory_size", estimate.peak_memory_size);
 }
 
-static int inspect(const char *name, const mlrt_build_options *build, const char *save_name, uint32_t cancel_count)
+static int inspect(const char *name, const struct tree_settings *build, const char *save_name, uint32_t cancel_count)
 {
     struct scene scene;
     mlrt_tree *tree = NULL;
@@ -76,7 +76,7 @@ static int inspect(const char *name, const mlrt_build_options *build, const char
 int main(int argc, char **argv)
 {
     const char *scene = "office", *save_name = NULL, *load_name = NULL;
-    mlrt_build_options build = {.struct_size = sizeof build};
+    struct tree_settings build = {.kind = TREE_DEFAULT};
     double traversal = 0, intersection = 0;
     uint32_t threads = 1, cancel_count = 0;
     const struct option options[] = {
@@ -85,14 +85,14 @@ int main(int argc, char **argv)
          "(default: office)",
          0, 0},
         TREE_OPTIONS(build),
-        {OPTION_COUNT, "--threads", &threads, "N", "threads to build with; 0 = one per processor (default: 1)", 0,
+        {OPTION_COUNT, "--threads", &threads, "N", "threads to build boxes with; 0 = one per processor (default: 1)", 0,
          1024},
         {OPTION_COUNT, "--cancel", &cancel_count, "N",
          "also build N times and stop on the way: how long until it stops,\nand how often it asks", 1, 100000},
-        {OPTION_COUNT, "--max-depth", &build.max_depth, "N", "inner nodes above a leaf at most", 1, 60},
+        {OPTION_COUNT, "--max-depth", &build.max_depth, "N", "kd-trees: inner nodes above a leaf at most", 1, 60},
         {OPTION_NUMBER, "--traversal-cost", &traversal, "X",
-         "of a node step; only its ratio to --intersection-cost matters", 0, 0},
-        {OPTION_NUMBER, "--intersection-cost", &intersection, "X", "of a triangle test", 0, 0},
+         "of a node step: of boxes in units of a leaf, of kd-trees beside --intersection-cost", 0, 0},
+        {OPTION_NUMBER, "--intersection-cost", &intersection, "X", "of a triangle", 0, 0},
         {OPTION_TEXT, "--save", &save_name, "FILE", "write the tree to a file", 0, 0},
         {OPTION_TEXT, "--load", &load_name, "FILE", "report on the tree in a file, and how fast it loads; no scene", 0,
          0},
@@ -104,6 +104,7 @@ int main(int argc, char **argv)
     build.traversal_cost = (float)traversal;
     build.intersection_cost = (float)intersection;
     if (load_name != NULL) return inspect_file(load_name);
+    if (check_tree_settings(&build)) return 2;
     if (threads != 1 && mlrt_create_pool(threads, &build.pool) != MLRT_OK) {
         fprintf(stderr, "cannot start %u threads\n", (unsigned)threads);
         return 1;

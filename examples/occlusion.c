@@ -240,7 +240,7 @@ int main(int argc, char **argv)
     mlrt_pool *pool = NULL;
     double seconds;
     int failed = load_scene(settings.scene, &scene) || (settings.view && read_view(settings.view, &scene.view)) ||
-                 build_tree(&scene, &(mlrt_build_options){.struct_size = sizeof(mlrt_build_options)}, &tree, &seconds);
+                 build_tree(&scene, &(struct tree_settings){.kind = TREE_DEFAULT}, &tree, &seconds);
     if (!failed && settings.threads > 1) check(mlrt_create_pool(settings.threads, &pool));
     if (!failed) failed = draw_scene(&settings, &scene, tree, pool);
     mlrt_destroy_pool(pool);

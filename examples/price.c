@@ -39,13 +39,13 @@ struct settings {
 /* A library: this program's own, or one that is loaded beside it. */
 struct library {
     void *handle;
-    int32_t (*build_kdtree)(const mlrt_mesh *, size_t, const mlrt_build_options *, mlrt_tree **);
+    int32_t (*build_tree)(const mlrt_mesh *, size_t, const mlrt_tree_options *, mlrt_tree **);
     void (*destroy_tree)(mlrt_tree *);
     int32_t (*render_tiles)(const mlrt_tree *, const mlrt_camera *, const mlrt_trace_options *, const mlrt_hits *,
                             mlrt_tile_callback, void *);
 };
 
-static const struct library exact = {NULL, mlrt_build_kdtree, mlrt_destroy_tree, mlrt_render_tiles};
+static const struct library exact = {NULL, mlrt_build_tree, mlrt_destroy_tree, mlrt_render_tiles};
 
 static int load_library(const char *path, struct library *library)
 {
@@ -55,9 +55,9 @@ static int load_library(const char *path, struct library *library)
         return 1;
     }
     // A cast from void * to a function pointer is POSIX's, not C's: copying the bits says the same.
-    void *symbol[3] = {dlsym(library->handle, "mlrt_build_kdtree"), dlsym(library->handle, "mlrt_destroy_tree"),
+    void *symbol[3] = {dlsym(library->handle, "mlrt_build_tree"), dlsym(library->handle, "mlrt_destroy_tree"),
                        dlsym(library->handle, "mlrt_render_tiles")};
-    memcpy(&library->build_kdtree, &symbol[0], sizeof symbol[0]);
+    memcpy(&library->build_tree, &symbol[0], sizeof symbol[0]);
     memcpy(&library->destroy_tree, &symbol[1], sizeof symbol[1]);
     memcpy(&library->render_tiles, &symbol[2], sizeof symbol[2]);
     return 0;
@@ -107,8 +107,8 @@ static void compare(const char *name, const struct scene *scene, const mlrt_came
 {
     const mlrt_mesh mesh = mesh_of(scene);
     mlrt_tree *tree, *other_tree;
-    if (exact.build_kdtree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
-    if (guess->build_kdtree(&mesh, 1, NULL, &other_tree) != MLRT_OK) exit(1);
+    if (exact.build_tree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
+    if (guess->build_tree(&mesh, 1, NULL, &other_tree) != MLRT_OK) exit(1);
     const size_t pixels = (size_t)camera->width * camera->height;
     uint32_t *triangles = allocate(pixels, sizeof *triangles), *guessed = allocate(pixels, sizeof *guessed);
     double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS], ratios[MAXIMUM_RUNS];
@@ -275,7 +275,7 @@ static void measure_doubling(const char *name, const struct scene *scene, const 
 {
     const mlrt_mesh meshes[2] = {mesh_of(scene), mesh_of(scene)};
     mlrt_tree *doubled;
-    if (mlrt_build_kdtree(meshes, 2, NULL, &doubled) != MLRT_OK) exit(1);
+    if (mlrt_build_tree(meshes, 2, NULL, &doubled) != MLRT_OK) exit(1);
     uint32_t *triangles = allocate((size_t)camera->width * camera->height, sizeof *triangles);
     double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS];
     for (uint32_t run = 0; run < runs; run++) {
@@ -291,7 +291,7 @@ static void measure_worst_cases(const char *name, const struct scene *scene, con
 {
     const mlrt_mesh mesh = mesh_of(scene);
     mlrt_tree *tree;
-    if (mlrt_build_kdtree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
+    if (mlrt_build_tree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
     measure_vertices(name, scene, tree, camera, 0, runs);
     measure_vertices(name, scene, tree, camera, 1, runs);
     measure_alignment(name, scene, tree, camera, runs);

@@ -27,7 +27,7 @@ struct settings {
     const char *scene, *view, *output;
     struct view camera; // fields that are not a number keep the scene's or the view's
     uint32_t size[2];
-    mlrt_build_options build;
+    struct tree_settings build;
     mlrt_trace_options trace;
     int culling_check;
     uint32_t threads, frames;
@@ -58,8 +58,9 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
 
         {OPTION_HEADING, 0, 0, 0, "How to trace it (the answers are the same from all):", 0, 0},
         {OPTION_CHOICE, "--method", &s->trace.method, "ray|packet2|packet4|multilevel|tile",
-         "one ray at a time; with --structure kdtree 2x2 or 4x4 packets, or the\nmultilevel algorithm; tiles down the "
-         "hierarchy of boxes (default)",
+         "one ray at a time; of kd-trees 2x2 or 4x4 packets, or the multilevel\nalgorithm (default there); of boxes "
+         "tiles "
+         "(default there)",
          MLRT_METHOD_RAY, 0},
         {OPTION_CHOICE, "--isa", &s->trace.isa, "auto|scalar|sse|avx2|avx512",
          "instruction set (default: auto, the best there is)", MLRT_ISA_AUTO, 0},
@@ -99,7 +100,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         mistake = "--mts: larger than --its";
     if (mistake) fprintf(stderr, "%s\n", mistake);
     *exit_code = 2;
-    return !mistake;
+    return !mistake && !check_tree_settings(&s->build);
 }
 
 static void forget_vector(double vector[3])

@@ -14,7 +14,7 @@
  *         const float corners[9] = {0, 0, 5, 1, 0, 5, 0, 1, 5};
  *         mlrt_mesh mesh = {sizeof mesh, 0, corners, 3, 0, NULL, 1, 0, 0, 0};
  *         mlrt_tree *tree = NULL;
- *         int32_t status = mlrt_build_kdtree(&mesh, 1, NULL, &tree);
+ *         int32_t status = mlrt_build_tree(&mesh, 1, NULL, &tree);
  *         mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
  *         mlrt_hit hit = {.struct_size = sizeof hit};
  *         if (status == MLRT_OK) status = mlrt_trace_ray(tree, &ray, NULL, &hit);
@@ -104,13 +104,15 @@ extern "C" {
 #define MLRT_EXPAND(prefix, name)     MLRT_JOIN(prefix, name)
 #define MLRT_RENAMED(name)            MLRT_EXPAND(MLRT_PREFIX, name)
 #define mlrt_build_kdtree             MLRT_RENAMED(build_kdtree)
+#define mlrt_build_tree               MLRT_RENAMED(build_tree)
 #define mlrt_camera_rays              MLRT_RENAMED(camera_rays)
 #define mlrt_capabilities             MLRT_RENAMED(capabilities)
 #define mlrt_create_pool              MLRT_RENAMED(create_pool)
 #define mlrt_create_pool_with_options MLRT_RENAMED(create_pool_with_options)
 #define mlrt_destroy_pool             MLRT_RENAMED(destroy_pool)
 #define mlrt_destroy_tree             MLRT_RENAMED(destroy_tree)
-#define mlrt_estimate_memory          MLRT_RENAMED(estimate_memory)
+#define mlrt_estimate_kdtree          MLRT_RENAMED(estimate_kdtree)
+#define mlrt_estimate_tree            MLRT_RENAMED(estimate_tree)
 #define mlrt_get_tree_info            MLRT_RENAMED(get_tree_info)
 #define mlrt_hash_geometry            MLRT_RENAMED(hash_geometry)
 #define mlrt_load_tree                MLRT_RENAMED(load_tree)
@@ -141,14 +143,14 @@ enum {
     MLRT_OK = 0,                  /* it worked */
     MLRT_ERROR_ARGUMENT = 1,      /* a pointer is NULL that must not be, or a value is out of its range */
     MLRT_ERROR_STRUCT_SIZE = 2,   /* a struct_size is not set, or not of any version */
-    MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; mlrt_build_options.message */
+    MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; mlrt_tree_options.message */
     MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed, or a memory_limit was reached; nothing was kept */
     MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
     MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside of it, numbers not finite, dx and dy parallel */
-    MLRT_ERROR_UNSUPPORTED = 7, /* an instruction set that is not in this machine or build, or a method for a structure
-                                   that the tree does not have */
-    MLRT_ERROR_THREAD = 8,      /* the system would not start a thread */
-    MLRT_ERROR_CANCELLED = 9,   /* a tile callback or a host's progress function asked to stop */
+    MLRT_ERROR_UNSUPPORTED = 7,   /* an instruction set that is not in this machine or build, or a method that goes
+                                     through the other structure (MLRT_STRUCTURE_*) */
+    MLRT_ERROR_THREAD = 8,        /* the system would not start a thread */
+    MLRT_ERROR_CANCELLED = 9,     /* a tile callback or a host's progress function asked to stop */
     MLRT_ERROR_DATA = 10 /* not a saved tree, or one that is damaged, of another version, or of other triangles */
 };
 
@@ -163,11 +165,9 @@ MLRT_API const char *mlrt_status_string(int32_t status);
 
 /* What mlrt_capabilities tells, or-ed together. New ones may be added. */
 enum {
-    MLRT_CAN_SSE = 1,    /* MLRT_ISA_SSE works: in this build, on this machine */
-    MLRT_CAN_AVX2 = 2,   /* MLRT_ISA_AVX2 */
-    MLRT_CAN_AVX512 = 4, /* MLRT_ISA_AVX512 */
-    MLRT_CAN_BVH = 8,    /* MLRT_STRUCTURE_BVH */
-    MLRT_CAN_KDTREE = 16 /* MLRT_STRUCTURE_KDTREE */
+    MLRT_CAN_SSE = 1,   /* MLRT_ISA_SSE works: in this build, on this machine */
+    MLRT_CAN_AVX2 = 2,  /* MLRT_ISA_AVX2 */
+    MLRT_CAN_AVX512 = 4 /* MLRT_ISA_AVX512 */
 };
 
 /* What this library can do on this machine: MLRT_CAN_*. May be called before anything else. */
@@ -179,7 +179,7 @@ MLRT_API uint64_t mlrt_capabilities(void);
 enum {
     MLRT_STRUCT_HOST = 0,            /* mlrt_host */
     MLRT_STRUCT_MESH = 1,            /* mlrt_mesh */
-    MLRT_STRUCT_BUILD_OPTIONS = 2,   /* mlrt_build_options */
+    MLRT_STRUCT_TREE_OPTIONS = 2,    /* mlrt_tree_options */
     MLRT_STRUCT_TREE_INFO = 3,       /* mlrt_tree_info */
     MLRT_STRUCT_MEMORY_ESTIMATE = 4, /* mlrt_memory_estimate */
     MLRT_STRUCT_LOAD_OPTIONS = 5,    /* mlrt_load_options */
@@ -197,7 +197,8 @@ enum {
     MLRT_STRUCT_TILE = 17,           /* mlrt_tile */
     MLRT_STRUCT_LIGHT = 18,          /* mlrt_light */
     MLRT_STRUCT_POINTS = 19,         /* mlrt_points */
-    MLRT_STRUCT_COUNT = 20           /* how many this header has */
+    MLRT_STRUCT_KDTREE_OPTIONS = 20, /* mlrt_kdtree_options */
+    MLRT_STRUCT_COUNT = 21           /* how many this header has */
 };
 
 /*
@@ -230,7 +231,7 @@ typedef void (*mlrt_log_callback)(void *user, int32_t level, const char *message
 /*
  * Told how much of a call is done, 0..1 and never less than before: every few milliseconds, and 1 at the end if it went
  * well. Return 0 to go on; anything else (but for the answer to 1) ends the call within some milliseconds, and it
- * returns MLRT_ERROR_CANCELLED. Builders of kd-trees and their methods look less often, and a system that takes back
+ * returns MLRT_ERROR_CANCELLED. The builder and the methods of kd-trees look less often, and a system that takes back
  * much memory takes its time.
  */
 typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
@@ -258,7 +259,10 @@ typedef struct mlrt_host {
  * Building a tree
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* A tree: the triangles of any number of meshes, and what finds them (MLRT_STRUCTURE_*). Immutable. */
+/*
+ * A tree: the triangles of any number of meshes, and what finds them (MLRT_STRUCTURE_*). Immutable. All functions take
+ * every tree, and how it was built never changes an answer.
+ */
 typedef struct mlrt_tree mlrt_tree;
 
 /*
@@ -281,66 +285,42 @@ typedef struct mlrt_mesh {
 } mlrt_mesh;
 
 /*
- * What kind of tree to build: mlrt_build_options.preset
+ * What a tree finds triangles by: mlrt_tree_info.structure. Each has a builder and methods of its own, one of which is
+ * the default there (MLRT_METHOD_*). The answers are the same.
+ */
+enum {
+    MLRT_STRUCTURE_KDTREE = 1, /* the paper's kd-tree, of mlrt_build_kdtree: for study and for the paper's tables */
+    MLRT_STRUCTURE_BVH = 2     /* boxes, 16 a node, up to 16 triangles a leaf, of mlrt_build_tree: for all else */
+};
+
+/*
+ * What boxes to build: mlrt_tree_options.preset
  *
- * DEFAULT, FAST and BEST are kinds of hierarchies of boxes; where a kd-tree is asked for, all three make the same one.
  * FAST refers to each triangle once. Where large triangles lie among small ones the others cut them in two: DEFAULT
  * makes up to 1.15 references per triangle and takes about twice as long to build, BEST up to 1.5 and about twice as
- * long again. PAPER always has a kd-tree; if boxes are asked for besides, they are those of DEFAULT.
+ * long again.
  */
 enum {
     MLRT_TREE_DEFAULT = 0, /* the tree that renders fastest here, but for BEST */
-    MLRT_TREE_PAPER = 1,   /* the paper's kind of kd-tree: deep, small leaves. It stays as it is, for comparisons */
-    MLRT_TREE_FAST = 2,    /* built fastest, for scenes that change */
-    MLRT_TREE_BEST = 3     /* for many pictures of one scene, if it takes memory and time to build does not matter */
+    MLRT_TREE_FAST = 1,    /* built fastest, for scenes that change */
+    MLRT_TREE_BEST = 2     /* for many pictures of one scene, if it takes memory and time to build does not matter */
 };
 
-/* Rules of the kd-tree's builder that can be switched off to measure their effect: mlrt_build_options.rules_off */
-enum {
-    MLRT_RULE_EMPTY_SPACE = 1,  /* an empty side of more than 10 % of a cell is cut off first */
-    MLRT_RULE_COPLANAR = 2,     /* a plane wholly covered by triangles in it is a split, they go to the smaller side */
-    MLRT_RULE_MINIMUM_CELL = 4, /* cells under a minimum size are not split */
-    MLRT_RULE_CLIPPED_SPLITS =
-        8,                    /* candidates come from triangles clipped to the cell, not from their bounding boxes */
-    MLRT_RULE_RETRACTION = 16 /* a subtree that costs more than a leaf becomes a leaf */
-};
-
-/*
- * What to search in: mlrt_build_options.structures, or-ed together. The answers are the same from each.
- *
- * The hierarchy of boxes is the faster one to build and to trace, and what a tree has if nothing is said. The kd-tree
- * is there for study and for the paper's tables. A tree can have both.
- */
-enum {
-    MLRT_STRUCTURE_KDTREE = 1, /* the kd-tree of the paper: methods packet2, packet4, multilevel and ray */
-    MLRT_STRUCTURE_BVH = 2     /* a hierarchy of boxes, 16 a node, up to 16 triangles a leaf: methods tile and ray */
-};
-
-/*
- * How to build: mlrt_build_kdtree. NULL or all zero but struct_size = defaults.
- *
- * `message` receives an empty text if all went well, or if the options themselves are wrong.
- */
-typedef struct mlrt_build_options {
-    uint32_t struct_size;    /* sizeof(mlrt_build_options) */
+/* How to build boxes: mlrt_build_tree. NULL or all zero but struct_size = defaults. */
+typedef struct mlrt_tree_options {
+    uint32_t struct_size;    /* sizeof(mlrt_tree_options) */
     int32_t preset;          /* MLRT_TREE_* */
-    uint32_t rules_off;      /* kd-tree: MLRT_RULE_* or-ed together; 0 = every rule is on */
-    uint32_t max_depth;      /* kd-tree: inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
-    uint64_t max_references; /* kd-tree: leaf entries at most, bounding its memory; 0 = 8 per triangle + 1024 */
-    float traversal_cost;    /* of one node step, 0..1e6, relative to intersection_cost; 0 = the preset's */
-    float intersection_cost; /* of one triangle, 0..1e6; 0 = the preset's. In a leaf of boxes, besides 1 for the leaf */
-    char *message;           /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
+    float traversal_cost;    /* of a node, 0..1e6, in units of a leaf; 0 = 1 */
+    float intersection_cost; /* of a triangle in a leaf, 0..1e6, in the same units; 0 = a small share of the leaf's */
+    char *message;           /* NULL, or a buffer for what went wrong, in words (UTF-8, terminated), or "" */
     size_t message_size;     /* its size in bytes */
-    struct mlrt_pool *pool;  /* NULL = the calling thread alone, which builds kd-trees anyhow; the tree is the same */
-    uint32_t structures;     /* MLRT_STRUCTURE_*; 0 = MLRT_STRUCTURE_BVH, of preset PAPER the kd-tree */
-    uint32_t reserved;       /* must be 0 */
     const mlrt_host *host;   /* NULL = malloc and silence */
     uint64_t memory_limit;   /* bytes held at one time at most, or MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
-} mlrt_build_options;
+    struct mlrt_pool *pool;  /* who builds; NULL = the calling thread alone. The tree is the same */
+} mlrt_tree_options;
 
 /*
- * Builds a tree over the triangles of `meshes`: a hierarchy of boxes, if options do not say otherwise. (The name is
- * that of what it first built.)
+ * Builds the best tree there is over the triangles of `meshes`: a hierarchy of boxes.
  *
  *   meshes      array of mesh_count structs, all of the struct_size of the first. The mesh data may be freed on return.
  *   mesh_count  0 is allowed, as is a mesh without triangles: the tree is empty and every ray misses.
@@ -350,22 +330,65 @@ typedef struct mlrt_build_options {
  * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
  * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
  * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh (by position), triangle and index.
- * At most 2^30 - 1 triangles in all, or MLRT_ERROR_TOO_LARGE.
+ * It names the option, too, that is out of its range (MLRT_ERROR_ARGUMENT). At most 2^30 - 1 triangles in all, or
+ * MLRT_ERROR_TOO_LARGE.
  *
- * Memory, the triangles' 36 bytes included: a hierarchy of boxes takes some 83 to 92 bytes per triangle, at most 129
- * while it is built (FAST: 83 to 85 and 117, BEST: 85 to 101 and 150), a kd-tree 60 to 90 and twice that. Meshes of a
- * few triangles take more, and masks 4 bytes per triangle. mlrt_tree_info says how much it was.
+ * Memory, the triangles' 36 bytes included: some 83 to 92 bytes per triangle, at most 129 while it is built (FAST: 83
+ * to 85 and 117, BEST: 85 to 101 and 150). Meshes of a few triangles take more, and masks 4 bytes per triangle.
+ * mlrt_tree_info says how much it was.
  *
- * Method, hierarchy of boxes: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A.
- * Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009), and the best way to put sixteen boxes into a node
- * (H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017).
- * Kd-tree: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
+ * Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
+ * in Bounding Volume Hierarchies", 2009), and the best way to put sixteen boxes into a node (H. Ylitie, T. Karras, S.
+ * Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017).
+ */
+MLRT_API int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
+                                 mlrt_tree **tree);
+
+/* What kd-tree to build: mlrt_kdtree_options.preset */
+enum {
+    MLRT_KDTREE_PAPER = 0, /* as in the paper, as far as it says. It stays as it is, for comparisons */
+    MLRT_KDTREE_TUNED = 1  /* larger leaves, smaller cells: renders faster here, takes longer to build */
+};
+
+/* Rules of the kd-tree's builder that can be switched off to measure their effect: mlrt_kdtree_options.rules_off */
+enum {
+    MLRT_RULE_EMPTY_SPACE = 1,  /* an empty side of more than 10 % of a cell is cut off first */
+    MLRT_RULE_COPLANAR = 2,     /* a plane wholly covered by triangles in it is a split, they go to the smaller side */
+    MLRT_RULE_MINIMUM_CELL = 4, /* cells under a minimum size are not split */
+    MLRT_RULE_CLIPPED_SPLITS =
+        8,                    /* candidates come from triangles clipped to the cell, not from their bounding boxes */
+    MLRT_RULE_RETRACTION = 16 /* a subtree that costs more than a leaf becomes a leaf */
+};
+
+/* How to build a kd-tree: mlrt_build_kdtree. NULL or all zero but struct_size = defaults. */
+typedef struct mlrt_kdtree_options {
+    uint32_t struct_size;    /* sizeof(mlrt_kdtree_options) */
+    int32_t preset;          /* MLRT_KDTREE_* */
+    float traversal_cost;    /* of one node step, 0..1e6, relative to intersection_cost; 0 = the preset's */
+    float intersection_cost; /* of one triangle, 0..1e6; 0 = the preset's */
+    char *message;           /* as in mlrt_tree_options, as are the next three */
+    size_t message_size;     /* its size in bytes */
+    const mlrt_host *host;   /* NULL = malloc and silence */
+    uint64_t memory_limit;   /* bytes held at one time at most; 0 = no limit */
+    uint64_t max_references; /* leaf entries at most, bounding its memory; 0 = 8 per triangle + 1024 */
+    uint32_t max_depth;      /* inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
+    uint32_t rules_off;      /* MLRT_RULE_* or-ed together; 0 = every rule is on */
+} mlrt_kdtree_options;
+
+/*
+ * Builds the paper's kd-tree, whose rays the paper's method (MLRT_METHOD_MULTILEVEL) traces if no other is named.
+ * Arguments, errors and what is left out are as in mlrt_build_tree. The calling thread builds it alone.
+ *
+ * It is slower to build and to trace than what mlrt_build_tree makes. Memory, the triangles' 36 bytes included: 60 to
+ * 90 bytes per triangle, and twice that while it is built.
+ *
+ * Method: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
  * shooting", 2002) with the three rules of the paper (section 3.1).
  */
-MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
+MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                    mlrt_tree **tree);
 
-/* How much memory mlrt_build_kdtree takes, foreseen: mlrt_estimate_memory. */
+/* How much memory a builder takes, foreseen: mlrt_estimate_tree, mlrt_estimate_kdtree. */
 typedef struct mlrt_memory_estimate {
     uint32_t struct_size;      /* sizeof(mlrt_memory_estimate) */
     uint32_t reserved;         /* set to 0 */
@@ -374,27 +397,28 @@ typedef struct mlrt_memory_estimate {
 } mlrt_memory_estimate;
 
 /*
- * Foresees the memory of mlrt_build_kdtree with the same arguments, from numbers of triangles alone.
+ * Foresees the memory of mlrt_build_tree with the same arguments, from numbers of triangles alone.
  *
- *   meshes      as for mlrt_build_kdtree; of each, struct_size and triangle_count are enough.
+ *   meshes      as for mlrt_build_tree; of each, struct_size and triangle_count are enough.
  *   mesh_count  how many there are.
  *   options     NULL = defaults.
  *   estimate    receives the answer (struct_size must be set).
  *
- * Of a hierarchy of boxes scenes of more than a few thousand triangles take 80 to 110 % of what is said; of a kd-tree
- * it is a guess, and can be off by two. What holds is a memory_limit.
+ * Scenes of more than a few thousand triangles take 80 to 110 % of what is said. What holds is a memory_limit.
  */
-MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
+MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
+                                    mlrt_memory_estimate *estimate);
+
+/* Foresees the memory of mlrt_build_kdtree, likewise: a guess, which can be off by two. */
+MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                       mlrt_memory_estimate *estimate);
 
 /* Frees a tree. No call may be using it. NULL is allowed. */
 MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
 
 /*
- * The build report. A tree that was loaded has no build_seconds, and its bytes are those that loading took.
- *
- * Counts are of the finished tree; of the kd-tree if there is one, else of the hierarchy of boxes.
- * Bytes and seconds are those of all there is.
+ * The build report. Counts are of the finished tree. A tree that was loaded has no build_seconds, and its bytes are
+ * those that loading took.
  */
 typedef struct mlrt_tree_info {
     uint32_t struct_size;      /* sizeof(mlrt_tree_info) */
@@ -415,6 +439,8 @@ typedef struct mlrt_tree_info {
     double build_seconds;      /* of the whole call, by the clock on the wall */
     float bounds_min[3];       /* the least coordinates of triangles in the tree; all 0 if there is none */
     float bounds_max[3];       /* the greatest, likewise */
+    uint32_t structure;        /* MLRT_STRUCTURE_*: what the tree is, however it came here */
+    uint32_t reserved;         /* set to 0 */
 } mlrt_tree_info;
 
 /* Fills *info (struct_size must be set). */
@@ -425,7 +451,7 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * Writes a tree, triangles and all, to memory, for mlrt_load_tree.
+ * Writes a tree of either structure, triangles and all, to memory, for mlrt_load_tree.
  *
  *   tree      the tree, which stays as it is.
  *   buffer    where to write; NULL = nowhere, to learn the size.
@@ -444,14 +470,14 @@ typedef struct mlrt_load_options {
     uint32_t struct_size;   /* sizeof(mlrt_load_options) */
     uint32_t flags;         /* MLRT_LOAD_* */
     uint64_t geometry_hash; /* what mlrt_hash_geometry says the triangles are; others are MLRT_ERROR_DATA. 0 = any */
-    uint64_t memory_limit;  /* as in mlrt_build_options */
+    uint64_t memory_limit;  /* as in mlrt_tree_options */
     char *message;          /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
     size_t message_size;    /* its size in bytes */
     const mlrt_host *host;  /* NULL = malloc and silence */
 } mlrt_load_options;
 
 /*
- * Makes a tree of what mlrt_save_tree wrote: the same tree, with the same answers.
+ * Makes a tree of what mlrt_save_tree wrote: the same tree, of the same structure, with the same answers.
  *
  *   data     what was saved, at any address. A file mapped into memory will do. With MLRT_LOAD_IN_PLACE it is used
  *            where it lies, if the address is a multiple of 64 (else it is copied), and the tree takes next to no
@@ -471,7 +497,7 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
  * A hash of meshes: of ids, masks, and the corners of all triangles in order. It is the same however they are indexed
  * and laid out in memory, and on every machine. Is a saved tree still that of my meshes?
  *
- *   meshes      as for mlrt_build_kdtree.
+ *   meshes      as for mlrt_build_tree.
  *   mesh_count  how many there are.
  *   hash        receives the hash.
  */
@@ -530,12 +556,12 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * How to trace: mlrt_trace_options.method. The answers are the same from each. A method for a structure that the tree
- * does not have is MLRT_ERROR_UNSUPPORTED.
+ * How to trace: mlrt_trace_options.method. The answers are the same from each. All but RAY go through one structure,
+ * and are MLRT_ERROR_UNSUPPORTED in a tree of the other.
  */
 enum {
-    MLRT_METHOD_DEFAULT = 0, /* tile; in a tree without boxes multilevel, and in mlrt_trace_ray there, ray */
-    MLRT_METHOD_RAY = 1,     /* one ray at a time in double, plain C, in either structure: the reference */
+    MLRT_METHOD_DEFAULT = 0, /* boxes: tile. Kd-tree: multilevel, the paper's; in mlrt_trace_ray, ray */
+    MLRT_METHOD_RAY = 1,     /* one ray at a time in double, plain C: the reference */
     MLRT_METHOD_PACKET2 = 2, /* kd-tree: 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray
                                 Tracing", 2001) */
     MLRT_METHOD_PACKET4 = 3, /* kd-tree: 4x4 rays by interval traversal from the root (the paper, section 4.3) */

@@ -50,11 +50,14 @@ static void assert_traced(int32_t status)
     assert_true(status == MLRT_OK || status == MLRT_ERROR_UNSUPPORTED || status == MLRT_ERROR_CAMERA);
 }
 
-static mlrt_trace_options draw_options(struct random *random)
+/* Of the methods that the tree has. */
+static mlrt_trace_options draw_options(struct random *random, const mlrt_tree_info *info)
 {
+    static const int32_t of_boxes[3] = {MLRT_METHOD_DEFAULT, MLRT_METHOD_RAY, MLRT_METHOD_TILE};
+    const int is_bvh = info->structure == MLRT_STRUCTURE_BVH;
     return (mlrt_trace_options){.struct_size = sizeof(mlrt_trace_options),
                                 .query = draw_below(random, 3) == 0 ? MLRT_QUERY_ANY : MLRT_QUERY_CLOSEST,
-                                .method = (int32_t)draw_below(random, 6),
+                                .method = is_bvh ? of_boxes[draw_below(random, 3)] : (int32_t)draw_below(random, 5),
                                 .isa = (int32_t)draw_below(random, 5),
                                 .culling = (int32_t)draw_below(random, 2),
                                 .culling_check = draw_below(random, 2),
@@ -85,7 +88,7 @@ static void trace_arrays(const mlrt_tree *tree, const mlrt_tree_info *info, stru
         if (has_apex) memcpy(origins[i], apex, sizeof apex);
         for (int k = 0; k < 3; k++) directions[i][k] = target[k] - origins[i][k];
     }
-    mlrt_trace_options options = draw_options(random);
+    mlrt_trace_options options = draw_options(random, info);
     const mlrt_rays rays = {.struct_size = sizeof rays,
                             .row_length = draw_below(random, 2) ? SIDE : 0,
                             .count = RAYS,
@@ -135,7 +138,7 @@ static void trace_picture(const mlrt_tree *tree, const mlrt_tree_info *info, str
     draw_place(random, info, target);
     if (memcmp(eye, target, sizeof eye) == 0) eye[2] -= 1;
     const mlrt_camera camera = look_at(eye, target, draw_below(random, 2) ? 1 : 0.01f, SIDE, SIDE);
-    const mlrt_trace_options options = draw_options(random);
+    const mlrt_trace_options options = draw_options(random, info);
     const mlrt_hits hits = options.query == MLRT_QUERY_ANY ? any_hits(results) : closest_hits(results);
     assert_traced(mlrt_render_tiles(tree, &camera, &options, &hits, NULL, NULL));
 }

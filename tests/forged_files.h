@@ -17,11 +17,11 @@ enum {
     FILE_SIZE = 16,
     FILE_HASH = 24,
     FILE_GEOMETRY_HASH = 32,
-    FILE_STRUCTURES = 40,
+    FILE_STRUCTURE = 40,
     FILE_COUNTS = 44, /* triangles, meshes, masks, nodes, references, nodes of boxes, quads */
     FILE_INFO = 72,
-    FILE_SECTIONS = 208,
-    FILE_HEADER_SIZE = 368
+    FILE_SECTIONS = 216,
+    FILE_HEADER_SIZE = 376
 };
 
 /* Room for a file whose last byte is the block's last, at a multiple of 64 if `size` is one. Free *block. */

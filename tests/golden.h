@@ -42,8 +42,7 @@ uint64_t hash_golden_hits(uint64_t hash, const struct golden_hit hits[GOLDEN_COU
 
 /*
  * What a tree adds to GOLDEN_REST: itself, shadows at the hits of its picture, and all hits of some of its rays. Of
- * each scene a tree with both structures adds first, then one with boxes alone. Returns a status; with MLRT_OK *hash is
- * new.
+ * each scene a tuned kd-tree adds first, then boxes. Returns a status; with MLRT_OK *hash is new.
  */
 int32_t hash_golden_rest(uint64_t *hash, const mlrt_tree *tree, int scene, const mlrt_trace_options *options);
 

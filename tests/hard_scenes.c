@@ -612,14 +612,15 @@ struct fixture make_hard_scene(size_t index)
         move_soup(&soup, scene->scale != 0 ? scene->scale : 1, offset);
     }
     mlrt_mesh mesh = soup_mesh(&soup);
-    mlrt_build_options deepest = {.struct_size = sizeof deepest,
-                                  .preset = MLRT_TREE_PAPER,
-                                  .rules_off = MLRT_RULE_MINIMUM_CELL | MLRT_RULE_RETRACTION,
-                                  .max_depth = 60,
-                                  .max_references = 1000000,
-                                  .traversal_cost = 1e-3f,
-                                  .intersection_cost = 1e3f};
-    struct fixture fixture = make_fixture_with(scene->name, index + 1, &mesh, 1, scene->deep ? &deepest : NULL);
+    const mlrt_kdtree_options tuned = {.struct_size = sizeof tuned, .preset = MLRT_KDTREE_TUNED};
+    const mlrt_kdtree_options deepest = {.struct_size = sizeof deepest,
+                                         .preset = MLRT_KDTREE_PAPER,
+                                         .rules_off = MLRT_RULE_MINIMUM_CELL | MLRT_RULE_RETRACTION,
+                                         .max_depth = 60,
+                                         .max_references = 1000000,
+                                         .traversal_cost = 1e-3f,
+                                         .intersection_cost = 1e3f};
+    struct fixture fixture = make_fixture_with(scene->name, index + 1, &mesh, 1, scene->deep ? &deepest : &tuned);
     free_soup(&soup);
     return fixture;
 }

@@ -337,35 +337,41 @@ static struct reference_scene *reference_of_meshes(const mlrt_mesh *meshes, size
     return scene;
 }
 
-static mlrt_tree *build_or_fail(const struct fixture *fixture, const mlrt_mesh *meshes, size_t count,
-                                const mlrt_build_options *options, uint32_t structures)
+mlrt_tree *build_structure(const mlrt_mesh *meshes, size_t count, uint32_t structure)
 {
-    mlrt_build_options build = {.struct_size = sizeof build};
+    const mlrt_kdtree_options tuned = {.struct_size = sizeof tuned, .preset = MLRT_KDTREE_TUNED};
     mlrt_tree *tree = NULL;
-    if (options) build = *options;
-    build.structures = structures;
-    int32_t status = mlrt_build_kdtree(meshes, count, &build, &tree);
+    assert_int_equal(structure == MLRT_STRUCTURE_KDTREE ? mlrt_build_kdtree(meshes, count, &tuned, &tree)
+                                                        : mlrt_build_tree(meshes, count, NULL, &tree),
+                     MLRT_OK);
+    return tree;
+}
+
+static void assert_built(const struct fixture *fixture, int32_t status)
+{
     if (status != MLRT_OK)
         print_error("%s (seed %llu): %s\n", fixture->name, (unsigned long long)fixture->seed,
                     mlrt_status_string(status));
     assert_int_equal(status, MLRT_OK);
-    assert_non_null(tree);
-    return tree;
 }
 
 struct fixture make_fixture_with(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count,
-                                 const mlrt_build_options *options)
+                                 const mlrt_kdtree_options *options)
 {
     struct fixture fixture = {name, seed, NULL, NULL, NULL};
-    fixture.tree = build_or_fail(&fixture, meshes, count, options, MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH);
-    fixture.boxes = build_or_fail(&fixture, meshes, count, options, MLRT_STRUCTURE_BVH);
+    const mlrt_tree_options boxes = {.struct_size = sizeof boxes,
+                                     .traversal_cost = options->traversal_cost,
+                                     .intersection_cost = options->intersection_cost};
+    assert_built(&fixture, mlrt_build_tree(meshes, count, &boxes, &fixture.tree));
+    assert_built(&fixture, mlrt_build_kdtree(meshes, count, options, &fixture.kdtree));
     fixture.reference = reference_of_meshes(meshes, count);
     return fixture;
 }
 
 struct fixture make_fixture(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count)
 {
-    return make_fixture_with(name, seed, meshes, count, NULL);
+    const mlrt_kdtree_options tuned = {.struct_size = sizeof tuned, .preset = MLRT_KDTREE_TUNED};
+    return make_fixture_with(name, seed, meshes, count, &tuned);
 }
 
 struct fixture fixture_of_soup(const char *name, uint64_t seed, struct soup *soup)
@@ -393,7 +399,7 @@ struct fixture fixture_of_example(const char *scene_name)
 void free_fixture(struct fixture *fixture)
 {
     mlrt_destroy_tree(fixture->tree);
-    mlrt_destroy_tree(fixture->boxes);
+    mlrt_destroy_tree(fixture->kdtree);
     reference_destroy(fixture->reference);
     memset(fixture, 0, sizeof *fixture);
 }
@@ -661,7 +667,7 @@ int isa_is_supported(int32_t isa)
     mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
     mlrt_hit hit = {.struct_size = sizeof hit};
     mlrt_trace_options options = {.struct_size = sizeof options, .isa = isa};
-    assert_int_equal(mlrt_build_kdtree(NULL, 0, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(NULL, 0, NULL, &tree), MLRT_OK);
     int32_t status = mlrt_trace_ray(tree, &ray, &options, &hit);
     mlrt_destroy_tree(tree);
     assert_true(status == MLRT_OK || status == MLRT_ERROR_UNSUPPORTED);
@@ -673,6 +679,11 @@ struct tiling {
     uint32_t minimum;
     uint32_t factor;
 };
+
+int is_kdtree_method(int32_t method)
+{
+    return method >= MLRT_METHOD_PACKET2 && method <= MLRT_METHOD_MULTILEVEL;
+}
 
 static struct variant *add_variant(int32_t method, int32_t isa, struct tiling tiling, int probe)
 {
@@ -687,6 +698,7 @@ static struct variant *add_variant(int32_t method, int32_t isa, struct tiling ti
                                             .split_factor = tiling.factor};
     variant->threads = threads[variants_used % (sizeof threads / sizeof threads[0])];
     variant->probe = probe;
+    variant->on_kdtree = is_kdtree_method(method);
     variants_used++;
     return variant;
 }
@@ -698,9 +710,9 @@ static void list_variants_of(int32_t isa)
                                             {32, 32, 4}, {128, 8, 16}, {1024, 4, 16}};
     static const struct tiling fine = {64, 4, 4};
     add_variant(MLRT_METHOD_RAY, isa, whole, 0);
-    add_variant(MLRT_METHOD_RAY, isa, whole, 0)->boxes_only = 1;
+    add_variant(MLRT_METHOD_RAY, isa, whole, 0)->on_kdtree = 1;
     add_variant(MLRT_METHOD_TILE, isa, whole, 1);
-    add_variant(MLRT_METHOD_DEFAULT, isa, whole, 0)->boxes_only = 1;
+    add_variant(MLRT_METHOD_DEFAULT, isa, whole, 0)->on_kdtree = 1;
     add_variant(MLRT_METHOD_PACKET2, isa, whole, 1);
     add_variant(MLRT_METHOD_PACKET4, isa, whole, 1);
     for (int32_t switches = 0; switches < 8; switches++) {
@@ -718,7 +730,7 @@ static void list_variants(void)
 {
     struct tiling whole = {0, 0, 0};
     add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1);
-    add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1)->boxes_only = 1;
+    add_variant(MLRT_METHOD_DEFAULT, MLRT_ISA_AUTO, whole, 1)->on_kdtree = 1;
     list_variants_of(MLRT_ISA_SCALAR);
     for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; isa++) {
         if (isa_is_supported(isa)) list_variants_of(isa);
@@ -737,9 +749,14 @@ const struct variant *variant_at(size_t index)
     return &variants[index];
 }
 
+const mlrt_tree *method_tree(int32_t method, const struct fixture *fixture)
+{
+    return is_kdtree_method(method) ? fixture->kdtree : fixture->tree;
+}
+
 const mlrt_tree *variant_tree(const struct variant *variant, const struct fixture *fixture)
 {
-    return variant->boxes_only && fixture->boxes ? fixture->boxes : fixture->tree;
+    return variant->on_kdtree ? fixture->kdtree : fixture->tree;
 }
 
 #define POOL_LIMIT 8

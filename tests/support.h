@@ -63,15 +63,17 @@ mlrt_mesh soup_mesh(const struct soup *soup);
 struct fixture {
     const char *name;
     uint64_t seed;
-    mlrt_tree *tree; /* with all structures */
+    mlrt_tree *tree; /* boxes */
     struct reference_scene *reference;
-    mlrt_tree *boxes; /* with boxes alone; may be NULL */
+    mlrt_tree *kdtree; /* may be NULL in a fixture that a test makes itself */
 };
 
-/* Trees and reference of the same meshes. `structures` of the options does not count. */
+/* A tree of a structure (MLRT_STRUCTURE_*), by defaults; a kd-tree is the tuned one. */
+mlrt_tree *build_structure(const mlrt_mesh *meshes, size_t count, uint32_t structure);
+/* Trees and reference of the same meshes. Options are the kd-tree's; boxes have the same costs. */
 struct fixture make_fixture(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count);
 struct fixture make_fixture_with(const char *name, uint64_t seed, const mlrt_mesh *meshes, size_t count,
-                                 const mlrt_build_options *options);
+                                 const mlrt_kdtree_options *options);
 /* Of one soup, which it frees. */
 struct fixture fixture_of_soup(const char *name, uint64_t seed, struct soup *soup);
 /* Of a procedural scene of the examples: room, office, building, doubled, scan:N. */
@@ -113,12 +115,15 @@ struct variant {
     mlrt_trace_options options;
     uint32_t threads; /* 0 = no pool */
     int probe;        /* 1 = one of the few that small tests use */
-    int boxes_only;   /* 1 = in the tree without a kd-tree, if the fixture has one */
+    int on_kdtree;    /* 1 = in the kd-tree */
 };
 
 size_t variant_count(void);
 const struct variant *variant_at(size_t index);
 const mlrt_tree *variant_tree(const struct variant *variant, const struct fixture *fixture);
+/* The one that a method goes through, MLRT_METHOD_*; boxes if it can go through both. */
+const mlrt_tree *method_tree(int32_t method, const struct fixture *fixture);
+int is_kdtree_method(int32_t method);
 int isa_is_supported(int32_t isa);
 
 /* The pool of that many threads, made when it is first asked for. NULL for 0. */

@@ -85,7 +85,7 @@ static void check_lists_of(const mlrt_tree *tree, const struct fixture *fixture,
 static void check_lists(const struct fixture *fixture, const struct ray_list *list, uint32_t capacity, uint32_t threads)
 {
     check_lists_of(fixture->tree, fixture, list, capacity, threads);
-    check_lists_of(fixture->boxes, fixture, list, capacity, threads);
+    check_lists_of(fixture->kdtree, fixture, list, capacity, threads);
 }
 
 static void check_at_every_capacity(const struct fixture *fixture, const struct ray_list *list)
@@ -239,7 +239,7 @@ static void memory_that_fails_is_never_a_list_without_hits(void **state)
     struct fixture fixture = fixture_of_soup("sheets", 13, &soup);
     add_ray(&list, origin, direction);
     const mlrt_rays rays = public_rays(&list);
-    const mlrt_tree *const trees[] = {fixture.tree, fixture.boxes};
+    const mlrt_tree *const trees[] = {fixture.kdtree, fixture.tree};
     for (int way = 0; way < 4; way++) {
         struct failing_memory memory = {.goes_on_failing = way & 1};
         const mlrt_host host = {

@@ -35,15 +35,15 @@ static mlrt_tree *some_tree(void)
 {
     mlrt_mesh mesh = two_triangles();
     mlrt_tree *tree = NULL;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     return tree;
 }
 
 /* Builds and expects an error; the tree must be NULL then. */
-static void assert_build(const mlrt_mesh *meshes, size_t count, const mlrt_build_options *options, int32_t expected)
+static void assert_build(const mlrt_mesh *meshes, size_t count, const mlrt_tree_options *options, int32_t expected)
 {
     mlrt_tree *tree = (mlrt_tree *)(uintptr_t)16;
-    assert_int_equal(mlrt_build_kdtree(meshes, count, options, &tree), expected);
+    assert_int_equal(mlrt_build_tree(meshes, count, options, &tree), expected);
     if (expected == MLRT_OK) {
         assert_non_null(tree);
         mlrt_destroy_tree(tree);
@@ -57,7 +57,7 @@ static void assert_mesh(const mlrt_mesh *mesh, int32_t expected)
     assert_build(mesh, 1, NULL, expected);
 }
 
-static void assert_options(const mlrt_build_options *options, int32_t expected)
+static void assert_options(const mlrt_tree_options *options, int32_t expected)
 {
     mlrt_mesh mesh = two_triangles();
     assert_build(&mesh, 1, options, expected);
@@ -97,11 +97,12 @@ static void structs_have_no_padding(void **state)
     if (sizeof(void *) != 8) skip();
     assert_int_equal(sizeof(mlrt_mesh), 4 * 4 + 6 * 8);
     assert_int_equal(sizeof(mlrt_host), 2 * 4 + 5 * 8);
-    assert_int_equal(sizeof(mlrt_build_options), 4 * 4 + 8 + 2 * 4 + 3 * 8 + 2 * 4 + 2 * 8);
+    assert_int_equal(sizeof(mlrt_tree_options), 4 * 4 + 5 * 8);
+    assert_int_equal(sizeof(mlrt_kdtree_options), 4 * 4 + 5 * 8 + 2 * 4);
     assert_int_equal(sizeof(mlrt_memory_estimate), 2 * 4 + 2 * 8);
     assert_int_equal(sizeof(mlrt_load_options), 2 * 4 + 5 * 8);
     assert_int_equal(sizeof(mlrt_pool_options), 2 * 4 + 4 * 8);
-    assert_int_equal(sizeof(mlrt_tree_info), 2 * 4 + 11 * 8 + 2 * 8 + 6 * 4);
+    assert_int_equal(sizeof(mlrt_tree_info), 2 * 4 + 11 * 8 + 2 * 8 + 8 * 4);
     assert_int_equal(sizeof(mlrt_counters), 2 * 4 + 19 * 8);
     assert_int_equal(sizeof(mlrt_trace_options), 14 * 4 + 4 * 8);
     assert_int_equal(sizeof(mlrt_hits), 2 * 4 + 7 * 24);
@@ -121,7 +122,7 @@ static void building_without_a_place_for_the_tree(void **state)
 {
     (void)state;
     mlrt_mesh mesh = two_triangles();
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, NULL), MLRT_ERROR_ARGUMENT);
 }
 
 static void building_without_meshes(void **state)
@@ -245,7 +246,7 @@ static void a_message_names_mesh_triangle_and_index(void **state)
     meshes[1].indices = good;
     meshes[1].triangle_count = 1;
     meshes[2].indices = bad;
-    mlrt_build_options options = {.struct_size = sizeof options, .message = message, .message_size = sizeof message};
+    mlrt_tree_options options = {.struct_size = sizeof options, .message = message, .message_size = sizeof message};
     assert_build(meshes, 3, &options, MLRT_ERROR_INDEX_RANGE);
     assert_non_null(strstr(message, "98765"));
     assert_non_null(strstr(message, "2"));
@@ -263,7 +264,7 @@ static void messages_fit_their_buffer(void **state)
         memset(message, '#', sizeof message);
         mlrt_mesh mesh = two_triangles();
         mesh.indices = bad;
-        mlrt_build_options options = {.struct_size = sizeof options, .message = message, .message_size = size};
+        mlrt_tree_options options = {.struct_size = sizeof options, .message = message, .message_size = size};
         assert_build(&mesh, 1, &options, MLRT_ERROR_INDEX_RANGE);
         for (size_t i = size; i < sizeof message; i++) assert_int_equal(message[i], '#');
         if (size > 0) assert_non_null(memchr(message, 0, size));
@@ -301,24 +302,167 @@ static void more_triangles_than_can_be_counted(void **state)
 static void build_option_ranges(void **state)
 {
     (void)state;
-    mlrt_build_options good = {.struct_size = sizeof good};
-    mlrt_build_options options = good;
+    mlrt_tree_options good = {.struct_size = sizeof good};
+    mlrt_tree_options options = good;
     assert_options(&options, MLRT_OK);
     options.struct_size = 0;
     assert_options(&options, MLRT_ERROR_STRUCT_SIZE);
     options = good;
-    options.preset = 4;
+    options.preset = MLRT_TREE_BEST;
+    assert_options(&options, MLRT_OK);
+    options.preset = MLRT_TREE_BEST + 1;
     assert_options(&options, MLRT_ERROR_ARGUMENT);
     options.preset = -1;
     assert_options(&options, MLRT_ERROR_ARGUMENT);
+}
+
+static void assert_kdtree_options(const mlrt_kdtree_options *options, int32_t expected)
+{
+    const mlrt_mesh mesh = two_triangles();
+    mlrt_tree *tree = (mlrt_tree *)(uintptr_t)16;
+    mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, options, &tree), expected);
+    assert_int_equal(tree != NULL, expected == MLRT_OK);
+    assert_int_equal(mlrt_estimate_kdtree(&mesh, 1, options, &estimate), expected);
+    mlrt_destroy_tree(tree);
+}
+
+static void kdtree_option_ranges(void **state)
+{
+    (void)state;
+    static const float wrong[] = {-1, NAN, INFINITY, -INFINITY};
+    const mlrt_kdtree_options good = {.struct_size = sizeof good};
+    mlrt_kdtree_options options = {.struct_size = 0};
+    assert_kdtree_options(NULL, MLRT_OK);
+    assert_kdtree_options(&good, MLRT_OK);
+    assert_kdtree_options(&options, MLRT_ERROR_STRUCT_SIZE);
     options = good;
+    options.preset = MLRT_KDTREE_TUNED;
+    assert_kdtree_options(&options, MLRT_OK);
+    options.preset = MLRT_KDTREE_TUNED + 1;
+    assert_kdtree_options(&options, MLRT_ERROR_ARGUMENT);
+    options.preset = -1;
+    assert_kdtree_options(&options, MLRT_ERROR_ARGUMENT);
+    options = good;
+    options.rules_off = 31;
+    assert_kdtree_options(&options, MLRT_OK);
     options.rules_off = 32;
-    assert_options(&options, MLRT_ERROR_ARGUMENT);
+    assert_kdtree_options(&options, MLRT_ERROR_ARGUMENT);
     options = good;
-    options.max_depth = 61;
-    assert_options(&options, MLRT_ERROR_ARGUMENT);
     options.max_depth = 60;
-    assert_options(&options, MLRT_OK);
+    assert_kdtree_options(&options, MLRT_OK);
+    options.max_depth = 61;
+    assert_kdtree_options(&options, MLRT_ERROR_ARGUMENT);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        options = (mlrt_kdtree_options){.struct_size = sizeof options, .traversal_cost = wrong[i]};
+        assert_kdtree_options(&options, MLRT_ERROR_ARGUMENT);
+        options = (mlrt_kdtree_options){.struct_size = sizeof options, .intersection_cost = wrong[i]};
+        assert_kdtree_options(&options, MLRT_ERROR_ARGUMENT);
+    }
+}
+
+/* The message and the log name what is wrong. */
+static void options_out_of_range_are_named(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"preset", "traversal_cost", "intersection_cost", "max_depth", "rules_off"};
+    const mlrt_mesh mesh = two_triangles();
+    char expected[64];
+    for (int i = 0; i < 5; i++) {
+        char message[64] = "stale", kdtree_message[64] = "stale";
+        mlrt_tree *tree = (mlrt_tree *)(uintptr_t)16;
+        snprintf(expected, sizeof expected, "options.%s is out of its range", names[i]);
+        const mlrt_kdtree_options kdtree = {.struct_size = sizeof kdtree,
+                                            .preset = i == 0 ? 2 : 0,
+                                            .traversal_cost = i == 1 ? -1 : 0,
+                                            .intersection_cost = i == 2 ? 2e6f : 0,
+                                            .max_depth = i == 3 ? 61 : 0,
+                                            .rules_off = i == 4 ? 32 : 0,
+                                            .message = kdtree_message,
+                                            .message_size = sizeof kdtree_message};
+        assert_int_equal(mlrt_build_kdtree(&mesh, 1, &kdtree, &tree), MLRT_ERROR_ARGUMENT);
+        assert_null(tree);
+        assert_string_equal(kdtree_message, expected);
+        if (i > 2) continue;
+        const mlrt_tree_options boxes = {.struct_size = sizeof boxes,
+                                         .preset = i == 0 ? 3 : 0,
+                                         .traversal_cost = i == 1 ? -1 : 0,
+                                         .intersection_cost = i == 2 ? 2e6f : 0,
+                                         .message = message,
+                                         .message_size = sizeof message};
+        tree = (mlrt_tree *)(uintptr_t)16;
+        assert_int_equal(mlrt_build_tree(&mesh, 1, &boxes, &tree), MLRT_ERROR_ARGUMENT);
+        assert_null(tree);
+        assert_string_equal(message, expected);
+    }
+}
+
+/* Where headers say nothing, as in bindings written by hand: the other builder's options are of another size. */
+static void options_of_the_other_builder_are_refused(void **state)
+{
+    (void)state;
+    const mlrt_mesh mesh = two_triangles();
+    mlrt_tree *tree = NULL;
+    const mlrt_tree_options boxes = {.struct_size = sizeof boxes, .preset = MLRT_TREE_FAST};
+    const mlrt_kdtree_options depth = {.struct_size = sizeof depth, .max_depth = 3},
+                              rules = {.struct_size = sizeof rules, .rules_off = 1};
+    const void *others[] = {&depth, &rules};
+    const void *other = &boxes;
+    assert_int_equal(mlrt_build_kdtree(&mesh, 1, other, &tree), MLRT_ERROR_STRUCT_SIZE);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(mlrt_build_tree(&mesh, 1, others[i], &tree), MLRT_ERROR_STRUCT_SIZE);
+        assert_null(tree);
+    }
+}
+
+/* Without options: what each builder makes, and by which method it is traced. */
+static void builders_make_what_they_are_named_for(void **state)
+{
+    (void)state;
+    struct soup soup = {0};
+    soup_add_icosphere(&soup, 3, 1);
+    const mlrt_mesh mesh = soup_mesh(&soup);
+    for (uint32_t structure = MLRT_STRUCTURE_KDTREE; structure <= MLRT_STRUCTURE_BVH; structure++) {
+        const int is_kdtree = structure == MLRT_STRUCTURE_KDTREE;
+        const mlrt_kdtree_options paper = {.struct_size = sizeof paper, .preset = MLRT_KDTREE_PAPER};
+        const mlrt_tree_options best = {.struct_size = sizeof best, .preset = MLRT_TREE_DEFAULT};
+        mlrt_tree *tree = NULL, *same = NULL;
+        mlrt_tree_info info = {.struct_size = sizeof info}, same_info = info;
+        assert_int_equal(is_kdtree ? mlrt_build_kdtree(&mesh, 1, NULL, &tree) : mlrt_build_tree(&mesh, 1, NULL, &tree),
+                         MLRT_OK);
+        assert_int_equal(
+            is_kdtree ? mlrt_build_kdtree(&mesh, 1, &paper, &same) : mlrt_build_tree(&mesh, 1, &best, &same), MLRT_OK);
+        assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+        assert_int_equal(mlrt_get_tree_info(same, &same_info), MLRT_OK);
+        assert_int_equal(info.structure, structure);
+        assert_int_equal(info.reserved, 0);
+        assert_true(info.tree_hash == same_info.tree_hash);
+        mlrt_destroy_tree(same);
+
+        /* The default's counters are those of one method, and of no other. */
+        const float eye[3] = {0.5f, -3, 1}, target[3] = {0, 0, 0};
+        const mlrt_camera camera = look_at(eye, target, 1, 64, 64);
+        uint32_t ids[64 * 64];
+        const mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {ids, 0, 0}};
+        mlrt_counters counted[MLRT_METHOD_TILE + 1];
+        for (int32_t method = MLRT_METHOD_DEFAULT; method <= MLRT_METHOD_TILE; method++) {
+            memset(&counted[method], 0, sizeof counted[method]);
+            counted[method].struct_size = sizeof counted[method];
+            const mlrt_trace_options options = {
+                .struct_size = sizeof options, .method = method, .counters = &counted[method]};
+            const int is_there = method < MLRT_METHOD_PACKET2 || (method == MLRT_METHOD_TILE) != is_kdtree;
+            assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL),
+                             is_there ? MLRT_OK : MLRT_ERROR_UNSUPPORTED);
+        }
+        const int32_t expected = is_kdtree ? MLRT_METHOD_MULTILEVEL : MLRT_METHOD_TILE;
+        assert_int_equal(counted[MLRT_METHOD_DEFAULT].beam_count > 0, is_kdtree);
+        for (int32_t method = MLRT_METHOD_RAY; method <= MLRT_METHOD_TILE; method++) {
+            assert_int_equal(memcmp(&counted[MLRT_METHOD_DEFAULT], &counted[method], sizeof *counted) == 0,
+                             method == expected);
+        }
+        mlrt_destroy_tree(tree);
+    }
+    free_soup(&soup);
 }
 
 static void build_costs_must_be_finite_and_not_negative(void **state)
@@ -326,7 +470,7 @@ static void build_costs_must_be_finite_and_not_negative(void **state)
     (void)state;
     static const float wrong[] = {-1, NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
-        mlrt_build_options options = {.struct_size = sizeof options, .traversal_cost = wrong[i]};
+        mlrt_tree_options options = {.struct_size = sizeof options, .traversal_cost = wrong[i]};
         assert_options(&options, MLRT_ERROR_ARGUMENT);
         options.traversal_cost = 0;
         options.intersection_cost = wrong[i];
@@ -342,7 +486,7 @@ static void max_references_bounds_the_tree(void **state)
     soup_add_random(&soup, &random, 500, 1, 1);
     mlrt_mesh mesh = soup_mesh(&soup);
     for (uint64_t limit = 500; limit <= 4000; limit *= 2) {
-        mlrt_build_options options = {.struct_size = sizeof options, .max_references = limit};
+        mlrt_kdtree_options options = {.struct_size = sizeof options, .max_references = limit};
         mlrt_tree *tree = NULL;
         mlrt_tree_info info = {.struct_size = sizeof info};
         assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
@@ -375,10 +519,12 @@ static void tree_info_counts_what_is_left_out(void **state)
     soup_add_triangle(&soup, far, far, far);
     soup_add_triangle(&soup, bad, bad, a);
     struct fixture fixture = fixture_of_soup("left out", 0, &soup);
-    mlrt_tree_info info = info_of(fixture.tree);
-    assert_int_equal(info.triangle_count, 6);
-    assert_int_equal(info.zero_area_count, reference_zero_area_count(fixture.reference));
-    assert_int_equal(info.non_finite_count, reference_non_finite_count(fixture.reference));
+    for (int i = 0; i < 2; i++) {
+        mlrt_tree_info info = info_of(i ? fixture.kdtree : fixture.tree);
+        assert_int_equal(info.triangle_count, 6);
+        assert_int_equal(info.zero_area_count, reference_zero_area_count(fixture.reference));
+        assert_int_equal(info.non_finite_count, reference_non_finite_count(fixture.reference));
+    }
     free_fixture(&fixture);
 }
 
@@ -441,7 +587,7 @@ static void tree_info_is_consistent(void **state)
     struct soup soup = {0};
     soup_add_icosphere(&soup, 3, 1);
     struct fixture fixture = fixture_of_soup("sphere", 0, &soup);
-    mlrt_tree_info info = info_of(fixture.tree);
+    mlrt_tree_info info = info_of(fixture.kdtree);
     assert_int_equal(info.triangle_count, 1280);
     assert_int_equal(info.node_count, 2 * info.leaf_count - 1);
     assert_true(info.empty_leaf_count <= info.leaf_count);
@@ -461,7 +607,7 @@ static void the_same_input_gives_the_same_tree(void **state)
     uint64_t hash[2];
     for (int i = 0; i < 2; i++) {
         mlrt_tree *tree = NULL;
-        assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+        assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
         hash[i] = info_of(tree).tree_hash;
         mlrt_destroy_tree(tree);
     }
@@ -606,8 +752,6 @@ static void reserved_fields_must_be_zero(void **state)
     call.options.counters = &counters;
     assert_call(&call, MLRT_ERROR_ARGUMENT);
     assert_trace_options((mlrt_trace_options){.reserved = 1}, MLRT_ERROR_ARGUMENT);
-    const mlrt_build_options options = {.struct_size = sizeof options, .reserved = 1};
-    assert_options(&options, MLRT_ERROR_ARGUMENT);
 }
 
 static void too_many_rays(void **state)
@@ -1255,7 +1399,7 @@ static void shadow_rays_of_triangles_that_do_not_exist(void **state)
         assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
     }
     mlrt_destroy_tree(tree);
-    assert_int_equal(mlrt_build_kdtree(NULL, 0, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(NULL, 0, NULL, &tree), MLRT_OK);
     const struct shadow_call call = good_shadow_call();
     assert_shadow_call(tree, &call, MLRT_ERROR_ARGUMENT);
     mlrt_destroy_tree(tree);
@@ -1276,7 +1420,7 @@ static void shadow_rays_of_triangles_that_were_left_out(void **state)
         const mlrt_mesh mesh = {
             .struct_size = sizeof mesh, .vertices = left_out, .vertex_count = 3, .triangle_count = 1};
         mlrt_tree *tree;
-        assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+        assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
         for (int kind = 0; kind < 2; kind++) {
             struct shadow_call call = good_shadow_call();
             call.light.kind = kind;
@@ -1315,8 +1459,8 @@ static void nothing_is_printed(void **state)
     mlrt_rays rays = {.struct_size = sizeof rays, .count = 1, .origins = {nan_ray, 0}, .directions = {nan_ray, 0}};
     mlrt_hits hits = {.struct_size = sizeof hits, .t = {&t, 0, 0}};
     mesh.vertex_count = 1;
-    mlrt_build_kdtree(&mesh, 1, NULL, &tree);
-    mlrt_build_kdtree(NULL, 0, NULL, &tree);
+    mlrt_build_tree(&mesh, 1, NULL, &tree);
+    mlrt_build_tree(NULL, 0, NULL, &tree);
     mlrt_trace_packet(tree, &rays, NULL, &hits);
     mlrt_trace_packet(NULL, &rays, NULL, &hits);
     mlrt_destroy_tree(tree);
@@ -1424,16 +1568,15 @@ static int32_t compute_shadow_ray(const struct environment *e, const mlrt_tree *
 }
 
 /* Returns the sum of all statuses. */
-static int32_t compute(const struct environment *e, mlrt_pool *pool, const mlrt_trace_options *how, struct answers *a)
+static int32_t compute(const struct environment *e, mlrt_pool *pool, const struct variant *variant, struct answers *a)
 {
     mlrt_tree *tree = NULL;
     mlrt_mesh mesh = soup_mesh(&e->soup);
     mlrt_tree_info info = {.struct_size = sizeof info};
-    mlrt_trace_options options = *how;
+    mlrt_trace_options options = variant->options;
     options.pool = pool;
-    const mlrt_build_options build = {.struct_size = sizeof build,
-                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
-    int32_t status = mlrt_build_kdtree(&mesh, 1, &build, &tree);
+    int32_t status =
+        variant->on_kdtree ? mlrt_build_kdtree(&mesh, 1, NULL, &tree) : mlrt_build_tree(&mesh, 1, NULL, &tree);
     status += mlrt_get_tree_info(tree, &info);
     a->tree_hash = info.tree_hash;
     a->zero_area_count = info.zero_area_count;
@@ -1488,10 +1631,10 @@ static void assert_same_under(unsigned int control)
         mlrt_pool *pool = shared_pool(variant->threads);
         memset(&plain, 0, sizeof plain);
         memset(&strange, 0, sizeof strange);
-        assert_int_equal(compute(&e, pool, &variant->options, &plain), 0);
+        assert_int_equal(compute(&e, pool, variant, &plain), 0);
         unsigned int before = _mm_getcsr();
         _mm_setcsr(control);
-        int32_t status = compute(&e, pool, &variant->options, &strange);
+        int32_t status = compute(&e, pool, variant, &strange);
         unsigned int after = _mm_getcsr();
         _mm_setcsr(before);
         assert_int_equal(status, 0);
@@ -1561,21 +1704,23 @@ static void callers_that_round_by_fenv(void **state)
     (void)state;
     static const int modes[] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
     static struct answers plain, strange;
-    mlrt_trace_options options = {.struct_size = sizeof options};
     struct environment e;
     make_environment(&e);
-    memset(&plain, 0, sizeof plain);
-    assert_int_equal(compute(&e, NULL, &options, &plain), 0);
-    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
-        memset(&strange, 0, sizeof strange);
-        int before = fegetround();
-        assert_int_equal(fesetround(modes[i]), 0);
-        int32_t status = compute(&e, shared_pool(i ? 3 : 0), &options, &strange);
-        int after = fegetround();
-        fesetround(before);
-        assert_int_equal(status, 0);
-        assert_int_equal(after, modes[i]);
-        assert_memory_equal(&plain, &strange, sizeof plain);
+    for (int on_kdtree = 0; on_kdtree <= 1; on_kdtree++) {
+        const struct variant variant = {.options = {.struct_size = sizeof variant.options}, .on_kdtree = on_kdtree};
+        memset(&plain, 0, sizeof plain);
+        assert_int_equal(compute(&e, NULL, &variant, &plain), 0);
+        for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+            memset(&strange, 0, sizeof strange);
+            int before = fegetround();
+            assert_int_equal(fesetround(modes[i]), 0);
+            int32_t status = compute(&e, shared_pool(i ? 3 : 0), &variant, &strange);
+            int after = fegetround();
+            fesetround(before);
+            assert_int_equal(status, 0);
+            assert_int_equal(after, modes[i]);
+            assert_memory_equal(&plain, &strange, sizeof plain);
+        }
     }
     free_soup(&e.soup);
 }
@@ -1586,24 +1731,26 @@ static void callers_that_trap_by_fenv(void **state)
     (void)state;
 #ifdef __GLIBC__
     static struct answers plain, strange;
-    mlrt_trace_options options = {.struct_size = sizeof options};
     struct environment e;
     make_environment(&e);
-    memset(&plain, 0, sizeof plain);
-    memset(&strange, 0, sizeof strange);
-    assert_int_equal(compute(&e, NULL, &options, &plain), 0);
-    fexcept_t flags;
-    fegetexceptflag(&flags, FE_ALL_EXCEPT);
-    feclearexcept(FE_ALL_EXCEPT);
-    if (feenableexcept(FE_ALL_EXCEPT) == -1) skip(); // a processor without traps
-    int32_t status = compute(&e, NULL, &options, &strange);
-    int traps = fegetexcept(), raised = fetestexcept(FE_ALL_EXCEPT);
-    fedisableexcept(FE_ALL_EXCEPT);
-    fesetexceptflag(&flags, FE_ALL_EXCEPT);
-    assert_int_equal(status, 0);
-    assert_int_equal(traps, FE_ALL_EXCEPT);
-    assert_int_equal(raised, 0);
-    assert_memory_equal(&plain, &strange, sizeof plain);
+    for (int on_kdtree = 0; on_kdtree <= 1; on_kdtree++) {
+        const struct variant variant = {.options = {.struct_size = sizeof variant.options}, .on_kdtree = on_kdtree};
+        memset(&plain, 0, sizeof plain);
+        memset(&strange, 0, sizeof strange);
+        assert_int_equal(compute(&e, NULL, &variant, &plain), 0);
+        fexcept_t flags;
+        fegetexceptflag(&flags, FE_ALL_EXCEPT);
+        feclearexcept(FE_ALL_EXCEPT);
+        if (feenableexcept(FE_ALL_EXCEPT) == -1) skip(); // a processor without traps
+        int32_t status = compute(&e, NULL, &variant, &strange);
+        int traps = fegetexcept(), raised = fetestexcept(FE_ALL_EXCEPT);
+        fedisableexcept(FE_ALL_EXCEPT);
+        fesetexceptflag(&flags, FE_ALL_EXCEPT);
+        assert_int_equal(status, 0);
+        assert_int_equal(traps, FE_ALL_EXCEPT);
+        assert_int_equal(raised, 0);
+        assert_memory_equal(&plain, &strange, sizeof plain);
+    }
     free_soup(&e.soup);
 #else
     skip();
@@ -1627,7 +1774,7 @@ static void progress_and_options_under_traps(void **state)
     const mlrt_camera camera = good_camera();
     const mlrt_host host = {.struct_size = sizeof host, .user = &tell_count, .progress = go_on};
     const mlrt_trace_options trace = {.struct_size = sizeof trace, .host = &host, .initial_tile_size = 4};
-    const mlrt_build_options build = {.struct_size = sizeof build, .traversal_cost = NAN};
+    const mlrt_tree_options build = {.struct_size = sizeof build, .traversal_cost = NAN};
     mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
     uint32_t ids[16];
     const mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {ids, 0, 0}};
@@ -1636,8 +1783,8 @@ static void progress_and_options_under_traps(void **state)
     feclearexcept(FE_ALL_EXCEPT);
     if (feenableexcept(FE_ALL_EXCEPT) == -1) skip(); // a processor without traps
     const int32_t rendered = mlrt_render_tiles(tree, &camera, &trace, &frame, NULL, NULL);
-    const int32_t built = mlrt_build_kdtree(NULL, 0, &build, &other);
-    const int32_t estimated = mlrt_estimate_memory(NULL, 0, &build, &estimate);
+    const int32_t built = mlrt_build_tree(NULL, 0, &build, &other);
+    const int32_t estimated = mlrt_estimate_tree(NULL, 0, &build, &estimate);
     fedisableexcept(FE_ALL_EXCEPT);
     fesetexceptflag(&flags, FE_ALL_EXCEPT);
     assert_int_equal(rendered, MLRT_OK);
@@ -1825,7 +1972,7 @@ static void meshes_and_costs_of_signalling_nans(void **state)
     (void)state;
 #ifdef __GLIBC__
     mlrt_tree *tree = NULL, *loaded = NULL;
-    mlrt_build_options build = {.struct_size = sizeof build};
+    mlrt_tree_options build = {.struct_size = sizeof build};
     mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
     mlrt_mesh mesh = two_triangles();
     float bad[18];
@@ -1838,7 +1985,7 @@ static void meshes_and_costs_of_signalling_nans(void **state)
     mesh.vertices = bad;
     if (!begin_traps(&flags)) skip();
     assert_answer(mlrt_hash_geometry(&mesh, 1, &hash), MLRT_OK);
-    assert_answer(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_answer(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     assert_answer(mlrt_save_tree(tree, file, 100000, &size), MLRT_OK);
     assert_answer(mlrt_load_tree(file, size, NULL, &loaded), MLRT_OK);
     mlrt_destroy_tree(tree);
@@ -1846,8 +1993,8 @@ static void meshes_and_costs_of_signalling_nans(void **state)
     for (int i = 0; i < 2; i++) {
         build.traversal_cost = build.intersection_cost = 0;
         set_bad(i == 0 ? &build.traversal_cost : &build.intersection_cost);
-        assert_answer(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_ERROR_ARGUMENT);
-        assert_answer(mlrt_estimate_memory(&mesh, 1, &build, &estimate), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_build_tree(&mesh, 1, &build, &tree), MLRT_ERROR_ARGUMENT);
+        assert_answer(mlrt_estimate_tree(&mesh, 1, &build, &estimate), MLRT_ERROR_ARGUMENT);
     }
     end_traps(&flags);
     free(file);
@@ -1863,23 +2010,22 @@ static void a_denormal_limit_is_a_limit(void **state)
 #if HAS_MXCSR
     const float low[9] = {0, 0, 1e-39f, 1, 0, 1e-39f, 0, 1, 1e-39f};
     const mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = low, .vertex_count = 3, .triangle_count = 1};
-    const mlrt_build_options build = {.struct_size = sizeof build,
-                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
     const mlrt_ray ray = {
         .struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}, .t_max = 5e-40f};
-    mlrt_tree *tree;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
+    const struct fixture fixture = {.tree = build_structure(&mesh, 1, MLRT_STRUCTURE_BVH),
+                                    .kdtree = build_structure(&mesh, 1, MLRT_STRUCTURE_KDTREE)};
     for (int32_t method = MLRT_METHOD_DEFAULT; method <= MLRT_METHOD_TILE; method++) {
         const mlrt_trace_options options = {.struct_size = sizeof options, .method = method};
         mlrt_hit hit = {.struct_size = sizeof hit};
         const unsigned int before = _mm_getcsr();
         _mm_setcsr(before | FLUSH | DENORMALS_ARE_ZERO);
-        const int32_t status = mlrt_trace_ray(tree, &ray, &options, &hit);
+        const int32_t status = mlrt_trace_ray(method_tree(method, &fixture), &ray, &options, &hit);
         _mm_setcsr(before);
         assert_int_equal(status, MLRT_OK);
         assert_int_equal(hit.triangle, MLRT_NONE);
     }
-    mlrt_destroy_tree(tree);
+    mlrt_destroy_tree(fixture.tree);
+    mlrt_destroy_tree(fixture.kdtree);
 #else
     skip();
 #endif
@@ -1940,6 +2086,10 @@ int main(void)
         cmocka_unit_test(ids_that_clash),
         cmocka_unit_test(more_triangles_than_can_be_counted),
         cmocka_unit_test(build_option_ranges),
+        cmocka_unit_test(kdtree_option_ranges),
+        cmocka_unit_test(options_out_of_range_are_named),
+        cmocka_unit_test(options_of_the_other_builder_are_refused),
+        cmocka_unit_test(builders_make_what_they_are_named_for),
         cmocka_unit_test(build_costs_must_be_finite_and_not_negative),
         cmocka_unit_test(max_references_bounds_the_tree),
         cmocka_unit_test(tree_info_counts_what_is_left_out),

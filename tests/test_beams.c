@@ -39,11 +39,12 @@ static struct beam_case make_case(const char *name, uint64_t seed)
     return the;
 }
 
-static mlrt_build_options draw_build_options(struct random *random)
+static mlrt_kdtree_options draw_build_options(struct random *random)
 {
-    mlrt_build_options options = {.struct_size = sizeof options};
+    mlrt_kdtree_options options = {.struct_size = sizeof options};
+    options.preset = MLRT_KDTREE_TUNED;
     if (draw_below(random, 4) == 0) return options;
-    options.preset = MLRT_TREE_PAPER;
+    options.preset = MLRT_KDTREE_PAPER;
     options.intersection_cost = 100; /* cells down to single triangles */
     options.traversal_cost = 0.01f;
     if (draw_below(random, 4) == 0) options.rules_off = draw_below(random, 32);
@@ -139,7 +140,7 @@ static void finish_case(struct beam_case *the, int ways)
 {
     char text[200];
     mlrt_mesh mesh = soup_mesh(&the->soup);
-    mlrt_build_options build = draw_build_options(&the->random);
+    mlrt_kdtree_options build = draw_build_options(&the->random);
     struct fixture fixture = make_fixture_with(the->name, the->seed, &mesh, 1, &build);
     if (the->has_camera) {
         the->list.count = 0;
@@ -152,7 +153,7 @@ static void finish_case(struct beam_case *the, int ways)
     for (int way = 0; way < ways; way++) {
         mlrt_trace_options options = draw_trace_options(&the->random, text, sizeof text);
         if (the->has_light) options.query = MLRT_QUERY_ANY;
-        trace_case(the, fixture.tree, &options, &results);
+        trace_case(the, method_tree(options.method, &fixture), &options, &results);
         compare(the, &fixture, expected, &results, options.query == MLRT_QUERY_ANY, text);
     }
     free(expected);

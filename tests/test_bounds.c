@@ -1444,8 +1444,8 @@ static void products_that_underflow_decide_nothing(void **state)
  */
 static void rays_may_begin_and_end_in_a_split_plane(void **state)
 {
-    const mlrt_build_options build = {
-        .struct_size = sizeof build, .preset = MLRT_TREE_PAPER, .intersection_cost = 100, .traversal_cost = 0.01f};
+    const mlrt_kdtree_options build = {
+        .struct_size = sizeof build, .preset = MLRT_KDTREE_PAPER, .intersection_cost = 100, .traversal_cost = 0.01f};
     (void)state;
     for (uint64_t seed = 0; seed < scaled(40 * search_effort); ++seed) {
         struct random random = {seed * 0x10001 + 9};

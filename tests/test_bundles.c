@@ -375,11 +375,11 @@ static void make_world(uint64_t number, struct world *world)
     scenes[scene].make(&world->soup, &random);
     for (size_t i = 0; i < 9 * world->soup.count; i++) world->soup.corners[i] = ldexpf(world->soup.corners[i], power);
     make_meshes(world, &random);
-    mlrt_build_options options = {.struct_size = sizeof options};
+    mlrt_tree_options options = {.struct_size = sizeof options};
     static const int32_t presets[] = {MLRT_TREE_DEFAULT, MLRT_TREE_DEFAULT, MLRT_TREE_FAST, MLRT_TREE_BEST};
     options.preset = presets[draw_below(&random, 4)];
     world->fixture.name = world->name;
-    assert_int_equal(mlrt_build_kdtree(world->meshes, world->mesh_count, &options, &world->fixture.tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(world->meshes, world->mesh_count, &options, &world->fixture.tree), MLRT_OK);
     world->fixture.reference = make_reference(world, ~0u);
 }
 

@@ -21,13 +21,12 @@
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
 
-static mlrt_build_options options_of(int32_t preset)
+static mlrt_tree_options options_of(int32_t preset)
 {
-    mlrt_build_options options;
+    mlrt_tree_options options;
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
     options.preset = preset;
-    options.structures = MLRT_STRUCTURE_BVH;
     return options;
 }
 
@@ -47,7 +46,7 @@ static struct mlrt_triangle *triangles_of(const struct soup *soup)
 }
 
 /* Builds, checks, and leaves the hierarchy to look at. The triangles stay the caller's. */
-static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t count, const mlrt_build_options *options)
+static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t count, const mlrt_tree_options *options)
 {
     struct mlrt_tree tree;
     memset(&tree, 0, sizeof tree);
@@ -71,7 +70,7 @@ static mlrt_tree_info build_and_check(struct mlrt_triangle *triangles, uint32_t 
     mlrt_tree_info info;
     memset(&info, 0, sizeof info);
     for (size_t i = 0; i < PRESET_COUNT; i++) {
-        mlrt_build_options options = options_of(PRESETS[i]);
+        mlrt_tree_options options = options_of(PRESETS[i]);
         struct mlrt_tree tree = build_with(triangles, count, &options);
         if (PRESETS[i] == MLRT_TREE_DEFAULT) info = tree.info;
         assert_true(tree.info.depth <= MLRT_BVH_DEPTH_LIMIT);
@@ -298,7 +297,7 @@ static void test_threads_change_nothing(void **state)
     (void)state;
     struct soup soup = large_soup();
     for (size_t i = 0; i < PRESET_COUNT; i++) {
-        mlrt_build_options options = options_of(PRESETS[i]);
+        mlrt_tree_options options = options_of(PRESETS[i]);
         struct mlrt_tree first = build_with(triangles_of(&soup), (uint32_t)soup.count, &options);
         for (uint32_t threads = 1; threads <= 4; threads++) {
             options.pool = shared_pool(threads);
@@ -319,7 +318,7 @@ static void test_running_out_of_memory_leaves_nothing(void **state)
     struct soup soup = large_soup();
     soup.count = 3000;
     for (size_t i = 0; i < PRESET_COUNT; i++) {
-        mlrt_build_options options = options_of(PRESETS[i]);
+        mlrt_tree_options options = options_of(PRESETS[i]);
         int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
         uint32_t failure_count = 0;
         for (uint64_t limit = 1; status != MLRT_OK; limit += limit / 16 + 1) {
@@ -360,12 +359,13 @@ static void test_the_report_is_filled(void **state)
     (void)state;
     struct soup soup = large_soup();
     mlrt_mesh mesh = soup_mesh(&soup);
-    mlrt_build_options options = options_of(MLRT_TREE_DEFAULT);
+    mlrt_tree_options options = options_of(MLRT_TREE_DEFAULT);
     mlrt_tree *tree;
     mlrt_tree_info info = {.struct_size = sizeof info};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_OK);
     assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
-    assert_int_equal(tree->structures, MLRT_STRUCTURE_BVH);
+    assert_int_equal(tree->structure, MLRT_STRUCTURE_BVH);
+    assert_int_equal(info.structure, MLRT_STRUCTURE_BVH);
     assert_null(tree->nodes);
     assert_int_equal(tree->node_count, 0);
     assert_int_equal(info.triangle_count, soup.count);
@@ -376,57 +376,6 @@ static void test_the_report_is_filled(void **state)
     assert_true(info.bounds_min[0] < 0 && info.bounds_max[0] > 0);
     mlrt_destroy_tree(tree);
     free_soup(&soup);
-}
-
-static void test_both_structures_report_the_kd_tree(void **state)
-{
-    (void)state;
-    struct soup soup = large_soup();
-    mlrt_mesh mesh = soup_mesh(&soup);
-    mlrt_build_options options = options_of(MLRT_TREE_DEFAULT);
-    mlrt_tree *both, *alone;
-    options.structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &both), MLRT_OK);
-    options.structures = MLRT_STRUCTURE_KDTREE;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &alone), MLRT_OK);
-    assert_int_equal(both->info.tree_hash, alone->info.tree_hash);
-    assert_int_equal(both->info.node_count, alone->info.node_count);
-    assert_int_equal(both->info.zero_area_count, alone->info.zero_area_count);
-    assert_true(both->info.memory_size > alone->info.memory_size);
-    assert_null(mlrt_check_bvh(both));
-    assert_memory_equal(&both->bounds, &alone->bounds, sizeof both->bounds);
-    mlrt_destroy_tree(both);
-    mlrt_destroy_tree(alone);
-    free_soup(&soup);
-}
-
-static void test_the_paper_implies_a_kd_tree(void **state)
-{
-    (void)state;
-    struct mlrt_triangle triangle = {{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}}};
-    mlrt_mesh mesh = {sizeof mesh, 0, &triangle, 3, 0, NULL, 1, 0, 0, 0};
-    mlrt_build_options options = options_of(MLRT_TREE_PAPER);
-    mlrt_tree *tree;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
-    assert_true(tree->structures & MLRT_STRUCTURE_KDTREE);
-    mlrt_destroy_tree(tree);
-}
-
-static void test_methods_of_the_kd_tree_need_one(void **state)
-{
-    (void)state;
-    struct mlrt_triangle triangle = {{{0, 0, 5}, {1, 0, 5}, {0, 1, 5}}};
-    mlrt_mesh mesh = {sizeof mesh, 0, &triangle, 3, 0, NULL, 1, 0, 0, 0};
-    mlrt_build_options options = options_of(MLRT_TREE_DEFAULT);
-    mlrt_tree *tree;
-    mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
-    mlrt_hit hit = {.struct_size = sizeof hit};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
-    for (int32_t method = MLRT_METHOD_PACKET2; method <= MLRT_METHOD_MULTILEVEL; method++) {
-        mlrt_trace_options trace = {.struct_size = sizeof trace, .method = method};
-        assert_int_equal(mlrt_trace_ray(tree, &ray, &trace, &hit), MLRT_ERROR_UNSUPPORTED);
-    }
-    mlrt_destroy_tree(tree);
 }
 
 int main(void)
@@ -449,9 +398,6 @@ int main(void)
         cmocka_unit_test(test_running_out_of_memory_leaves_nothing),
         cmocka_unit_test(test_too_many_triangles),
         cmocka_unit_test(test_the_report_is_filled),
-        cmocka_unit_test(test_both_structures_report_the_kd_tree),
-        cmocka_unit_test(test_the_paper_implies_a_kd_tree),
-        cmocka_unit_test(test_methods_of_the_kd_tree_need_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

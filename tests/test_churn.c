@@ -89,7 +89,21 @@ static float draw(uint32_t *state, float limit)
     return limit * ((float)(*state >> 8) / 8388608.0f - 1);
 }
 
-/* A pool, a tree, some rays, and two builds that fail; every kind of tree in turn. */
+/* Every kind of tree in turn: boxes of three presets, kd-trees of two. */
+static int32_t build(size_t cycle, const mlrt_mesh *mesh, mlrt_pool *pool, const mlrt_host *host, uint64_t memory_limit,
+                     mlrt_tree **tree)
+{
+    const mlrt_tree_options boxes = {.struct_size = sizeof boxes,
+                                     .preset = (int32_t)(cycle % 5),
+                                     .pool = cycle / 5 % 4 ? pool : NULL,
+                                     .host = host,
+                                     .memory_limit = memory_limit};
+    const mlrt_kdtree_options kdtree = {
+        .struct_size = sizeof kdtree, .preset = (int32_t)(cycle % 5) - 3, .host = host, .memory_limit = memory_limit};
+    return cycle % 5 < 3 ? mlrt_build_tree(mesh, 1, &boxes, tree) : mlrt_build_kdtree(mesh, 1, &kdtree, tree);
+}
+
+/* A pool, a tree, some rays, and two builds that fail. */
 static void run_cycle(size_t cycle, const mlrt_host *host)
 {
     float corners[9 * TRIANGLES];
@@ -103,12 +117,7 @@ static void run_cycle(size_t cycle, const mlrt_host *host)
     mlrt_tree *tree = NULL;
     assert_int_equal(mlrt_create_pool_with_options(&pool_options, &pool), MLRT_OK);
 
-    mlrt_build_options options = {.struct_size = sizeof options,
-                                  .preset = (int32_t)(cycle % 4),
-                                  .structures = (uint32_t)(cycle / 4 % 4),
-                                  .pool = cycle % 5 ? pool : NULL,
-                                  .host = host};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
+    assert_int_equal(build(cycle, &mesh, pool, host, 0, &tree), MLRT_OK);
 
     float origins[3 * RAYS], directions[3 * RAYS], t[RAYS];
     for (size_t i = 0; i < 3 * RAYS; i++) {
@@ -127,11 +136,10 @@ static void run_cycle(size_t cycle, const mlrt_host *host)
 
     mesh.indices = wrong;
     mesh.triangle_count = 1;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_INDEX_RANGE);
+    assert_int_equal(build(cycle, &mesh, pool, host, 0, &tree), MLRT_ERROR_INDEX_RANGE);
     mesh.indices = NULL;
     mesh.triangle_count = TRIANGLES;
-    options.memory_limit = 1000 + 100 * (cycle % 50);
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_OUT_OF_MEMORY);
+    assert_int_equal(build(cycle, &mesh, pool, host, 1000 + 100 * (cycle % 50), &tree), MLRT_ERROR_OUT_OF_MEMORY);
     assert_null(tree);
     mlrt_destroy_pool(pool);
 }
@@ -142,7 +150,7 @@ static void nothing_grows(void **state)
     struct heap heap = {0, 0};
     const mlrt_host host = {
         .struct_size = sizeof host, .user = &heap, .allocate = allocate, .free = give_back, .log = NULL};
-    size_t count = cycle_count(), warm = count / 10 < 48 ? 48 : count / 10; // 48: each combination once
+    size_t count = cycle_count(), warm = count / 10 < 60 ? 60 : count / 10; // 60: each combination once
     if (warm > count) count = warm;
     size_t held_first = held_by_malloc(), held_warm = 0, resident_warm = 0;
     for (size_t cycle = 0; cycle < count; cycle++) {

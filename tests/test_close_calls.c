@@ -226,7 +226,7 @@ static void sheets_that_nearly_coincide(void **state)
         add_sheets(&soup, &random);
         const mlrt_mesh mesh = soup_mesh(&soup);
         mlrt_tree *tree = NULL;
-        assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+        assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
         for (size_t i = 0; i < FUNCTION_COUNT; i++) {
             if (!isa_is_supported(isas[i])) continue;
             struct bench own, *bench = &own;
@@ -309,7 +309,7 @@ static void what_double_decides_is_not_judged(void **state)
     soup_add_triangle(&soup, moved[0], moved[1], moved[3]);
     const mlrt_mesh mesh = soup_mesh(&soup);
     mlrt_tree *tree = NULL;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     for (size_t i = 0; i < FUNCTION_COUNT; i++) {
         if (!isa_is_supported(isas[i])) continue;
         for (uint32_t order = 0; order < 2; order++) {
@@ -343,7 +343,7 @@ static void ends_of_rays_at_walls(void **state)
         swap_axes(&soup, turn % 3);
         const mlrt_mesh mesh = soup_mesh(&soup);
         mlrt_tree *tree = NULL;
-        assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+        assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
         for (size_t i = 0; i < FUNCTION_COUNT; i++) {
             if (!isa_is_supported(isas[i])) continue;
             struct bench own, *bench = &own;
@@ -380,7 +380,7 @@ static mlrt_tree *make_nest(void)
         soup_add_triangle(&soup, a, b, (const float[3]){0.5f, 0.5f + s, 0.5f});
     }
     const mlrt_mesh mesh = soup_mesh(&soup);
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     free_soup(&soup);
     return tree;
 }
@@ -493,7 +493,7 @@ static void a_render_is_stopped_within_an_item(void **state)
     mlrt_tree *tree = NULL;
     soup_add_icosphere(&soup, 3, 0.75f);
     const mlrt_mesh mesh = soup_mesh(&soup);
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     check_stop_within_an_item(tree);
     check_stop_within_an_item(make_nest());
     free_soup(&soup);

@@ -28,7 +28,7 @@ static mlrt_tree *build_one(void)
 {
     const mlrt_mesh mesh = one_triangle();
     mlrt_tree *tree;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     return tree;
 }
 
@@ -105,17 +105,15 @@ static void older_structs(void **state)
     const mlrt_mesh mesh = one_triangle();
     const float origin[3] = {0.25f, 0.25f, 0}, direction[3] = {0, 0, 1};
     float t = 0;
-    mlrt_build_options build = {.host = (const mlrt_host *)(uintptr_t)16, .memory_limit = 1};
     mlrt_trace_options trace = {.host = (const mlrt_host *)(uintptr_t)16};
     mlrt_rays rays = {.count = 1, .origins = {origin, 0}, .directions = {direction, 0}};
     mlrt_hits hits = {.struct_size = sizeof hits, .t = {&t, 0, 0}};
     mlrt_tree *tree;
-    build.struct_size = offsetof(mlrt_build_options, host);
     trace.struct_size = offsetof(mlrt_trace_options, host);
     rays.struct_size = offsetof(mlrt_rays, mask);
     rays.mask = (mlrt_const_array){origin, 3};
     rays.rays_per_origin = 7;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     assert_int_equal(mlrt_trace_packet(tree, &rays, &trace, &hits), MLRT_OK);
     assert_true(t == 5);
     mlrt_destroy_tree(tree);
@@ -135,7 +133,7 @@ static void newer_structs(void **state)
     memcpy(ray.own.origin, origin, sizeof origin);
     memcpy(ray.own.direction, direction, sizeof direction);
     for (int i = 0; i < 2; i++) meshes[i].own.struct_size = sizeof meshes[i];
-    assert_int_equal(mlrt_build_kdtree(&meshes[0].own, 2, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&meshes[0].own, 2, NULL, &tree), MLRT_OK);
     assert_int_equal(mlrt_trace_ray(tree, &ray.own, &options, &hit.own), MLRT_OK);
     assert_true(hit.own.t == 5);
     assert_int_equal(hit.own.struct_size, sizeof hit);
@@ -151,10 +149,10 @@ static void newer_structs(void **state)
     assert_int_equal(mlrt_trace_ray(tree, &ray.own, NULL, &hit.own), MLRT_ERROR_STRUCT_SIZE);
     mlrt_destroy_tree(tree);
     meshes[1].more[0] = 1;
-    assert_int_equal(mlrt_build_kdtree(&meshes[0].own, 2, NULL, &tree), MLRT_ERROR_STRUCT_SIZE);
+    assert_int_equal(mlrt_build_tree(&meshes[0].own, 2, NULL, &tree), MLRT_ERROR_STRUCT_SIZE);
     meshes[1].more[0] = 0;
     meshes[1].own.struct_size = sizeof(mlrt_mesh);
-    assert_int_equal(mlrt_build_kdtree(&meshes[0].own, 2, NULL, &tree), MLRT_ERROR_STRUCT_SIZE);
+    assert_int_equal(mlrt_build_tree(&meshes[0].own, 2, NULL, &tree), MLRT_ERROR_STRUCT_SIZE);
 }
 
 /* What options had before there were lights: what lies behind is somebody else's. */
@@ -271,8 +269,6 @@ static void capabilities_are_what_can_be_asked_for(void **state)
         const int32_t expected = capabilities & bit ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
         assert_int_equal(mlrt_trace_ray(tree, &ray, &options, &hit), expected);
     }
-    assert_true(capabilities & MLRT_CAN_BVH);
-    assert_true(capabilities & MLRT_CAN_KDTREE);
     mlrt_destroy_tree(tree);
 }
 

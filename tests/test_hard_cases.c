@@ -607,19 +607,18 @@ static void many_identical_triangles(void **state)
     size_t count = scaled(100000);
     for (size_t i = 0; i < count; i++) soup_add_triangle(&soup, a, b, c);
     mlrt_mesh mesh = soup_mesh(&soup);
-    mlrt_tree *tree = NULL;
     mlrt_tree_info info = {.struct_size = sizeof info};
-    const mlrt_build_options build = {.struct_size = sizeof build,
-                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
-    assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
+    struct fixture fixture = {.tree = build_structure(&mesh, 1, MLRT_STRUCTURE_BVH),
+                              .kdtree = build_structure(&mesh, 1, MLRT_STRUCTURE_KDTREE)};
+    assert_int_equal(mlrt_get_tree_info(fixture.kdtree, &info), MLRT_OK);
     assert_true(info.reference_count <= 8 * count + 1024);
     for (size_t v = 0; v < variant_count(); v++) {
         if (!variant_at(v)->probe) continue;
         struct reference_ray ray = {{0.25f, 0.5f, -3}, {up[0], up[1], up[2]}, 0, INFINITY, {MLRT_NONE, MLRT_NONE}};
-        assert_int_equal(trace_one(tree, &ray, &variant_at(v)->options).triangle, 0);
+        assert_int_equal(trace_one(variant_tree(variant_at(v), &fixture), &ray, &variant_at(v)->options).triangle, 0);
     }
-    mlrt_destroy_tree(tree);
+    mlrt_destroy_tree(fixture.tree);
+    mlrt_destroy_tree(fixture.kdtree);
     free_soup(&soup);
 }
 
@@ -738,12 +737,12 @@ static void the_deepest_trees(void **state)
         soup_add_triangle(&soup, p[0], p[1], p[2]);
     }
     mlrt_mesh mesh = soup_mesh(&soup);
-    mlrt_build_options options = {.struct_size = sizeof options,
-                                  .preset = MLRT_TREE_PAPER,
-                                  .rules_off = MLRT_RULE_MINIMUM_CELL | MLRT_RULE_RETRACTION,
-                                  .max_depth = 60,
-                                  .traversal_cost = 1e-3f,
-                                  .intersection_cost = 1e3f};
+    mlrt_kdtree_options options = {.struct_size = sizeof options,
+                                   .preset = MLRT_KDTREE_PAPER,
+                                   .rules_off = MLRT_RULE_MINIMUM_CELL | MLRT_RULE_RETRACTION,
+                                   .max_depth = 60,
+                                   .traversal_cost = 1e-3f,
+                                   .intersection_cost = 1e3f};
     struct fixture fixture = make_fixture_with("deep", 44, &mesh, 1, &options);
     free_soup(&soup);
     add_mixed_rays(&list, &random, &fixture, scaled(1500), -1, 1);

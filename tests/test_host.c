@@ -156,10 +156,9 @@ static int32_t ignore_tile(void *user, const mlrt_tile *tile)
 
 static int32_t make_call(const struct scene *scene, int kind, const mlrt_host *host, mlrt_pool *pool)
 {
-    const mlrt_build_options build = {.struct_size = sizeof build,
-                                      .pool = pool,
-                                      .host = host,
-                                      .structures = kind == BUILD_KDTREE ? MLRT_STRUCTURE_KDTREE : 0};
+    const mlrt_tree_options boxes = {.struct_size = sizeof boxes, .pool = pool, .host = host};
+    const mlrt_kdtree_options kdtree = {
+        .struct_size = sizeof kdtree, .preset = MLRT_KDTREE_TUNED, .host = host}; // reports progress more often
     mlrt_trace_options trace = {
         .struct_size = sizeof trace, .pool = pool, .host = host, .outputs = MLRT_OUTPUT_T | MLRT_OUTPUT_IDS};
     const mlrt_rays rays = {.struct_size = sizeof rays,
@@ -177,7 +176,8 @@ static int32_t make_call(const struct scene *scene, int kind, const mlrt_host *h
     switch (kind) {
     case BUILD_BOXES:
     case BUILD_KDTREE:
-        status = mlrt_build_kdtree(&scene->mesh, 1, &build, &tree);
+        status = kind == BUILD_BOXES ? mlrt_build_tree(&scene->mesh, 1, &boxes, &tree)
+                                     : mlrt_build_kdtree(&scene->mesh, 1, &kdtree, &tree);
         assert_int_equal(status == MLRT_OK, tree != NULL);
         mlrt_destroy_tree(tree);
         return status;
@@ -211,7 +211,7 @@ static int set_up(void **state)
     const mlrt_array origins = {scene->origins, 0, 0}, directions = {scene->directions, 0, 0};
     if (mlrt_camera_rays(&scene->camera, &origins, &directions) != MLRT_OK) return 1;
     *state = scene;
-    return mlrt_build_kdtree(&scene->mesh, 1, NULL, &scene->tree) != MLRT_OK;
+    return mlrt_build_tree(&scene->mesh, 1, NULL, &scene->tree) != MLRT_OK;
 }
 
 static int tear_down(void **state)
@@ -290,31 +290,51 @@ static void both_functions_or_neither(void **state)
     }
 }
 
+enum { KIND_COUNT = 5 };
+
+/* Boxes of the presets, then kd-trees; and what the builder foresees. `message` has 200 bytes. */
+static int32_t build_kind(int32_t kind, const mlrt_mesh *mesh, const mlrt_host *host, uint64_t memory_limit,
+                          char *message, mlrt_tree **tree, mlrt_memory_estimate *estimate)
+{
+    const mlrt_tree_options boxes = {.struct_size = sizeof boxes,
+                                     .preset = kind,
+                                     .message = message,
+                                     .message_size = 200,
+                                     .host = host,
+                                     .memory_limit = memory_limit};
+    const mlrt_kdtree_options kdtree = {.struct_size = sizeof kdtree,
+                                        .preset = kind - MLRT_TREE_BEST - 1,
+                                        .message = message,
+                                        .message_size = 200,
+                                        .host = host,
+                                        .memory_limit = memory_limit};
+    if (kind <= MLRT_TREE_BEST) {
+        assert_int_equal(mlrt_estimate_tree(mesh, 1, &boxes, estimate), MLRT_OK);
+        return mlrt_build_tree(mesh, 1, &boxes, tree);
+    }
+    assert_int_equal(mlrt_estimate_kdtree(mesh, 1, &kdtree, estimate), MLRT_OK);
+    return mlrt_build_kdtree(mesh, 1, &kdtree, tree);
+}
+
 /* The report agrees with the books, and so does what was foreseen. */
 static void sizes_are_those_of_the_books(void **state)
 {
     const struct scene *scene = *state;
-    static const struct {
-        int32_t preset;
-        uint32_t structures;
-    } kinds[] = {{MLRT_TREE_DEFAULT, 0}, {MLRT_TREE_FAST, 0}, {MLRT_TREE_BEST, 0}, {MLRT_TREE_PAPER, 0}, {0, 3}};
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+    for (int32_t kind = 0; kind < KIND_COUNT; kind++) {
         struct books books;
         open_books(&books);
         const mlrt_host host = host_with(&books);
-        const mlrt_build_options options = {
-            .struct_size = sizeof options, .preset = kinds[i].preset, .structures = kinds[i].structures, .host = &host};
         mlrt_tree *tree;
         mlrt_tree_info info = {.struct_size = sizeof info};
         mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
-        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+        char message[200];
+        assert_int_equal(build_kind(kind, &scene->mesh, &host, 0, message, &tree, &estimate), MLRT_OK);
         assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
         assert_int_equal(info.memory_size, books.held_size);
         assert_int_equal(info.peak_memory_size, books.peak_size);
-        assert_int_equal(mlrt_estimate_memory(&scene->mesh, 1, &options, &estimate), MLRT_OK);
         /* Of a kd-tree it is a guess, and this is a soup. */
         const uint64_t least = info.memory_size / 4, least_peak = info.peak_memory_size / 4;
-        const int boxes = kinds[i].preset != MLRT_TREE_PAPER && kinds[i].structures != 3;
+        const int boxes = kind <= MLRT_TREE_BEST;
         assert_in_range(estimate.memory_size, (boxes ? 3 : 2) * least, (boxes ? 5 : 12) * least);
         assert_in_range(estimate.peak_memory_size, (boxes ? 3 : 2) * least_peak, (boxes ? 5 : 12) * least_peak);
         mlrt_destroy_tree(tree);
@@ -328,54 +348,49 @@ static void estimates_need_no_meshes(void **state)
     (void)state;
     mlrt_mesh mesh = {.struct_size = sizeof mesh, .triangle_count = 1000000};
     mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
-    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &estimate), MLRT_OK);
+    assert_int_equal(mlrt_estimate_tree(&mesh, 1, NULL, &estimate), MLRT_OK);
     assert_in_range(estimate.memory_size, 80000000, 110000000);
     assert_in_range(estimate.peak_memory_size, 110000000, 150000000);
     mlrt_memory_estimate with_mask = estimate;
     mesh.mask = 1;
-    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &with_mask), MLRT_OK);
+    assert_int_equal(mlrt_estimate_tree(&mesh, 1, NULL, &with_mask), MLRT_OK);
     assert_int_equal(with_mask.memory_size - estimate.memory_size, 4000000);
     assert_int_equal(with_mask.peak_memory_size - estimate.peak_memory_size, 4000000);
-    assert_int_equal(mlrt_estimate_memory(NULL, 0, NULL, &estimate), MLRT_OK);
-    assert_int_equal(mlrt_estimate_memory(NULL, 1, NULL, &estimate), MLRT_ERROR_ARGUMENT);
-    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, NULL), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_estimate_tree(NULL, 0, NULL, &estimate), MLRT_OK);
+    assert_int_equal(mlrt_estimate_tree(NULL, 1, NULL, &estimate), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_estimate_tree(&mesh, 1, NULL, NULL), MLRT_ERROR_ARGUMENT);
     estimate.struct_size = 4;
-    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &estimate), MLRT_ERROR_STRUCT_SIZE);
+    assert_int_equal(mlrt_estimate_tree(&mesh, 1, NULL, &estimate), MLRT_ERROR_STRUCT_SIZE);
     mesh.triangle_count = (size_t)1 << 30;
     estimate.struct_size = sizeof estimate;
-    assert_int_equal(mlrt_estimate_memory(&mesh, 1, NULL, &estimate), MLRT_ERROR_TOO_LARGE);
+    assert_int_equal(mlrt_estimate_tree(&mesh, 1, NULL, &estimate), MLRT_ERROR_TOO_LARGE);
 }
 
 /* A limit at the peak is enough, one byte less is not; and the message says so. */
 static void a_limit_is_kept(void **state)
 {
     const struct scene *scene = *state;
-    for (uint32_t structures = 1; structures <= 3; structures++) {
+    for (int32_t kind = 0; kind < KIND_COUNT; kind++) {
         char message[200];
         struct books books;
         open_books(&books);
         const mlrt_host host = host_with(&books);
-        mlrt_build_options options = {.struct_size = sizeof options,
-                                      .structures = structures,
-                                      .message = message,
-                                      .message_size = sizeof message,
-                                      .host = &host};
         mlrt_tree *tree;
         mlrt_tree_info info = {.struct_size = sizeof info};
-        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+        mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
+        assert_int_equal(build_kind(kind, &scene->mesh, &host, 0, message, &tree, &estimate), MLRT_OK);
         assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
         mlrt_destroy_tree(tree);
-        options.memory_limit = info.peak_memory_size;
-        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+        const uint64_t peak = info.peak_memory_size;
+        assert_int_equal(build_kind(kind, &scene->mesh, &host, peak, message, &tree, &estimate), MLRT_OK);
         mlrt_destroy_tree(tree);
-        options.memory_limit = info.peak_memory_size - 1;
-        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_OUT_OF_MEMORY);
+        assert_int_equal(build_kind(kind, &scene->mesh, &host, peak - 1, message, &tree, &estimate),
+                         MLRT_ERROR_OUT_OF_MEMORY);
         books.last_fraction = 0;
         assert_null(tree);
         assert_true(books.peak_size <= info.peak_memory_size);
         assert_non_null(strstr(message, "limit"));
-        options.memory_limit = 1;
-        assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_OUT_OF_MEMORY);
+        assert_int_equal(build_kind(kind, &scene->mesh, &host, 1, message, &tree, &estimate), MLRT_ERROR_OUT_OF_MEMORY);
         assert_balanced(&books);
     }
 }
@@ -392,39 +407,44 @@ static void the_log_tells_results_warnings_and_errors(void **state)
     struct books books;
     open_books(&books);
     const mlrt_host host = host_with(&books);
-    mlrt_build_options options = {.struct_size = sizeof options, .host = &host};
+    mlrt_tree_options options = {.struct_size = sizeof options, .host = &host};
     mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 9, .triangle_count = 3};
     mlrt_tree *tree;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_OK);
     assert_int_equal(books.line_count[MLRT_LOG_INFO], 1);
     assert_int_equal(books.line_count[MLRT_LOG_WARNING], 1);
     assert_int_equal(books.line_count[MLRT_LOG_ERROR], 0);
     mlrt_destroy_tree(tree);
     mesh.indices = indices;
     mesh.triangle_count = 1;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_INDEX_RANGE);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_ERROR_INDEX_RANGE);
     assert_int_equal(books.line_count[MLRT_LOG_ERROR], 1);
     assert_non_null(strstr(books.last_line, "vertex index 9"));
     mesh.index_size = 3;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
     assert_int_equal(books.line_count[MLRT_LOG_ERROR], 2);
     mesh = (mlrt_mesh){.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 3, .triangle_count = 1};
     books.stop_at = 1;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_OK); /* told once, at the end */
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_OK); /* told once, at the end */
     mlrt_destroy_tree(tree);
     assert_int_equal(books.line_count[MLRT_LOG_ERROR], 2);
 }
 
-/* Of options that are wrong too: nothing stale is left in the buffer. */
+/* Nothing stale is left in the buffer, and what is new is cut to it. */
 static void messages_are_emptied(void **state)
 {
     const struct scene *scene = *state;
     char message[16] = "stale";
-    mlrt_build_options options = {
+    mlrt_tree_options options = {
         .struct_size = sizeof options, .preset = 99, .message = message, .message_size = sizeof message};
     mlrt_tree *tree;
-    assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_build_tree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
+    assert_string_equal(message, "options.preset ");
+    options.preset = MLRT_TREE_DEFAULT;
+    strcpy(message, "stale");
+    assert_int_equal(mlrt_build_tree(&scene->mesh, 1, &options, &tree), MLRT_OK);
     assert_string_equal(message, "");
+    mlrt_destroy_tree(tree);
     const mlrt_load_options load = {
         .struct_size = sizeof load, .flags = 99, .message = strcpy(message, "stale"), .message_size = sizeof message};
     assert_int_equal(mlrt_load_tree(message, sizeof message, &load, &tree), MLRT_ERROR_ARGUMENT);
@@ -624,10 +644,10 @@ static void one_thread_looks_up_from_large_sets(void **state)
     const mlrt_mesh mesh = soup_mesh(&soup);
     struct repetitions repetitions = {.left = 70};
     const mlrt_host host = {.struct_size = sizeof host, .user = &repetitions, .progress = count_repetitions};
-    const mlrt_build_options options = {.struct_size = sizeof options, .host = &host};
+    const mlrt_tree_options options = {.struct_size = sizeof options, .host = &host};
     mlrt_tree *tree;
     (void)state;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_CANCELLED);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_ERROR_CANCELLED);
     assert_in_range(repetitions.most, 18, 70);
     free_soup(&soup);
 }
@@ -669,9 +689,9 @@ static void a_build_that_ends_stays_within_its_memory(void **state)
                                 .allocate = take_fenced,
                                 .free = give_fenced,
                                 .progress = take_slow_progress};
-        const mlrt_build_options options = {.struct_size = sizeof options, .pool = pool, .host = &host};
+        const mlrt_tree_options options = {.struct_size = sizeof options, .pool = pool, .host = &host};
         mlrt_tree *tree;
-        assert_int_equal(mlrt_build_kdtree(&mesh, 1, &options, &tree), MLRT_ERROR_CANCELLED);
+        assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_ERROR_CANCELLED);
         assert_null(tree);
         assert_int_equal(spoilt_and_left[0], 0);
     }
@@ -681,10 +701,10 @@ static void a_build_that_ends_stays_within_its_memory(void **state)
 
 static uint64_t tree_hash(const struct scene *scene, mlrt_pool *pool)
 {
-    const mlrt_build_options options = {.struct_size = sizeof options, .pool = pool};
+    const mlrt_tree_options options = {.struct_size = sizeof options, .pool = pool};
     mlrt_tree_info info = {.struct_size = sizeof info};
     mlrt_tree *tree;
-    assert_int_equal(mlrt_build_kdtree(&scene->mesh, 1, &options, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&scene->mesh, 1, &options, &tree), MLRT_OK);
     assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
     mlrt_destroy_tree(tree);
     return info.tree_hash;

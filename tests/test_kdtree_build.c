@@ -31,11 +31,13 @@ static float random_unit(uint32_t *seed)
     return (float)next_random(seed) * 0x1p-24f;
 }
 
-static mlrt_build_options default_options(void)
+/* Those of the tuned tree, which most limits below are about. */
+static mlrt_kdtree_options tuned_options(void)
 {
-    mlrt_build_options options;
+    mlrt_kdtree_options options;
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
+    options.preset = MLRT_KDTREE_TUNED;
     return options;
 }
 
@@ -46,24 +48,25 @@ static void free_tree(struct mlrt_tree *tree)
     assert_int_equal(tree->memory.held_size, 0);
 }
 
-/* Builds, checks, and leaves the tree to look at. The triangles stay the caller's. */
-static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t count, const mlrt_build_options *options)
+/* Builds (options NULL = tuned), checks, and leaves the tree to look at. The triangles stay the caller's. */
+static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t count, const mlrt_kdtree_options *options)
 {
     struct mlrt_tree tree;
+    const mlrt_kdtree_options tuned = tuned_options();
     memset(&tree, 0, sizeof tree);
     tree.triangles = triangles;
     tree.triangle_count = count;
-    assert_int_equal(mlrt_build_nodes(&tree, options, NULL), MLRT_OK);
+    assert_int_equal(mlrt_build_nodes(&tree, options ? options : &tuned, NULL), MLRT_OK);
     const char *wrong = mlrt_check_tree(&tree);
     if (wrong != NULL) fail_msg("%s", wrong);
     return tree;
 }
 
-/* Builds with both presets; returns the default one's report. */
+/* Builds with both presets; returns the tuned one's report. */
 static mlrt_tree_info build_and_check(struct mlrt_triangle *triangles, uint32_t count)
 {
-    mlrt_build_options options = default_options();
-    options.preset = MLRT_TREE_PAPER;
+    mlrt_kdtree_options options = tuned_options();
+    options.preset = MLRT_KDTREE_PAPER;
     struct mlrt_tree paper = build_with(triangles, count, &options), tree = build_with(triangles, count, NULL);
     free_tree(&paper);
     free_tree(&tree);
@@ -249,7 +252,7 @@ static void test_a_room_has_flat_cells_and_an_empty_inside(void **state)
             set_triangle(&triangles[count++], corner[0], corner[1], corner[2]);
             set_triangle(&triangles[count++], corner[3], corner[1], corner[2]);
         }
-    mlrt_build_options options = default_options();
+    mlrt_kdtree_options options = tuned_options();
     options.intersection_cost = 10;
     struct mlrt_tree tree = build_with(triangles, 12, &options);
     assert_true(tree.info.empty_leaf_count >= 1);
@@ -357,7 +360,7 @@ static void test_the_depth_limit_holds(void **state)
     make_soup(triangles, 5000, 0.1f, 19);
     static const uint32_t limits[] = {1, 2, 7, 60};
     for (int i = 0; i < 4; i++) {
-        mlrt_build_options options = default_options();
+        mlrt_kdtree_options options = tuned_options();
         options.max_depth = limits[i];
         struct mlrt_tree tree = build_with(triangles, 5000, &options);
         assert_true(tree.info.depth <= limits[i] && tree.info.depth > 0);
@@ -372,8 +375,8 @@ static void test_the_reference_limit_holds(void **state)
     make_soup(triangles, 5000, 0.3f, 20);
     static const uint64_t limits[] = {5000, 5001, 7000, 20000};
     for (int i = 0; i < 4; i++) {
-        mlrt_build_options options = default_options();
-        options.preset = MLRT_TREE_PAPER;
+        mlrt_kdtree_options options = tuned_options();
+        options.preset = MLRT_KDTREE_PAPER;
         options.rules_off = MLRT_RULE_RETRACTION;
         options.max_references = limits[i];
         struct mlrt_tree tree = build_with(triangles, 5000, &options);
@@ -390,7 +393,7 @@ static void test_each_rule_can_be_off(void **state)
     uint32_t count = make_rooms(triangles, 6, 21);
     make_soup(triangles + count, 1000, 0.5f, 22);
     for (uint32_t rules_off = 0; rules_off < 32; rules_off++) {
-        mlrt_build_options options = default_options();
+        mlrt_kdtree_options options = tuned_options();
         options.rules_off = rules_off;
         struct mlrt_tree tree = build_with(triangles, count + 1000, &options);
         assert_true(tree.info.reference_count <= entry_limit(count + 1000));
@@ -404,7 +407,7 @@ static void test_clipped_splits_save_references(void **state)
     (void)state;
     static struct mlrt_triangle triangles[2000];
     make_soup(triangles, 2000, 0.5f, 23);
-    mlrt_build_options options = default_options();
+    mlrt_kdtree_options options = tuned_options();
     struct mlrt_tree clipped = build_with(triangles, 2000, &options);
     options.rules_off = MLRT_RULE_CLIPPED_SPLITS;
     struct mlrt_tree boxes = build_with(triangles, 2000, &options);
@@ -418,7 +421,7 @@ static void test_retraction_never_costs(void **state)
     (void)state;
     static struct mlrt_triangle triangles[2000];
     make_soup(triangles, 2000, 0.5f, 24);
-    mlrt_build_options options = default_options();
+    mlrt_kdtree_options options = tuned_options();
     struct mlrt_tree retracted = build_with(triangles, 2000, &options);
     options.rules_off = MLRT_RULE_RETRACTION;
     struct mlrt_tree kept = build_with(triangles, 2000, &options);
@@ -433,7 +436,7 @@ static void test_more_costly_tests_make_smaller_leaves(void **state)
     (void)state;
     static struct mlrt_triangle triangles[2000];
     make_soup(triangles, 2000, 0.05f, 25);
-    mlrt_build_options options = default_options();
+    mlrt_kdtree_options options = tuned_options();
     options.intersection_cost = 0.2f;
     struct mlrt_tree fat = build_with(triangles, 2000, &options);
     options.intersection_cost = 5;

@@ -298,14 +298,14 @@ static void all_hits(void **state)
         mlrt_trace_options options = {.struct_size = sizeof options, .mask = ray_masks[m]};
         rays.mask.data = NULL;
         assert_int_equal(mlrt_trace_all_hits(scene->visible[m].tree, &rays, NULL, &wanted), MLRT_OK);
-        assert_int_equal(mlrt_trace_all_hits(scene->masked.tree, &rays, &options, &out), MLRT_OK);
+        assert_int_equal(mlrt_trace_all_hits(scene->masked.kdtree, &rays, &options, &out), MLRT_OK);
         assert_memory_equal(got, expected, list.count * sizeof *got);
-        assert_int_equal(mlrt_trace_all_hits(scene->masked.boxes, &rays, &options, &out), MLRT_OK);
+        assert_int_equal(mlrt_trace_all_hits(scene->masked.tree, &rays, &options, &out), MLRT_OK);
         assert_memory_equal(got, expected, list.count * sizeof *got);
         for (size_t i = 0; i < list.count; i++) masks[i] = ray_masks[m];
         rays.mask.data = masks;
         options.mask = 1;
-        assert_int_equal(mlrt_trace_all_hits(scene->masked.boxes, &rays, &options, &out), MLRT_OK);
+        assert_int_equal(mlrt_trace_all_hits(scene->masked.tree, &rays, &options, &out), MLRT_OK);
         assert_memory_equal(got, expected, list.count * sizeof *got);
     }
     free(masks);
@@ -327,8 +327,8 @@ static void trees_without_masks(void **state)
         check_hit(&scene->visible[0], "no masks", i, &list.rays[i], &expected[i], &got);
     }
     mlrt_tree_info with = {.struct_size = sizeof with}, without = with;
-    assert_int_equal(mlrt_get_tree_info(scene->masked.boxes, &with), MLRT_OK);
-    assert_int_equal(mlrt_get_tree_info(scene->visible[0].boxes, &without), MLRT_OK);
+    assert_int_equal(mlrt_get_tree_info(scene->masked.tree, &with), MLRT_OK);
+    assert_int_equal(mlrt_get_tree_info(scene->visible[0].tree, &without), MLRT_OK);
     assert_int_equal(with.memory_size - without.memory_size, 4 * with.triangle_count);
     free(expected);
     free_rays(&list);

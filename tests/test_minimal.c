@@ -64,7 +64,7 @@ static void the_program_finds_its_triangle(void **state)
     mlrt_tree *tree = NULL;
     mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
     mlrt_hit hit = {.struct_size = sizeof hit};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     assert_int_equal(mlrt_trace_ray(tree, &ray, NULL, &hit), MLRT_OK);
     assert_true(hit.t == 5);
     assert_int_equal(hit.triangle, 0);

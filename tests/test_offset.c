@@ -191,7 +191,7 @@ static void the_unit_triangle(mlrt_tree **tree)
 {
     const float corners[18] = {0, 0, 5, 1, 0, 5, 0, 1, 5, 0, 0, 0, 1, 1, 1, 2, 2, 2};
     mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 6, .triangle_count = 2};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, tree), MLRT_OK);
 }
 
 static void triangles_that_do_not_exist_are_errors(void **state)
@@ -236,7 +236,7 @@ static void points_beyond_the_range_of_float_are_errors(void **state)
     mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 3, .triangle_count = 1};
     mlrt_tree *tree;
     float p[3];
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     // One side has no room, the other does.
     int32_t first = mlrt_offset_point(tree, 0, 0, 0.25f, 0.25f, 1, p);
     int32_t second = mlrt_offset_point(tree, 0, 0, 0.25f, 0.25f, -1, p);

@@ -192,8 +192,8 @@ static void every_preset_and_rule(void **state)
         soup_add_grid(&soup, 1, 0.5f, 3);
         soup_add_grid(&soup, 2, 0, 3);
         mlrt_mesh mesh = soup_mesh(&soup);
-        mlrt_build_options options = {.struct_size = sizeof options, .rules_off = off & 31};
-        options.preset = off & 32 ? MLRT_TREE_PAPER : MLRT_TREE_DEFAULT;
+        mlrt_kdtree_options options = {.struct_size = sizeof options, .rules_off = off & 31};
+        options.preset = off & 32 ? MLRT_KDTREE_PAPER : MLRT_KDTREE_TUNED;
         struct fixture fixture = make_fixture_with("rules", off, &mesh, 1, &options);
         add_mixed_rays(&list, &random, &fixture, scaled(400), -1, 3);
         check_rays_quickly(&fixture, &list);
@@ -212,11 +212,11 @@ static void every_depth_limit(void **state)
         struct ray_list list = {0};
         soup_add_random(&soup, &random, 200, 1, 0.1f);
         mlrt_mesh mesh = soup_mesh(&soup);
-        mlrt_build_options options = {.struct_size = sizeof options,
-                                      .max_depth = depth,
-                                      .preset = MLRT_TREE_PAPER,
-                                      .traversal_cost = 0.01f,
-                                      .intersection_cost = 100};
+        mlrt_kdtree_options options = {.struct_size = sizeof options,
+                                       .max_depth = depth,
+                                       .preset = MLRT_KDTREE_PAPER,
+                                       .traversal_cost = 0.01f,
+                                       .intersection_cost = 100};
         struct fixture fixture = make_fixture_with("depth", depth, &mesh, 1, &options);
         add_mixed_rays(&list, &random, &fixture, scaled(400), -2, 2);
         check_rays_quickly(&fixture, &list);
@@ -627,7 +627,7 @@ static mlrt_array *array_of(mlrt_hits *hits, int field)
 }
 
 /* Traces with one output at `stride` bytes, starting 4 bytes into a block, and looks at every byte of the block. */
-static void trace_one_output(const struct layout *layout, int field, size_t stride, const mlrt_trace_options *options)
+static void trace_one_output(const struct layout *layout, int field, size_t stride, const struct variant *variant)
 {
     size_t step = stride ? stride : 4, size = 4 + RAYS * step;
     unsigned char *block = allocate_or_fail(size, 1);
@@ -635,7 +635,8 @@ static void trace_one_output(const struct layout *layout, int field, size_t stri
     mlrt_rays rays = public_rays(&layout->list);
     mlrt_hits hits = {.struct_size = sizeof hits};
     *array_of(&hits, field) = (mlrt_array){block + 4, stride, 0};
-    assert_int_equal(mlrt_trace_packet(layout->fixture.tree, &rays, options, &hits), MLRT_OK);
+    const mlrt_tree *tree = variant_tree(variant, &layout->fixture);
+    assert_int_equal(mlrt_trace_packet(tree, &rays, &variant->options, &hits), MLRT_OK);
     for (size_t i = 0; i < size; i++) {
         size_t element = i < 4 ? RAYS : (i - 4) / step, byte = i < 4 ? 4 : (i - 4) % step;
         if (byte >= 4) {
@@ -660,7 +661,7 @@ static void each_output_alone_at_each_stride(void **state)
         if (!variant_at(v)->probe) continue;
         for (int field = 0; field < 6; field++) {
             for (size_t i = 0; i < sizeof strides / sizeof strides[0]; i++)
-                trace_one_output(&layout, field, strides[i], &variant_at(v)->options);
+                trace_one_output(&layout, field, strides[i], variant_at(v));
         }
     }
     free_layout(&layout);
@@ -728,7 +729,8 @@ static void inputs_are_not_read_beyond_their_ends(void **state)
                               .t_max = {t_max, 0},
                               .skip = {skip, 0}};
             mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {triangles, 0, 0}};
-            assert_int_equal(mlrt_trace_packet(layout.fixture.tree, &rays, &variant_at(v)->options, &hits), MLRT_OK);
+            const mlrt_tree *tree = variant_tree(variant_at(v), &layout.fixture);
+            assert_int_equal(mlrt_trace_packet(tree, &rays, &variant_at(v)->options, &hits), MLRT_OK);
             for (size_t i = 0; i < count; i++) assert_int_equal(triangles[i], layout.expected[i].triangle);
         }
         free_guarded(origins, 12 * count);

@@ -457,7 +457,7 @@ enum { WIDTH = 21, HEIGHT = 13, GUARD = 0x5A };
 
 /* The frame lies in a larger picture, bytes between elements and rows are somebody else's. */
 static void check_frame(const struct fixture *fixture, const mlrt_camera *camera, size_t stride, size_t row_stride,
-                        const mlrt_trace_options *options)
+                        const struct variant *variant)
 {
     size_t size = 4 + HEIGHT * row_stride;
     struct ray_list list = {0};
@@ -467,7 +467,8 @@ static void check_frame(const struct fixture *fixture, const mlrt_camera *camera
     trace_reference(fixture, &list, expected);
     memset(block, GUARD, size);
     mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {block + 4, stride, row_stride}};
-    assert_int_equal(mlrt_render_tiles(fixture->tree, camera, options, &frame, NULL, NULL), MLRT_OK);
+    assert_int_equal(mlrt_render_tiles(variant_tree(variant, fixture), camera, &variant->options, &frame, NULL, NULL),
+                     MLRT_OK);
     for (size_t i = 0; i < size; i++) {
         size_t row = i < 4 ? 0 : (i - 4) / row_stride, in_row = i < 4 ? row_stride : (i - 4) % row_stride;
         size_t column = in_row / stride, byte = in_row % stride;
@@ -489,8 +490,8 @@ static void nothing_but_the_frame_is_written(void **state)
     mlrt_camera camera = look_at(eye, target, 1, WIDTH, HEIGHT);
     for (size_t v = 0; v < variant_count(); v++) {
         for (size_t i = 0; i < sizeof strides / sizeof strides[0]; i++) {
-            check_frame(&fixture, &camera, strides[i], WIDTH * strides[i], &variant_at(v)->options);
-            check_frame(&fixture, &camera, strides[i], WIDTH * strides[i] + 36, &variant_at(v)->options);
+            check_frame(&fixture, &camera, strides[i], WIDTH * strides[i], variant_at(v));
+            check_frame(&fixture, &camera, strides[i], WIDTH * strides[i] + 36, variant_at(v));
         }
     }
     free_fixture(&fixture);
@@ -579,11 +580,12 @@ static void counters_do_not_change_answers_and_add_up(void **state)
         mlrt_counters counters = {.struct_size = sizeof counters, .ray_count = 7};
         mlrt_trace_options options = variant_at(v)->options;
         mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {plain, 0, 0}};
+        const mlrt_tree *tree = variant_tree(variant_at(v), &fixture);
         options.pool = shared_pool(variant_at(v)->threads);
-        assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+        assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
         frame.triangle.data = counted;
         options.counters = &counters;
-        assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+        assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
         assert_memory_equal(plain, counted, sizeof plain);
         assert_int_equal(counters.ray_count, 7 + 50 * 41);
         assert_true(counters.entry_point_cell_count <= counters.cell_count);

@@ -170,7 +170,7 @@ static void test_answers_stay_the_same(void **state)
     const mlrt_mesh mesh = {
         .struct_size = sizeof mesh, .vertices = corners, .vertex_count = 600, .triangle_count = 200};
     mlrt_tree *tree = NULL;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     look(WIDTH, HEIGHT, 1, 1, &list);
     static float t[2][COUNT];
     static uint32_t triangles[2][COUNT];

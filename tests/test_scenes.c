@@ -31,7 +31,7 @@ enum { SIDE = 512, PIXEL_LIMIT = 100000 };
 struct subject {
     struct scene scene;
     mlrt_camera camera;
-    mlrt_tree *tree;
+    mlrt_tree *tree, *kdtree;
     struct reference_scene *reference;
     uint32_t pixel_count;
     uint32_t *pixels;           /* positions in the picture */
@@ -107,7 +107,8 @@ static void find_answers(struct subject *subject, const float light[3])
 }
 
 /* One method's picture and shadows beside the answers. */
-static void compare(struct subject *subject, const float light[3], const mlrt_trace_options *options)
+static void compare(struct subject *subject, const mlrt_tree *tree, const float light[3],
+                    const mlrt_trace_options *options)
 {
     const size_t count = (size_t)SIDE * SIDE;
     float *t = allocate(count, sizeof *t), *u = allocate(count, sizeof *u), *v = allocate(count, sizeof *v);
@@ -122,8 +123,8 @@ static void compare(struct subject *subject, const float light[3], const mlrt_tr
                                 .skip = {subject->skip, 0}};
     const mlrt_light lamp = {sizeof lamp, MLRT_LIGHT_POINT, {light[0], light[1], light[2]}};
     const mlrt_array answers = {occluded, 0, 0};
-    int32_t status = mlrt_render_tiles(subject->tree, &subject->camera, options, &frame, NULL, NULL);
-    if (status == MLRT_OK) status = mlrt_occluded_points(subject->tree, &points, &lamp, options, &answers);
+    int32_t status = mlrt_render_tiles(tree, &subject->camera, options, &frame, NULL, NULL);
+    if (status == MLRT_OK) status = mlrt_occluded_points(tree, &points, &lamp, options, &answers);
     size_t different = status != MLRT_OK;
     for (uint32_t i = 0; i < subject->pixel_count; i++) {
         const uint32_t pixel = subject->pixels[i];
@@ -155,7 +156,7 @@ static void compare_methods(struct subject *subject, const float light[3])
         mlrt_trace_options options = variant_at(v)->options;
         if (!variant_at(v)->probe && options.method != MLRT_METHOD_RAY) continue;
         options.pool = pool;
-        compare(subject, light, &options);
+        compare(subject, variant_at(v)->on_kdtree ? subject->kdtree : subject->tree, light, &options);
     }
     mlrt_destroy_pool(pool);
 }
@@ -177,9 +178,9 @@ static size_t count_differences(const char *name, const char *view, uint32_t pix
                             .vertex_count = subject.scene.vertex_count,
                             .indices = subject.scene.indices,
                             .triangle_count = subject.scene.triangle_count};
-    const mlrt_build_options build = {.struct_size = sizeof build,
-                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
-    if (mlrt_build_kdtree(&mesh, 1, &build, &subject.tree) != MLRT_OK) return SIZE_MAX;
+    const mlrt_kdtree_options tuned = {.struct_size = sizeof tuned, .preset = MLRT_KDTREE_TUNED};
+    if (mlrt_build_tree(&mesh, 1, NULL, &subject.tree) != MLRT_OK) return SIZE_MAX;
+    if (mlrt_build_kdtree(&mesh, 1, &tuned, &subject.kdtree) != MLRT_OK) return SIZE_MAX;
     subject.reference = make_reference(&subject.scene);
     subject.pixels = allocate(pixel_count, sizeof *subject.pixels);
     subject.hits = allocate(pixel_count, sizeof *subject.hits);
@@ -192,12 +193,13 @@ static size_t count_differences(const char *name, const char *view, uint32_t pix
 
     find_answers(&subject, light);
     compare_methods(&subject, light);
-    const struct fixture fixture = {name, 1, subject.tree, subject.reference, NULL};
+    const struct fixture fixture = {name, 1, subject.tree, subject.reference, subject.kdtree};
     tally_hostile(tally, &fixture, ray_count, INFINITY);
     subject.difference_count += (size_t)tally->difference_count;
 
     reference_destroy(subject.reference);
     mlrt_destroy_tree(subject.tree);
+    mlrt_destroy_tree(subject.kdtree);
     free_scene(&subject.scene);
     free(subject.pixels);
     free(subject.hits);
@@ -256,7 +258,7 @@ static void doubled_surfaces_are_there_twice(void **state)
                             .vertex_count = scene.vertex_count,
                             .indices = scene.indices,
                             .triangle_count = scene.triangle_count};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_OK);
     for (uint32_t i = 0; i < COUNT; i++) {
         mlrt_hit hits[2];
         hit_twice(tree, &camera, i * STEP, hits);

@@ -223,7 +223,7 @@ static void *build_repeatedly(void *argument)
         mlrt_tree *tree = NULL;
         mlrt_tree_info info = {.struct_size = sizeof info};
         *hash = 0;
-        if (mlrt_build_kdtree(&mesh, 1, NULL, &tree) != MLRT_OK) break;
+        if (mlrt_build_tree(&mesh, 1, NULL, &tree) != MLRT_OK) break;
         mlrt_get_tree_info(tree, &info);
         mlrt_destroy_tree(tree);
         *hash = info.tree_hash;

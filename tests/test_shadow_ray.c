@@ -425,7 +425,7 @@ static void ask_about_one(const char *name, uint64_t seed, float corner[3][3], c
     struct ray_list list = {0};
     memcpy(triangle.corner, corner, sizeof triangle.corner);
     fixture.reference = reference_create(&triangle, 1);
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &fixture.tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &fixture.tree), MLRT_OK);
     ask(&fixture, add_ray_towards(&list, eye, target), light);
     free_rays(&list);
     free_fixture(&fixture);

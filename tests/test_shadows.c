@@ -184,7 +184,7 @@ struct way {
     uint32_t frame_outputs; /* likewise, of the frame */
     size_t stride;          /* of `occluded` in the frame */
     size_t gap;             /* bytes after each of its rows */
-    int has_frame, has_callback, boxes_only, counts;
+    int has_frame, has_callback, on_kdtree, counts;
 };
 
 struct collected {
@@ -226,7 +226,7 @@ static void describe_way(const struct way *way, char *text, size_t size)
 {
     char how[200];
     describe("render_tiles with lights", &way->options, way->threads, how, sizeof how);
-    snprintf(text, size, "%s%s%s, frame %u, callback %u, stride %u", how, way->boxes_only ? ", boxes only" : "",
+    snprintf(text, size, "%s%s%s, frame %u, callback %u, stride %u", how, way->on_kdtree ? ", kd-tree" : "",
              way->counts ? ", counting" : "", (unsigned)(way->has_frame ? way->frame_outputs : 0),
              (unsigned)(way->has_callback ? way->options.outputs : 0), (unsigned)way->stride);
 }
@@ -307,7 +307,7 @@ static void check_way(const struct picture *picture, const struct way *way)
     options.light_count = picture->light_count;
     options.mask = picture->mask;
     if (way->counts) options.counters = &counters;
-    const mlrt_tree *tree = way->boxes_only ? picture->fixture->boxes : picture->fixture->tree;
+    const mlrt_tree *tree = way->on_kdtree ? picture->fixture->kdtree : picture->fixture->tree;
     assert_int_equal(mlrt_render_tiles(tree, &picture->camera, &options, way->has_frame ? &frame : NULL,
                                        way->has_callback ? collect_tile : NULL, &collected),
                      MLRT_OK);
@@ -361,13 +361,12 @@ static void check_ways(const struct picture *picture, struct random *random, int
     for (int32_t isa = MLRT_ISA_AUTO; isa <= MLRT_ISA_AVX512; isa++) {
         if (!isa_is_supported(isa)) continue;
         struct way way = draw_way(random, MLRT_METHOD_TILE, isa);
-        way.boxes_only = isa == MLRT_ISA_AUTO;
         check_way(picture, &way);
     }
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         struct way way = draw_way(random, others[i], MLRT_ISA_AUTO);
         if (others[i] == MLRT_METHOD_TILE) way.counts = 1;
-        if (others[i] == MLRT_METHOD_DEFAULT) way.boxes_only = 1;
+        way.on_kdtree = others[i] != MLRT_METHOD_TILE;
         if (draw_below(random, 2)) way.options.shortcuts_off = 7;
         if (with_all || draw_below(random, 6) == 0) check_way(picture, &way);
     }
@@ -1455,7 +1454,7 @@ static void a_light_beyond_the_range_of_float(void **state)
             .struct_size = sizeof options, .method = methods[m], .lights = lights, .light_count = 2};
         const mlrt_hits frame = {
             .struct_size = sizeof frame, .triangle = {triangles, 0, 0}, .occluded = {occluded, 0, 0}};
-        assert_int_equal(mlrt_render_tiles(fixture.boxes, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+        assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
         for (int i = 0; i < 64; i++) {
             assert_int_not_equal(triangles[i], MLRT_NONE);
             assert_int_equal(occluded[i], 2);
@@ -1465,7 +1464,7 @@ static void a_light_beyond_the_range_of_float(void **state)
             const mlrt_hit hit = {.struct_size = sizeof hit, .triangle = triangles[36]};
             mlrt_ray shadow = {.struct_size = sizeof shadow};
             int32_t faces = 7;
-            assert_int_equal(mlrt_shadow_ray(fixture.boxes, &ray, &hit, &lights[i], &shadow, &faces), MLRT_OK);
+            assert_int_equal(mlrt_shadow_ray(fixture.tree, &ray, &hit, &lights[i], &shadow, &faces), MLRT_OK);
             assert_int_equal(faces, i == 0);
             assert_int_equal(shadow.direction[2] != 0, i == 0);
         }
@@ -1545,7 +1544,8 @@ static void shadows_see_what_the_mask_sees(void **state)
             const mlrt_trace_options options = {
                 .struct_size = sizeof options, .method = method, .mask = masks[m], .lights = lights, .light_count = 2};
             const mlrt_hits frame = {.struct_size = sizeof frame, .occluded = {occluded, 0, 0}};
-            assert_int_equal(mlrt_render_tiles(fixture.tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
+            const mlrt_tree *tree = method_tree(method, &fixture);
+            assert_int_equal(mlrt_render_tiles(tree, &camera, &options, &frame, NULL, NULL), MLRT_OK);
             for (size_t i = 0; i < sizeof occluded; i++) assert_int_equal(occluded[i], expected[m]);
         }
     }

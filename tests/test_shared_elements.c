@@ -469,10 +469,10 @@ static void meshes_and_cameras_need_elements(void **state)
                       .vertex_stride = MLRT_STRIDE_ALL,
                       .indices = indices,
                       .triangle_count = 1};
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_ERROR_ARGUMENT);
     mesh.vertex_stride = 0;
     mesh.triangle_stride = MLRT_STRIDE_ALL;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, NULL, &tree), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_build_tree(&mesh, 1, NULL, &tree), MLRT_ERROR_ARGUMENT);
     assert_int_equal(mlrt_camera_rays(&camera, &vectors, NULL), MLRT_ERROR_ARGUMENT);
     assert_int_equal(mlrt_camera_rays(&camera, NULL, &vectors), MLRT_ERROR_ARGUMENT);
 }

@@ -271,16 +271,15 @@ static size_t run_column(const struct column *column, uint32_t step, int verbose
                       .vertex_count = VERTEX_COUNT,
                       .indices = sphere->indices,
                       .triangle_count = TRIANGLE_COUNT};
-    const mlrt_build_options build = {.struct_size = sizeof build,
-                                      .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
-    mlrt_tree *tree = NULL;
+    struct fixture fixture = {.tree = build_structure(&mesh, 1, MLRT_STRUCTURE_BVH),
+                              .kdtree = build_structure(&mesh, 1, MLRT_STRUCTURE_KDTREE)};
     size_t misses[4] = {0}, way_count = 0;
     const uint32_t side = step == 1 ? FACE_SIDE : FACE_SIDE / 8;
-    assert_int_equal(mlrt_build_kdtree(&mesh, 1, &build, &tree), MLRT_OK);
     list_rays(sphere, column, step, kinds);
     for (size_t v = 0; v < variant_count(); v++) {
         const struct variant *variant = variant_at(v);
         if (!variant->probe && variant->options.method != MLRT_METHOD_RAY) continue;
+        const mlrt_tree *tree = variant_tree(variant, &fixture);
         for (int kind = 0; kind < 3; kind++) misses[kind] += count_misses(tree, &kinds[kind], variant);
         misses[3] += count_missed_pixels(tree, sphere->inside, variant, side);
         way_count++;
@@ -291,7 +290,8 @@ static size_t run_column(const struct column *column, uint32_t step, int verbose
                (unsigned)(6 * side * side), misses[3]);
     fflush(stdout);
     for (int kind = 0; kind < 3; kind++) free_rays(&kinds[kind]);
-    mlrt_destroy_tree(tree);
+    mlrt_destroy_tree(fixture.tree);
+    mlrt_destroy_tree(fixture.kdtree);
     free(sphere);
     return misses[0] + misses[1] + misses[2] + misses[3];
 }

@@ -436,8 +436,9 @@ static mlrt_counters count_work(const struct fixture *fixture, const struct ray_
     struct reference_hit *got = allocate_or_fail(list->count, sizeof *got);
     mlrt_rays rays = public_rays(list);
     mlrt_hits hits = public_hits(got, 0);
+    const mlrt_tree *tree = method == MLRT_METHOD_TILE ? fixture->tree : fixture->kdtree;
     trace_reference(fixture, list, expected);
-    assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+    assert_int_equal(mlrt_trace_packet(tree, &rays, &options, &hits), MLRT_OK);
     for (size_t i = 0; i < list->count; i++) check_hit(fixture, "counting", i, &list->rays[i], &expected[i], &got[i]);
     free(expected);
     free(got);

@@ -13,7 +13,7 @@ static const float corner_a[3] = {0, 0, 5}, corner_b[3] = {1, 0, 5}, corner_c[3]
 static mlrt_tree *tree_of(const mlrt_mesh *meshes, size_t count)
 {
     mlrt_tree *tree = NULL;
-    assert_int_equal(mlrt_build_kdtree(meshes, count, NULL, &tree), MLRT_OK);
+    assert_int_equal(mlrt_build_tree(meshes, count, NULL, &tree), MLRT_OK);
     assert_non_null(tree);
     return tree;
 }

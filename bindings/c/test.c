@@ -36,7 +36,7 @@ static mlrt_tree *build(void)
         meshes[m].indices = scene.indices[m];
         meshes[m].triangle_count = SCENE_TRIANGLES;
     }
-    check(mlrt_build_kdtree(meshes, SCENE_MESHES, NULL, &tree));
+    check(mlrt_build_tree(meshes, SCENE_MESHES, NULL, &tree));
     return tree;
 }
 

@@ -72,13 +72,23 @@ inline mlrt_mesh mesh(const std::vector<float> &vertices, const std::vector<uint
 class Tree {
     std::unique_ptr<mlrt_tree, Destroy> handle;
 
-  public:
-    explicit Tree(const std::vector<mlrt_mesh> &meshes, mlrt_build_options options = make<mlrt_build_options>()) {
+    template <class Builder, class Options>
+    void build(Builder builder, const std::vector<mlrt_mesh> &meshes, Options &options) {
         mlrt_tree *tree;
         char details[256] = "";
         if (!options.message) options.message = details, options.message_size = sizeof details;
-        check(mlrt_build_kdtree(meshes.data(), meshes.size(), &options, &tree), options.message);
+        check(builder(meshes.data(), meshes.size(), &options, &tree), options.message);
         handle.reset(tree);
+    }
+
+  public:
+    /* mlrt_build_tree: boxes. */
+    explicit Tree(const std::vector<mlrt_mesh> &meshes, mlrt_tree_options options = make<mlrt_tree_options>()) {
+        build(mlrt_build_tree, meshes, options);
+    }
+    /* mlrt_build_kdtree: a kd-tree. */
+    Tree(const std::vector<mlrt_mesh> &meshes, mlrt_kdtree_options options) {
+        build(mlrt_build_kdtree, meshes, options);
     }
     mlrt_tree *get() const { return handle.get(); }
 

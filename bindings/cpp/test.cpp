@@ -59,6 +59,10 @@ int main() {
     const mlrt::Pool pool(2);
     const mlrt::Hits hits = tree.trace(origins, directions);
     require(hash_of(tree.trace(origins, directions, &pool)) == hash_of(hits), "a pool changes nothing");
+    const mlrt::Tree kdtree(meshes, mlrt::make<mlrt_kdtree_options>());
+    mlrt_tree_info info = mlrt::make<mlrt_tree_info>();
+    require(mlrt_get_tree_info(kdtree.get(), &info) == MLRT_OK && info.structure == MLRT_STRUCTURE_KDTREE, "a kd-tree");
+    require(hash_of(kdtree.trace(origins, directions)) == hash_of(hits), "a kd-tree changes nothing");
     const std::vector<uint8_t> occluded = tree.occluded(origins, directions, &pool);
     for (int i = 0; i < SCENE_RAYS; i++)
         require(occluded[i] == (hits.mesh[i] != MLRT_NONE), "any hit is a closest hit");

@@ -102,7 +102,7 @@ func pin[T any](pinner *runtime.Pinner, slice []T) unsafe.Pointer {
 	return unsafe.Pointer(&slice[0])
 }
 
-// NewTree builds a tree over meshes, which may change afterwards.
+// NewTree builds a tree over meshes, which may change afterwards: mlrt_build_tree.
 func NewTree(meshes ...Mesh) (*Tree, error) {
 	var pinner runtime.Pinner
 	defer pinner.Unpin()
@@ -118,13 +118,13 @@ func NewTree(meshes ...Mesh) (*Tree, error) {
 		}
 	}
 	message := make([]C.char, 256)
-	options := C.mlrt_build_options{
-		struct_size:  C.sizeof_mlrt_build_options,
+	options := C.mlrt_tree_options{
+		struct_size:  C.sizeof_mlrt_tree_options,
 		message:      (*C.char)(pin(&pinner, message)),
 		message_size: C.size_t(len(message)),
 	}
 	tree := &Tree{}
-	status := C.mlrt_build_kdtree((*C.mlrt_mesh)(pin(&pinner, list)), C.size_t(len(list)), &options, &tree.handle)
+	status := C.mlrt_build_tree((*C.mlrt_mesh)(pin(&pinner, list)), C.size_t(len(list)), &options, &tree.handle)
 	if status != C.MLRT_OK {
 		return nil, &Error{Status: int32(status), Details: C.GoString(&message[0])}
 	}

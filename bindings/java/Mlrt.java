@@ -61,9 +61,8 @@ public final class Mlrt {
     static final StructLayout CONST_ARRAY = struct("mlrt_const_array", P, "data", L, "stride");
     static final StructLayout MESH = struct("mlrt_mesh", I, "struct_size", I, "id", P, "vertices", L, "vertex_count",
         L, "vertex_stride", P, "indices", L, "triangle_count", L, "triangle_stride", I, "index_size", I, "mask");
-    static final StructLayout BUILD_OPTIONS = struct("mlrt_build_options", I, "struct_size", I, "preset", I, "rules_off",
-        I, "max_depth", L, "max_references", F, "traversal_cost", F, "intersection_cost", P, "message",
-        L, "message_size", P, "pool", I, "structures", I, "reserved", P, "host", L, "memory_limit");
+    static final StructLayout TREE_OPTIONS = struct("mlrt_tree_options", I, "struct_size", I, "preset", F, "traversal_cost",
+        F, "intersection_cost", P, "message", L, "message_size", P, "host", L, "memory_limit", P, "pool");
     static final StructLayout TRACE_OPTIONS = struct("mlrt_trace_options", I, "struct_size", I, "query", I, "method", I, "isa",
         I, "culling", I, "culling_check", I, "initial_tile_size", I, "minimum_tile_size", I, "split_factor",
         I, "outputs", I, "shortcuts_off", I, "mask", P, "pool", P, "counters", P, "host",
@@ -87,13 +86,13 @@ public final class Mlrt {
     private static final MethodHandle STATUS_STRING = function("mlrt_status_string", P, I);
     private static final MethodHandle CREATE_POOL = function("mlrt_create_pool", I, I, P);
     private static final MethodHandle DESTROY_POOL = function("mlrt_destroy_pool", null, P);
-    private static final MethodHandle BUILD = function("mlrt_build_kdtree", I, P, L, P, P);
+    private static final MethodHandle BUILD = function("mlrt_build_tree", I, P, L, P, P);
     private static final MethodHandle DESTROY_TREE = function("mlrt_destroy_tree", null, P);
     private static final MethodHandle TRACE = function("mlrt_trace_packet", I, P, P, P, P);
 
     /** By their numbers MLRT_STRUCT_*. */
     static final Map<Integer, StructLayout> PLACES =
-        Map.of(1, MESH, 2, BUILD_OPTIONS, 8, TRACE_OPTIONS, 9, ARRAY, 10, HITS, 11, CONST_ARRAY, 12, RAYS);
+        Map.of(1, MESH, 2, TREE_OPTIONS, 8, TRACE_OPTIONS, 9, ARRAY, 10, HITS, 11, CONST_ARRAY, 12, RAYS);
 
     // Of the version that this file was written for, each layout must be the library's.
     static {
@@ -278,7 +277,7 @@ public final class Mlrt {
                         .set("triangle_count", triples(meshes[i].indices));
                 }
                 var message = scratch.allocate(256);
-                var options = new Struct(BUILD_OPTIONS, scratch).set("message", message).set("message_size", 256L);
+                var options = new Struct(TREE_OPTIONS, scratch).set("message", message).set("message_size", 256L);
                 var out = scratch.allocate(P);
                 int status = (int) BUILD.invokeExact(list, (long) meshes.length, options.memory, out);
                 check(status, message.getString(0));

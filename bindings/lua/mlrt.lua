@@ -25,13 +25,13 @@ typedef struct mlrt_mesh {
     const void *indices; size_t triangle_count, triangle_stride;
     uint32_t index_size, mask;
 } mlrt_mesh;
-typedef struct mlrt_build_options {
-    uint32_t struct_size; int32_t preset; uint32_t rules_off, max_depth; uint64_t max_references;
+typedef struct mlrt_tree_options {
+    uint32_t struct_size; int32_t preset;
     float traversal_cost, intersection_cost;
     char *message; size_t message_size;
-    mlrt_pool *pool; uint32_t structures, reserved;
     const void *host; uint64_t memory_limit;
-} mlrt_build_options;
+    mlrt_pool *pool;
+} mlrt_tree_options;
 typedef struct mlrt_trace_options {
     uint32_t struct_size; int32_t query, method, isa, culling;
     uint32_t culling_check, initial_tile_size, minimum_tile_size, split_factor, outputs, shortcuts_off, mask;
@@ -52,7 +52,7 @@ void mlrt_struct_sizes(uint32_t *sizes, uint32_t count);
 const char *mlrt_status_string(int32_t status);
 int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool);
 void mlrt_destroy_pool(mlrt_pool *pool);
-int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options, mlrt_tree **tree);
+int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options, mlrt_tree **tree);
 void mlrt_destroy_tree(mlrt_tree *tree);
 int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options, const mlrt_hits *hits);
 ]]
@@ -63,7 +63,7 @@ local C = ffi.load(os.getenv "MLRT_LIBRARY" or "libmlrt.so.0")
 if C.mlrt_version() == 100 then
     local sizes = ffi.new "uint32_t[13]"
     C.mlrt_struct_sizes(sizes, 13)
-    for name, place in pairs{mesh = 1, build_options = 2, trace_options = 8, array = 9, hits = 10, const_array = 11, rays = 12} do
+    for name, place in pairs{mesh = 1, tree_options = 2, trace_options = 8, array = 9, hits = 10, const_array = 11, rays = 12} do
         assert(sizes[place] == ffi.sizeof("mlrt_" .. name), "mlrt: mlrt_" .. name .. " is not the library's")
     end
 end
@@ -131,9 +131,9 @@ function mlrt.tree(...)
         kept[i] = {vertices, indices}
         list[i - 1] = {ffi.sizeof "mlrt_mesh", mesh.id or 0, vertices, vertex_count, 0, indices, triangle_count}
     end
-    local out, message, options = ffi.new "mlrt_tree *[1]", ffi.new "char[256]", struct "build_options"
+    local out, message, options = ffi.new "mlrt_tree *[1]", ffi.new "char[256]", struct "tree_options"
     options.message, options.message_size = message, 256
-    local status = C.mlrt_build_kdtree(list, #meshes, options, out)
+    local status = C.mlrt_build_tree(list, #meshes, options, out)
     keep(kept)
     check(status, ffi.string(message))
     return setmetatable({handle = ffi.gc(out[0], C.mlrt_destroy_tree)}, Tree)

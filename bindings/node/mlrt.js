@@ -25,11 +25,9 @@ const structs = {
         vertex_stride: 'size_t', indices: 'const void *', triangle_count: 'size_t', triangle_stride: 'size_t',
         index_size: 'uint32_t', mask: 'uint32_t',
     },
-    mlrt_build_options: {
-        struct_size: 'uint32_t', preset: 'int32_t', rules_off: 'uint32_t', max_depth: 'uint32_t',
-        max_references: 'uint64_t', traversal_cost: 'float', intersection_cost: 'float', message: 'void *',
-        message_size: 'size_t', pool: 'void *', structures: 'uint32_t', reserved: 'uint32_t',
-        host: 'void *', memory_limit: 'uint64_t',
+    mlrt_tree_options: {
+        struct_size: 'uint32_t', preset: 'int32_t', traversal_cost: 'float', intersection_cost: 'float',
+        message: 'void *', message_size: 'size_t', host: 'void *', memory_limit: 'uint64_t', pool: 'void *',
     },
     mlrt_rays: {
         struct_size: 'uint32_t', row_length: 'uint32_t', count: 'size_t', origins: constArray, directions: constArray,
@@ -55,13 +53,13 @@ const C = {
     statusString: library.func('const char *mlrt_status_string(int32_t status)'),
     createPool: library.func('int32_t mlrt_create_pool(uint32_t thread_count, _Out_ void **pool)'),
     destroyPool: library.func('void mlrt_destroy_pool(void *pool)'),
-    build: library.func('int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options, _Out_ void **tree)'),
+    build: library.func('int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options, _Out_ void **tree)'),
     destroyTree: library.func('void mlrt_destroy_tree(void *tree)'),
     trace: library.func('int32_t mlrt_trace_packet(void *tree, const mlrt_rays *rays, const mlrt_trace_options *options, const mlrt_hits *hits)'),
 };
 
 // Of the version that this file was written for, each layout must be the library's. The numbers are MLRT_STRUCT_*.
-const places = { mlrt_mesh: 1, mlrt_build_options: 2, mlrt_trace_options: 8, mlrt_hits: 10, mlrt_rays: 12 };
+const places = { mlrt_mesh: 1, mlrt_tree_options: 2, mlrt_trace_options: 8, mlrt_hits: 10, mlrt_rays: 12 };
 if (C.version() === 100) {
     const sizes = new Uint32Array(13);
     C.structSizes(sizes, sizes.length);
@@ -159,7 +157,7 @@ class Tree extends Handle {
             triangle_count: indices.length / 3,
         }));
         const out = [null], message = Buffer.alloc(256);
-        const options = struct('mlrt_build_options', { message, message_size: message.length });
+        const options = struct('mlrt_tree_options', { message, message_size: message.length });
         const status = C.build(list, list.length, options, out);
         check(status, message.toString('utf8', 0, message.indexOf(0)));
         super(C.destroyTree, out[0]);

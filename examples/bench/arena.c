@@ -3,6 +3,7 @@
 #include "arena.h"
 
 #include "common/timer.h"
+#include "common/tree.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -10,18 +11,20 @@
 const char *const method_names[6] = {"default", "ray", "packet2", "packet4", "multilevel", "tile"};
 const char *const isa_names[5] = {"auto", "scalar", "sse", "avx2", "avx512"};
 
-// Whether a tree has what was asked for shows in which methods it can do.
-static int has_structure(const struct library *library, const mlrt_tree *tree, uint32_t structures)
+static int32_t build_by(const struct library *library, const mlrt_mesh *mesh, int32_t kind, mlrt_pool *pool,
+                        mlrt_tree **tree)
 {
-    const mlrt_ray ray = {.struct_size = sizeof ray, .direction = {0, 0, 1}};
-    mlrt_hit hit = {.struct_size = sizeof hit};
-    mlrt_trace_options tile = {.struct_size = sizeof tile, .method = MLRT_METHOD_TILE};
-    mlrt_trace_options packet = {.struct_size = sizeof packet, .method = MLRT_METHOD_PACKET4};
-    if (structures & MLRT_STRUCTURE_BVH && library->trace_ray(tree, &ray, &tile, &hit) != MLRT_OK) return 0;
-    return !(structures & MLRT_STRUCTURE_KDTREE) || library->trace_ray(tree, &ray, &packet, &hit) == MLRT_OK;
+    const mlrt_tree_options boxes = {.struct_size = sizeof boxes, .preset = kind, .pool = pool};
+    const mlrt_kdtree_options kdtree = {.struct_size = sizeof kdtree, .preset = kind - TREE_KDTREE};
+    if (library->build_tree) {
+        return kind < TREE_KDTREE ? library->build_tree(mesh, 1, &boxes, tree)
+                                  : library->build_kdtree(mesh, 1, &kdtree, tree);
+    }
+    *tree = NULL;
+    return kind == TREE_DEFAULT ? library->build_kdtree(mesh, 1, NULL, tree) : MLRT_ERROR_UNSUPPORTED;
 }
 
-int32_t build_mlrt(const struct library *library, const struct scene *scene, const mlrt_build_options *options,
+int32_t build_mlrt(const struct library *library, const struct scene *scene, int32_t kind, mlrt_pool *pool,
                    mlrt_tree **tree, double *seconds)
 {
     const mlrt_mesh mesh = {.struct_size = sizeof mesh,
@@ -30,40 +33,31 @@ int32_t build_mlrt(const struct library *library, const struct scene *scene, con
                             .indices = scene->indices,
                             .triangle_count = scene->triangle_count};
     const double start = seconds_now();
-    const int32_t status = library->build_kdtree(&mesh, 1, options, tree);
+    const int32_t status = build_by(library, &mesh, kind, pool, tree);
     *seconds = seconds_now() - start;
-    if (status != MLRT_OK || has_structure(library, *tree, options->structures)) return status;
-    library->destroy_tree(*tree);
-    *tree = NULL;
-    return MLRT_ERROR_UNSUPPORTED;
+    return status;
 }
 
 static int build_own_tree(const struct bench_settings *settings, struct arena *arena)
 {
-    const mlrt_build_options options = {.struct_size = sizeof options,
-                                        .preset = settings->preset,
-                                        .pool = arena->pool,
-                                        .structures = (uint32_t)settings->structure};
-    const int32_t status =
-        build_mlrt(&this_library, &arena->subject.scene, &options, &arena->tree, &arena->build_seconds);
+    const int32_t status = build_mlrt(&this_library, &arena->subject.scene, settings->tree, arena->pool, &arena->tree,
+                                      &arena->build_seconds);
     if (status == MLRT_OK) return 0;
-    fprintf(stderr, "%s: the tree: %s\n", arena->subject.name,
-            status == MLRT_ERROR_UNSUPPORTED ? "unsupported by this library" : mlrt_status_string(status));
-    return status != MLRT_ERROR_UNSUPPORTED;
+    fprintf(stderr, "%s: the tree: %s\n", arena->subject.name, mlrt_status_string(status));
+    return 1;
 }
 
 // The old library's tree, unless it cannot build what was asked for.
 static int build_old_tree(const struct bench_settings *settings, struct arena *arena)
 {
-    const mlrt_build_options options = {.struct_size = sizeof options,
-                                        .preset = settings->preset,
-                                        .pool = arena->old_pool,
-                                        .structures = (uint32_t)settings->structure};
     double seconds;
-    if (!arena->old || !arena->tree) return 0;
-    const int32_t status = build_mlrt(arena->old, &arena->subject.scene, &options, &arena->old_tree, &seconds);
+    if (!arena->old) return 0;
+    const int32_t status =
+        build_mlrt(arena->old, &arena->subject.scene, settings->tree, arena->old_pool, &arena->old_tree, &seconds);
     if (status == MLRT_OK) return 0;
-    fprintf(stderr, "%s: the old library's tree: %s\n", arena->subject.name, mlrt_status_string(status));
+    fprintf(stderr, "%s: the old library's tree: %s\n", arena->subject.name,
+            status == MLRT_ERROR_UNSUPPORTED ? "it is from before mlrt_build_tree, and has no other than the default"
+                                             : mlrt_status_string(status));
     return status == MLRT_ERROR_OUT_OF_MEMORY;
 }
 
@@ -71,7 +65,7 @@ static int build_peers(const struct bench_settings *settings, struct arena *aren
 {
     const struct peer_settings fast = {0, PEER_HIGH_QUALITY, 0, settings->peer_isa},
                                robust = {1, PEER_HIGH_QUALITY, 0, settings->peer_isa};
-    if (settings->alone || !have_peer() || !arena->tree) return 0;
+    if (settings->alone || !have_peer()) return 0;
     arena->fast = create_peer(&arena->subject.scene, &fast, NULL);
     arena->robust = create_peer(&arena->subject.scene, &robust, NULL);
     return !arena->fast || !arena->robust;

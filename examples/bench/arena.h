@@ -13,7 +13,8 @@ struct bench_settings {
     const char *views, *view, *against;
     uint32_t size, threads, runs;
     uint32_t kinds, methods, isas; /* a bit for each */
-    int32_t structure, preset, study;
+    int32_t tree;                  /* common/tree.h: TREE_* */
+    int32_t study;
     int32_t peer_isa; /* PEER_ISA_* */
     int csv;
     int alone;                 /* without Embree */
@@ -25,7 +26,7 @@ extern const char *const method_names[6], *const isa_names[5];
 
 struct arena {
     struct subject subject;
-    mlrt_tree *tree; /* NULL = this library cannot build what was asked for */
+    mlrt_tree *tree;
     double build_seconds;
     mlrt_pool *pool;
     struct crew *crew;
@@ -39,8 +40,8 @@ struct arena {
 int open_arena(const struct bench_settings *settings, const char *word, struct arena *arena);
 void close_arena(struct arena *arena);
 
-/* Builds a tree, or returns MLRT_ERROR_UNSUPPORTED where it lacks a structure that was asked for. */
-int32_t build_mlrt(const struct library *library, const struct scene *scene, const mlrt_build_options *options,
+/* Builds a tree of a kind (TREE_*); MLRT_ERROR_UNSUPPORTED where the library is too old for it. */
+int32_t build_mlrt(const struct library *library, const struct scene *scene, int32_t kind, mlrt_pool *pool,
                    mlrt_tree **tree, double *seconds);
 
 /* Prepares a task of the arena's scene and everybody who takes part. Returns 0 or 1; free the task either way. */

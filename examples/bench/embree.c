@@ -321,8 +321,9 @@ static size_t start_batches(const struct peer *peer, const struct task *task, co
 {
     job->batch = (struct batch){.scene = peer->scene, .stream = &task->stream, .answers = answers};
     rtcInitIntersectContext(&job->batch.context);
-    job->batch.context.flags = task->kind == BOUNCE || is_single(task->kind) || job->variant->incoherent ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
-                                                                                : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    job->batch.context.flags = task->kind == BOUNCE || is_single(task->kind) || job->variant->incoherent
+                                   ? RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
+                                   : RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     job->any = is_yes_or_no(task->kind);
     return (task->stream.count + BATCH_SIZE - 1) / BATCH_SIZE;
 }

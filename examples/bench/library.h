@@ -9,7 +9,10 @@ struct library {
     void *handle; /* NULL = that of this program */
     int32_t (*create_pool)(uint32_t thread_count, mlrt_pool **pool);
     void (*destroy_pool)(mlrt_pool *pool);
-    int32_t (*build_kdtree)(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
+    int32_t (*build_tree)(
+        const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
+        mlrt_tree **tree); /* NULL: a build from before it; build_kdtree without options builds boxes */
+    int32_t (*build_kdtree)(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                             mlrt_tree **tree);
     void (*destroy_tree)(mlrt_tree *tree);
     int32_t (*trace_ray)(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, mlrt_hit *hit);

@@ -3,6 +3,7 @@
 #include "study.h"
 
 #include "common/timer.h"
+#include "common/tree.h"
 
 #include <stdio.h>
 
@@ -41,7 +42,7 @@ static int sweep_sizes(const struct bench_settings *settings, const char *word, 
 {
     struct arena arena;
     int failed = open_arena(settings, word, &arena);
-    for (uint32_t size = smallest; size <= largest && arena.tree && !failed; size *= 2) {
+    for (uint32_t size = smallest; size <= largest && !failed; size *= 2) {
         failed = set_size(&arena.subject, size);
         for (int kind = 0; kind < KIND_COUNT && !failed; kind++) {
             if (settings->kinds & 1u << kind) failed = measure_point(settings, &arena, size, (enum kind)kind);
@@ -79,19 +80,18 @@ enum { BUILDER_COUNT = 9 };
 
 static const struct builder {
     const char *name;
-    uint32_t structure; // 0 = Embree's
-    int32_t preset;     // or quality
-    int robust;
+    int32_t kind; // TREE_*, or Embree's quality
+    int is_peer, robust;
 } builders[BUILDER_COUNT] = {
-    {"mlrt_kdtree", MLRT_STRUCTURE_KDTREE, MLRT_TREE_DEFAULT, 0},
-    {"mlrt_kdtree_paper", MLRT_STRUCTURE_KDTREE, MLRT_TREE_PAPER, 0},
-    {"mlrt_bvh_fast", MLRT_STRUCTURE_BVH, MLRT_TREE_FAST, 0},
-    {"mlrt_bvh", MLRT_STRUCTURE_BVH, MLRT_TREE_DEFAULT, 0},
-    {"mlrt_bvh_best", MLRT_STRUCTURE_BVH, MLRT_TREE_BEST, 0},
-    {"embree_fast_medium", 0, PEER_MEDIUM_QUALITY, 0},
-    {"embree_fast_high", 0, PEER_HIGH_QUALITY, 0},
-    {"embree_robust_medium", 0, PEER_MEDIUM_QUALITY, 1},
-    {"embree_robust_high", 0, PEER_HIGH_QUALITY, 1},
+    {"mlrt_kdtree", TREE_KDTREE, 0, 0},
+    {"mlrt_kdtree_tuned", TREE_KDTREE_TUNED, 0, 0},
+    {"mlrt_fast", TREE_FAST, 0, 0},
+    {"mlrt", TREE_DEFAULT, 0, 0},
+    {"mlrt_best", TREE_BEST, 0, 0},
+    {"embree_fast_medium", PEER_MEDIUM_QUALITY, 1, 0},
+    {"embree_fast_high", PEER_HIGH_QUALITY, 1, 0},
+    {"embree_robust_medium", PEER_MEDIUM_QUALITY, 1, 1},
+    {"embree_robust_high", PEER_HIGH_QUALITY, 1, 1},
 };
 
 struct built {
@@ -103,15 +103,12 @@ struct built {
 static int build_with_mlrt(const struct builder *builder, const struct scene *scene, mlrt_pool *pool,
                            struct built *built, double *seconds)
 {
-    const mlrt_build_options options = {
-        .struct_size = sizeof options, .preset = builder->preset, .pool = pool, .structures = builder->structure};
     mlrt_tree_info info = {.struct_size = sizeof info};
     mlrt_tree *tree;
-    const int32_t status = build_mlrt(&this_library, scene, &options, &tree, seconds);
-    built->unsupported = status == MLRT_ERROR_UNSUPPORTED;
+    const int32_t status = build_mlrt(&this_library, scene, builder->kind, pool, &tree, seconds);
     if (status == MLRT_OK && mlrt_get_tree_info(tree, &info) == MLRT_OK) built->memory_size = (double)info.memory_size;
     mlrt_destroy_tree(tree);
-    if (status == MLRT_OK || built->unsupported) return 0;
+    if (status == MLRT_OK) return 0;
     fprintf(stderr, "%s: %s\n", builder->name, mlrt_status_string(status));
     return 1;
 }
@@ -119,7 +116,7 @@ static int build_with_mlrt(const struct builder *builder, const struct scene *sc
 static int build_with_peer(const struct builder *builder, const struct scene *scene, uint32_t threads,
                            struct built *built, double *seconds)
 {
-    const struct peer_settings settings = {builder->robust, builder->preset, threads, PEER_ISA_AUTO};
+    const struct peer_settings settings = {builder->robust, builder->kind, threads, PEER_ISA_AUTO};
     struct peer_build build = {0, 0};
     built->unsupported = !have_peer();
     if (built->unsupported) return 0;
@@ -152,8 +149,8 @@ static int build_scene(const struct bench_settings *settings, mlrt_pool *pool, c
         struct built *result = &built[turn % BUILDER_COUNT];
         double *seconds = &result->seconds[turn / BUILDER_COUNT];
         if (result->unsupported) continue;
-        failed = builder->structure ? build_with_mlrt(builder, &subject.scene, pool, result, seconds)
-                                    : build_with_peer(builder, &subject.scene, settings->threads, result, seconds);
+        failed = builder->is_peer ? build_with_peer(builder, &subject.scene, settings->threads, result, seconds)
+                                  : build_with_mlrt(builder, &subject.scene, pool, result, seconds);
     }
     if (!failed) print_builds(settings, &subject, built);
     free_subject(&subject);

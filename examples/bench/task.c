@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const kind_names[KIND_COUNT + 1] = {"frame",   "lit",        "primary", "shadow",   "sun",    "array",
-                                                "list",    "parallel",   "bounce",  "reach",    "mirror", "lens",
-                                                "one-way", "hemisphere", "record",  "single",   "single-any", "lit-frame"};
+const char *const kind_names[KIND_COUNT + 1] = {
+    "frame", "lit",    "primary", "shadow",  "sun",        "array",  "list",   "parallel",   "bounce",
+    "reach", "mirror", "lens",    "one-way", "hemisphere", "record", "single", "single-any", "lit-frame"};
 
 enum { WIDTH = 16, BLOCK_SIDE = 4, REGION_SIDE = 64, LARGEST_SPHERE = 9 };
 

@@ -5,7 +5,6 @@
 
 #include "report.h"
 #include "timer.h"
-#include "tree.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -87,7 +86,7 @@ static int32_t on_progress(void *user, double fraction)
     return fraction >= watch->stop_at;
 }
 
-static int32_t build_watched(const struct scene *scene, const mlrt_build_options *build, struct watch *watch)
+static int32_t build_watched(const struct scene *scene, const struct tree_settings *build, struct watch *watch)
 {
     const mlrt_host host = {
         .struct_size = sizeof host, .user = watch, .allocate = allocate, .free = free_timed, .progress = on_progress};
@@ -96,11 +95,11 @@ static int32_t build_watched(const struct scene *scene, const mlrt_build_options
                             .vertex_count = scene->vertex_count,
                             .indices = scene->indices,
                             .triangle_count = scene->triangle_count};
-    mlrt_build_options options = *build;
+    struct tree_settings settings = *build;
     mlrt_tree *tree = NULL;
-    options.host = &host;
+    settings.host = &host;
     watch->last = now();
-    const int32_t status = mlrt_build_kdtree(&mesh, 1, &options, &tree);
+    const int32_t status = build_by_settings(&mesh, &settings, NULL, 0, &tree);
     mlrt_destroy_tree(tree);
     return status;
 }
@@ -119,7 +118,7 @@ static void print_longest(const char *name, const struct longest *longest, int i
     print_number(line, longest->thread_fraction);
 }
 
-int study_cancelling(const struct scene *scene, const mlrt_build_options *build, uint32_t count)
+int study_cancelling(const struct scene *scene, const struct tree_settings *build, uint32_t count)
 {
     struct watch whole = {.stop_at = 2};
     struct longest wait = {{0, 0}, 0, 0}, wait_besides = wait;

@@ -4,8 +4,7 @@
 #define CANCEL_H
 
 #include "scene.h"
-
-#include <mlrt.h>
+#include "tree.h"
 
 /*
  * Builds the scene's tree once to the end, and then `count` times with a progress function that asks to stop, at
@@ -14,6 +13,6 @@
  * the fraction told before, and each also without what the system's free took of it. With one thread (no pool) also in
  * time of that thread, which leaves out what a busy machine adds. Returns 0, or 1 after saying on stderr what is wrong.
  */
-int study_cancelling(const struct scene *scene, const mlrt_build_options *build, uint32_t count);
+int study_cancelling(const struct scene *scene, const struct tree_settings *build, uint32_t count);
 
 #endif

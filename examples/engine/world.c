@@ -83,9 +83,9 @@ static mlrt_mesh mesh_of(const struct scene *scene, uint32_t id, uint32_t mask)
 static int32_t build_shape(const struct world *world, struct shape *shape, uint32_t mask)
 {
     const mlrt_mesh mesh = mesh_of(&shape->mesh, 0, mask);
-    const mlrt_build_options options = {.struct_size = sizeof options, .preset = MLRT_TREE_FAST, .host = &world->host};
+    const mlrt_tree_options options = {.struct_size = sizeof options, .preset = MLRT_TREE_FAST, .host = &world->host};
     mlrt_destroy_tree(shape->tree);
-    return mlrt_build_kdtree(&mesh, 1, &options, &shape->tree);
+    return mlrt_build_tree(&mesh, 1, &options, &shape->tree);
 }
 
 static int32_t make_shape(const struct world *world, struct shape *shape, uint32_t mask)

@@ -107,7 +107,7 @@ static void make_axis(struct source *source, size_t number, float origin[3], flo
 static void make_split_plane(struct source *source, size_t number, float origin[3], float direction[3])
 {
     (void)number;
-    const struct mlrt_tree *tree = source->subject->tree;
+    const struct mlrt_tree *tree = source->subject->kdtree;
     const float *corner[3];
     draw_triangle(source, corner);
     uint32_t axis = random_below(&source->random, 3);

@@ -17,6 +17,11 @@ static void check(const struct method_run *run, int32_t status)
     exit(1);
 }
 
+static const mlrt_tree *tree_of(const struct method_run *run)
+{
+    return subject_tree(run->subject, run->method->variant);
+}
+
 static void trace_arrays(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
 {
     const mlrt_trace_options options = {.struct_size = sizeof options, .method = run->method->variant};
@@ -26,14 +31,14 @@ static void trace_arrays(const struct method_run *run, const struct ray_set *ray
                              .origins = {rays->origins, 0},
                              .directions = {rays->directions, 0}};
     const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
-    check(run, mlrt_trace_packet(run->subject->tree, &input, &options, &output));
+    check(run, mlrt_trace_packet(tree_of(run), &input, &options, &output));
 }
 
 static void trace_camera(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
 {
     const mlrt_trace_options options = {.struct_size = sizeof options, .method = run->method->variant};
     const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
-    check(run, mlrt_render_tiles(run->subject->tree, &rays->camera, &options, &output, NULL, NULL));
+    check(run, mlrt_render_tiles(tree_of(run), &rays->camera, &options, &output, NULL, NULL));
 }
 
 const struct method library_methods[] = {

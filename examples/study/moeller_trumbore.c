@@ -29,7 +29,7 @@ struct edges {
 
 static int create_table(struct method_run *run)
 {
-    const struct mlrt_tree *tree = run->subject->tree;
+    const struct mlrt_tree *tree = run->subject->kdtree;
     struct edges *table = malloc((tree->triangle_count ? tree->triangle_count : 1) * sizeof *table);
     run->state = table;
     if (!table) {

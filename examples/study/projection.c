@@ -56,7 +56,7 @@ static void project(const struct mlrt_triangle *triangle, struct projection *pro
 
 static int create(struct method_run *run)
 {
-    const struct mlrt_tree *tree = run->subject->tree;
+    const struct mlrt_tree *tree = run->subject->kdtree;
     struct projection *table = malloc((tree->triangle_count ? tree->triangle_count : 1) * sizeof *table);
     run->state = table;
     if (!table) {

@@ -172,7 +172,7 @@ static void forward(void *user, size_t set, const struct selection *selection, c
 static int run_case(const struct sweep *sweep, double value, size_t ray_count, const struct selection *selection,
                     stability_consumer consumer, void *user)
 {
-    struct subject subject = {.tree = NULL};
+    struct subject subject = {.kdtree = NULL};
     struct ray_set rays = {.count = 0};
     char condition[CONDITION_SIZE];
     describe_case(sweep, value, condition);

@@ -15,8 +15,8 @@ static int32_t trace_counting(const struct subject *subject, const struct ray_se
                              .origins = {rays->origins, 0},
                              .directions = {rays->directions, 0}};
     const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
-    int32_t status = rays->is_picture ? mlrt_render_tiles(subject->tree, &rays->camera, &options, &output, NULL, NULL)
-                                      : mlrt_trace_packet(subject->tree, &input, &options, &output);
+    int32_t status = rays->is_picture ? mlrt_render_tiles(subject->kdtree, &rays->camera, &options, &output, NULL, NULL)
+                                      : mlrt_trace_packet(subject->kdtree, &input, &options, &output);
     free(triangles);
     return status;
 }

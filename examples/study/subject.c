@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* subject.c - a mesh, its tree and its oracle: see subject.h */
+/* subject.c - a mesh, its trees and its oracle: see subject.h */
 #include "subject.h"
 
 #include "common/tree.h"
@@ -14,11 +14,15 @@ enum { PATH_SIZE = 4096 };
 
 int complete_subject(struct subject *subject)
 {
-    // The walk of others' triangle tests (traversal.h) goes through the kd-tree, method `tile` through the boxes.
-    const mlrt_build_options both = {.struct_size = sizeof both,
-                                     .structures = MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH};
+    const struct tree_settings boxes = {.kind = TREE_DEFAULT}, kdtree = {.kind = TREE_KDTREE_TUNED};
     double seconds;
-    return build_tree(&subject->scene, &both, &subject->tree, &seconds);
+    return build_tree(&subject->scene, &kdtree, &subject->kdtree, &seconds) ||
+           build_tree(&subject->scene, &boxes, &subject->boxes, &seconds);
+}
+
+const mlrt_tree *subject_tree(const struct subject *subject, int32_t method)
+{
+    return method == MLRT_METHOD_TILE ? subject->boxes : subject->kdtree;
 }
 
 // A word of the list as a path, and the scene's name: of a file, without folder and extension.
@@ -57,7 +61,8 @@ int load_subject(const char *word, const char *views, struct subject *subject)
 void free_subject(struct subject *subject)
 {
     destroy_oracle(subject);
-    mlrt_destroy_tree(subject->tree);
+    mlrt_destroy_tree(subject->boxes);
+    mlrt_destroy_tree(subject->kdtree);
     free_scene(&subject->scene);
-    subject->tree = NULL;
+    subject->boxes = subject->kdtree = NULL;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * traversal.h - one walk of single rays through the library's tree, for triangle tests from the literature
+ * traversal.h - one walk of single rays through the library's kd-tree, for triangle tests from the literature
  *
  * Each test is compiled into this loop by inlining, so all that methods differ in is their test. The walk is that of
  * src/mlrta/ray.c, node tests in double, with wider margins, so that a wrong answer is the test's fault and not the
@@ -150,7 +150,7 @@ MLRT_INLINE void walk_all(const struct method_run *run, const struct ray_set *ra
             ray.direction[k] = rays->directions[i][k];
         }
         if (prepare) prepare(&ray);
-        triangles[i] = walk(run->subject->tree, run->state, test, &ray);
+        triangles[i] = walk(run->subject->kdtree, run->state, test, &ray);
     }
 }
 

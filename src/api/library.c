@@ -20,7 +20,7 @@ MLRT_API const char *mlrt_status_string(int32_t status)
         "out of memory",
         "more triangles, rays or pixels than 32-bit counts allow",
         "camera of size zero, crop outside of it, numbers that are not finite, or vectors that span no picture",
-        "instruction set not available here, or a method for a structure that the tree does not have",
+        "instruction set not available here, or a method for a tree of the other structure",
         "the system would not start a thread",
         "stopped by a callback",
         "not a saved tree, or one that is damaged, of another version, or of other triangles",
@@ -31,7 +31,7 @@ MLRT_API const char *mlrt_status_string(int32_t status)
 
 MLRT_API uint64_t mlrt_capabilities(void)
 {
-    uint64_t capabilities = MLRT_CAN_BVH | MLRT_CAN_KDTREE;
+    uint64_t capabilities = 0;
     for (int32_t isa = MLRT_ISA_SSE; isa <= MLRT_ISA_AVX512; ++isa) {
         if (mlrt_select_kernels(isa, MLRT_METHOD_TILE, 0))
             capabilities |= (uint64_t)MLRT_CAN_SSE << (isa - MLRT_ISA_SSE);
@@ -44,7 +44,7 @@ MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count)
     static const uint16_t known[MLRT_STRUCT_COUNT] = {
         [MLRT_STRUCT_HOST] = sizeof(mlrt_host),
         [MLRT_STRUCT_MESH] = sizeof(mlrt_mesh),
-        [MLRT_STRUCT_BUILD_OPTIONS] = sizeof(mlrt_build_options),
+        [MLRT_STRUCT_TREE_OPTIONS] = sizeof(mlrt_tree_options),
         [MLRT_STRUCT_TREE_INFO] = sizeof(mlrt_tree_info),
         [MLRT_STRUCT_MEMORY_ESTIMATE] = sizeof(mlrt_memory_estimate),
         [MLRT_STRUCT_LOAD_OPTIONS] = sizeof(mlrt_load_options),
@@ -62,6 +62,7 @@ MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count)
         [MLRT_STRUCT_TILE] = sizeof(mlrt_tile),
         [MLRT_STRUCT_LIGHT] = sizeof(mlrt_light),
         [MLRT_STRUCT_POINTS] = sizeof(mlrt_points),
+        [MLRT_STRUCT_KDTREE_OPTIONS] = sizeof(mlrt_kdtree_options),
     };
     for (uint32_t i = 0; sizes && i < count; ++i) sizes[i] = i < MLRT_STRUCT_COUNT ? known[i] : 0;
 }

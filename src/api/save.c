@@ -2,7 +2,7 @@
 /*
  * Trees as bytes, to be written to a file and used again: saving, loading, and the hash of a geometry.
  *
- * THE FORMAT, version 2
+ * THE FORMAT, version 3
  *
  * A file is a header and ten sections, each at a multiple of 64 bytes from the start of the file, in the order below.
  * What lies between is zero, and so is the end, up to a multiple of 64. Numbers are in the byte order of the machine
@@ -31,7 +31,8 @@
  * That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its mask
  * (of a mesh without triangles: all bits), then the coordinates of all triangles in order.
  *
- * In the build report, bytes and seconds are 0: they are not the tree's but the process's.
+ * The first of the counts is what the tree is, MLRT_STRUCTURE_*, and sections of the other structure are empty. In the
+ * build report it is 0, and so are bytes and seconds: they are not the tree's but the process's.
  *
  * WHAT LOADING CHECKS
  *
@@ -67,10 +68,10 @@
 static const unsigned char magic[8] = {0x89, 'M', 'L', 'R', 'T', '\r', '\n', 0x1A};
 
 #define BYTE_ORDER_MARK 0x01020304u
-#define FORMAT_VERSION  2
+#define FORMAT_VERSION  3
 
 /* What sections consist of so many of. The first is MLRT_STRUCTURE_*, which is never 0 and so stands for "always". */
-enum { STRUCTURES, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, COUNT_COUNT };
+enum { STRUCTURE, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, COUNT_COUNT };
 
 #define SECTION_COUNT 10
 
@@ -87,12 +88,12 @@ struct header {
     uint64_t hash;
     uint64_t geometry_hash;
     uint32_t counts[COUNT_COUNT];
-    mlrt_tree_info info; /* struct_size, memory_size, peak_memory_size and build_seconds are 0 */
+    mlrt_tree_info info; /* struct_size, memory_size, peak_memory_size, build_seconds and structure are 0 */
     struct section sections[SECTION_COUNT];
 };
 
 /* The format is this struct: no compiler may add to it, and if mlrt_tree_info grows, the version must. */
-typedef char header_is_packed[sizeof(struct header) == 72 + 136 + 160 ? 1 : -1];
+typedef char header_is_packed[sizeof(struct header) == 72 + 144 + 160 ? 1 : -1];
 
 /* The sections in their order. */
 static const struct {
@@ -102,10 +103,10 @@ static const struct {
     uint8_t count;
     uint8_t needs; /* what there must be, or the section is empty and the pointer NULL */
 } kinds[SECTION_COUNT] = {
-    {offsetof(struct mlrt_tree, triangles), sizeof(struct mlrt_triangle), 0, TRIANGLES, STRUCTURES},
-    {offsetof(struct mlrt_tree, mesh_ids), 4, 0, MESHES, STRUCTURES},
-    {offsetof(struct mlrt_tree, mesh_first), 4, 4, MESHES, STRUCTURES},
-    {offsetof(struct mlrt_tree, mesh_by_id), 4, 0, MESHES, STRUCTURES},
+    {offsetof(struct mlrt_tree, triangles), sizeof(struct mlrt_triangle), 0, TRIANGLES, STRUCTURE},
+    {offsetof(struct mlrt_tree, mesh_ids), 4, 0, MESHES, STRUCTURE},
+    {offsetof(struct mlrt_tree, mesh_first), 4, 4, MESHES, STRUCTURE},
+    {offsetof(struct mlrt_tree, mesh_by_id), 4, 0, MESHES, STRUCTURE},
     {offsetof(struct mlrt_tree, masks), 4, 0, MASKS, MASKS},
     {offsetof(struct mlrt_tree, nodes), sizeof(struct mlrt_node), 0, NODES, NODES},
     {offsetof(struct mlrt_tree, references), 4, 0, REFERENCES, NODES},
@@ -221,7 +222,7 @@ static void make_header(const struct mlrt_tree *tree, struct header *header)
     *header = (struct header){
         .byte_order = BYTE_ORDER_MARK,
         .version = FORMAT_VERSION,
-        .counts = {tree->structures, tree->triangle_count, tree->mesh_count, tree->masks ? tree->triangle_count : 0,
+        .counts = {tree->structure, tree->triangle_count, tree->mesh_count, tree->masks ? tree->triangle_count : 0,
                    tree->node_count, tree->reference_count, tree->bvh.node_count, tree->bvh.quad_count},
         .info = tree->info,
     };
@@ -229,6 +230,7 @@ static void make_header(const struct mlrt_tree *tree, struct header *header)
     header->info.struct_size = 0;
     header->info.memory_size = header->info.peak_memory_size = 0;
     header->info.build_seconds = 0;
+    header->info.structure = 0;
     header->size = lay_out(header, header->sections);
 }
 
@@ -264,16 +266,16 @@ MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capa
 
 /* ---- loading ---- */
 
-/* Structures come with their arrays, and only they. */
+/* A structure comes with its arrays, and only with them. */
 static int counts_make_sense(const uint32_t counts[COUNT_COUNT])
 {
-    const uint32_t structures = counts[STRUCTURES];
-    if (structures == 0 || structures & ~(uint32_t)(MLRT_STRUCTURE_KDTREE | MLRT_STRUCTURE_BVH)) return 0;
+    const int is_kdtree = counts[STRUCTURE] == MLRT_STRUCTURE_KDTREE;
+    if (!is_kdtree && counts[STRUCTURE] != MLRT_STRUCTURE_BVH) return 0;
     if (counts[TRIANGLES] > MLRT_TRIANGLE_LIMIT || counts[MESHES] > INT32_MAX) return 0;
     if (counts[MASKS] != 0 && counts[MASKS] != counts[TRIANGLES]) return 0;
-    if (((structures & MLRT_STRUCTURE_KDTREE) != 0) != (counts[NODES] > 0)) return 0;
-    if (counts[REFERENCES] > 0 && counts[NODES] == 0) return 0;
-    if (!(structures & MLRT_STRUCTURE_BVH) && counts[BOX_NODES] > 0) return 0;
+    if (is_kdtree != (counts[NODES] > 0)) return 0;
+    if (counts[REFERENCES] > 0 && !is_kdtree) return 0;
+    if (counts[BOX_NODES] > 0 && is_kdtree) return 0;
     return (counts[BOX_NODES] > 0) == (counts[QUADS] > 0);
 }
 
@@ -298,7 +300,7 @@ static const char *check_header(const struct header *header, size_t size)
  */
 static int take_sections(const struct header *header, const unsigned char *data, struct mlrt_tree *tree)
 {
-    tree->structures = header->counts[STRUCTURES];
+    tree->structure = header->counts[STRUCTURE];
     tree->triangle_count = header->counts[TRIANGLES];
     tree->mesh_count = header->counts[MESHES];
     tree->node_count = header->counts[NODES];
@@ -372,7 +374,7 @@ static const char *check_report(struct mlrt_tree *tree)
         tree->info.zero_area_count != zero_area_count) {
         return "triangles are miscounted";
     }
-    if (!is_empty && tree->structures & MLRT_STRUCTURE_BVH && tree->bvh.node_count == 0) {
+    if (!is_empty && tree->structure == MLRT_STRUCTURE_BVH && tree->bvh.node_count == 0) {
         return "there are triangles, but no boxes";
     }
     memcpy(tree->bounds.lo, tree->info.bounds_min, sizeof tree->bounds.lo); // zeros have the signs they had
@@ -384,7 +386,7 @@ static const char *check_contents(struct mlrt_tree *tree)
 {
     const char *wrong = check_meshes(tree);
     if (!wrong) wrong = check_report(tree);
-    if (!wrong && tree->structures & MLRT_STRUCTURE_BVH) {
+    if (!wrong && tree->structure == MLRT_STRUCTURE_BVH) {
         mlrt_set_bvh_unit(tree);
         mlrt_set_bvh_extent(tree);
     }
@@ -419,6 +421,8 @@ static MLRT_NOINLINE int32_t take_file(const unsigned char *data, size_t size, u
     tree->info.memory_size = tree->memory.held_size;
     tree->info.peak_memory_size = tree->memory.peak_size;
     tree->info.build_seconds = 0;
+    tree->info.structure = tree->structure;
+    tree->info.reserved = 0;
     tree->memory.limit_size = 0;
     return MLRT_OK;
 }

@@ -42,14 +42,13 @@ static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uin
     return is_power_of_two(given) && given >= lo && given <= hi ? given : 0;
 }
 
-/* A method, with the default resolved; MLRT_METHOD_DEFAULT if the tree lacks what the method searches in. */
+/* A method, with the default resolved; MLRT_METHOD_DEFAULT if it goes through the other structure. */
 static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
 {
-    const int has_boxes = (tree->structures & MLRT_STRUCTURE_BVH) != 0;
-    const int has_kdtree = (tree->structures & MLRT_STRUCTURE_KDTREE) != 0;
-    if (method == MLRT_METHOD_DEFAULT) return has_boxes ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
-    if (method == MLRT_METHOD_TILE) return has_boxes ? method : MLRT_METHOD_DEFAULT;
-    return has_kdtree || method == MLRT_METHOD_RAY ? method : MLRT_METHOD_DEFAULT;
+    const int is_bvh = tree->structure == MLRT_STRUCTURE_BVH;
+    if (method == MLRT_METHOD_DEFAULT) return is_bvh ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
+    if (method == MLRT_METHOD_RAY) return method;
+    return (method == MLRT_METHOD_TILE) == is_bvh ? method : MLRT_METHOD_DEFAULT;
 }
 
 /* The side of the tiles that are shared out among threads. */
@@ -292,9 +291,8 @@ static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlr
     const uint32_t mask = job.source.common_mask;
     mlrt_counters own = {.struct_size = 0};
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (job.method == MLRT_METHOD_TILE && job.kernels->trace_ray) {
-        job.kernels->trace_ray(tree, ray, job.any, mask, skip, hit);
-    } else {
+    if (job.method != MLRT_METHOD_TILE || !job.kernels->trace_ray ||
+        !job.kernels->trace_ray(tree, ray, job.any, mask, skip, hit)) {
         trace_by_ray(tree, ray, job.any, mask, skip, options->counters ? &own : NULL, hit);
     }
     mlrt_leave_fp_environment(environment);
@@ -328,9 +326,8 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
     }
     const struct mlrt_kernels *kernels = mlrt_widest_kernels();
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (tree->structures & MLRT_STRUCTURE_BVH && kernels->trace_ray) {
-        kernels->trace_ray(tree, ray, any, mask, skip, hit);
-    } else {
+    if (tree->structure != MLRT_STRUCTURE_BVH || !kernels->trace_ray ||
+        !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
         trace_by_ray(tree, ray, any, mask, skip, NULL, hit);
     }
     mlrt_leave_fp_environment(environment);
@@ -350,8 +347,8 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
     int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
     if (status == MLRT_OK) status = mlrt_check_result_size(hit, FIRST_HIT_SIZE, sizeof own_hit);
     if (status == MLRT_OK && options) {
-        status = mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &own_options,
-                                  sizeof own_options);
+        status =
+            mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &own_options, sizeof own_options);
     }
     if (status != MLRT_OK) return status;
     memcpy(&own_hit, hit, FIRST_HIT_SIZE);

@@ -16,69 +16,77 @@
 
 /* ---- options ---- */
 
-/* A call that builds: its options and host, checked, in whatever version they came. */
+/*
+ * A call that builds: what it is to build, and its options and host, checked, in whatever version they came. The
+ * options of both builders begin with the same fields, up to memory_limit.
+ */
 struct call {
-    mlrt_build_options options;
+    uint32_t structure; /* MLRT_STRUCTURE_* */
+    union {
+        mlrt_tree_options tree;
+        mlrt_kdtree_options kdtree;
+    } options;
     struct mlrt_voice voice;
 };
 
-static MLRT_NOINLINE int32_t check_options(const mlrt_build_options *options)
+/* What both have lies where `take_options` and `build_tree` read it, whichever it is. */
+#define SAME_PLACE(field) (offsetof(mlrt_tree_options, field) == offsetof(mlrt_kdtree_options, field))
+typedef char options_begin_alike[SAME_PLACE(preset) && SAME_PLACE(traversal_cost) && SAME_PLACE(intersection_cost) &&
+                                         SAME_PLACE(message) && SAME_PLACE(message_size) && SAME_PLACE(host) &&
+                                         SAME_PLACE(memory_limit)
+                                     ? 1
+                                     : -1];
+
+/* The name of an option that is out of its range; NULL if none is. */
+static MLRT_NOINLINE const char *find_wrong_option(const struct call *call)
 {
-    if (options->preset < MLRT_TREE_DEFAULT || options->preset > MLRT_TREE_BEST) return MLRT_ERROR_ARGUMENT;
-    if (options->structures & ~3u || options->reserved != 0) return MLRT_ERROR_ARGUMENT;
-    if (options->rules_off & ~31u || options->max_depth > MLRT_DEPTH_LIMIT) return MLRT_ERROR_ARGUMENT;
-    if (!(options->traversal_cost >= 0 && options->traversal_cost <= 1e6f)) return MLRT_ERROR_ARGUMENT;
-    if (!(options->intersection_cost >= 0 && options->intersection_cost <= 1e6f)) return MLRT_ERROR_ARGUMENT;
-    return MLRT_OK;
+    const int is_kdtree = call->structure == MLRT_STRUCTURE_KDTREE;
+    const mlrt_tree_options *both = &call->options.tree;
+    const mlrt_kdtree_options *kdtree = &call->options.kdtree;
+    if (both->preset < 0 || both->preset > (is_kdtree ? MLRT_KDTREE_TUNED : MLRT_TREE_BEST)) return "preset";
+    if (!(both->traversal_cost >= 0 && both->traversal_cost <= 1e6f)) return "traversal_cost";
+    if (!(both->intersection_cost >= 0 && both->intersection_cost <= 1e6f)) return "intersection_cost";
+    if (is_kdtree && kdtree->max_depth > MLRT_DEPTH_LIMIT) return "max_depth";
+    if (is_kdtree && kdtree->rules_off & ~31u) return "rules_off";
+    return NULL;
 }
 
-/* The paper's kind of tree is a kd-tree. */
-static uint32_t resolve_structures(const mlrt_build_options *options)
+static MLRT_NOINLINE int32_t take_options(const void *given, uint32_t structure, struct call *call)
 {
-    if (options->preset == MLRT_TREE_PAPER) return options->structures | MLRT_STRUCTURE_KDTREE;
-    return options->structures ? options->structures : MLRT_STRUCTURE_BVH;
-}
-
-static int32_t take_options(const mlrt_build_options *given, struct call *call)
-{
+    const size_t size = structure == MLRT_STRUCTURE_KDTREE ? sizeof call->options.kdtree : sizeof call->options.tree;
     memset(call, 0, sizeof *call);
+    call->structure = structure;
     if (given) {
-        const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_build_options, reserved), &call->options,
-                                                sizeof call->options);
+        const int32_t status = mlrt_take_struct(given, size, &call->options, size);
         if (status != MLRT_OK) return status;
     }
-    call->voice.message = call->options.message;
-    call->voice.message_size = call->options.message_size;
+    call->voice.message = call->options.tree.message;
+    call->voice.message_size = call->options.tree.message_size;
     mlrt_begin_message(&call->voice);
-    call->options.structures = resolve_structures(&call->options);
+    const int32_t status = mlrt_take_host(call->options.tree.host, &call->voice.host);
+    if (status != MLRT_OK) return status;
     const uint64_t environment = mlrt_enter_fp_environment();
-    const int32_t status = check_options(&call->options);
+    const char *wrong = find_wrong_option(call);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_take_host(call->options.host, &call->voice.host) : status;
+    if (!wrong) return MLRT_OK;
+    mlrt_explain(&call->voice, "options.%s is out of its range", wrong);
+    return MLRT_ERROR_ARGUMENT;
 }
 
 /* ---- building ---- */
 
-static double work_per_triangle(const mlrt_build_options *options)
-{
-    return MLRT_COPY_WORK + (options->structures & MLRT_STRUCTURE_KDTREE ? MLRT_KDTREE_WORK : 0) +
-           (options->structures & MLRT_STRUCTURE_BVH ? MLRT_BVH_WORK : 0);
-}
-
 static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call, struct mlrt_tree *tree)
 {
-    const mlrt_build_options *options = &call->options;
+    const int is_kdtree = call->structure == MLRT_STRUCTURE_KDTREE;
     struct mlrt_progress progress;
     int32_t status = mlrt_check_meshes(meshes, mesh_count, &tree->triangle_count);
     if (status != MLRT_OK) return status;
-    mlrt_begin_progress(&call->voice.host, work_per_triangle(options) * tree->triangle_count, &progress);
+    const double work = MLRT_COPY_WORK + (is_kdtree ? MLRT_KDTREE_WORK : MLRT_BVH_WORK);
+    mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
     status = mlrt_copy_meshes(meshes, mesh_count, &call->voice, &progress, tree);
-    tree->structures = options->structures;
-    if (status == MLRT_OK && tree->structures & MLRT_STRUCTURE_KDTREE) {
-        status = mlrt_build_nodes(tree, options, &progress);
-    }
-    if (status == MLRT_OK && tree->structures & MLRT_STRUCTURE_BVH) {
-        status = mlrt_build_bvh(tree, options, &progress);
+    if (status == MLRT_OK) {
+        status = is_kdtree ? mlrt_build_nodes(tree, &call->options.kdtree, &progress)
+                           : mlrt_build_bvh(tree, &call->options.tree, &progress);
     }
     return mlrt_end_progress(&progress, status);
 }
@@ -106,7 +114,7 @@ static void tell_result(const struct mlrt_voice *voice, const mlrt_tree_info *in
 
 static void tell_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
 {
-    const uint64_t limit = call->options.memory_limit;
+    const uint64_t limit = call->options.tree.memory_limit;
     if (status == MLRT_ERROR_OUT_OF_MEMORY && limit) {
         mlrt_explain(&call->voice, "out of memory: %.0f bytes held, limit %.0f", (double)memory->held_size,
                      (double)limit);
@@ -121,7 +129,7 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
                                         mlrt_tree **tree)
 {
     const double start = mlrt_seconds_now();
-    const struct mlrt_memory memory = mlrt_host_memory(&call->voice.host, call->options.memory_limit);
+    const struct mlrt_memory memory = mlrt_host_memory(&call->voice.host, call->options.tree.memory_limit);
     struct mlrt_tree *made = mlrt_allocate_tree(&memory);
     const int32_t status = made ? fill_tree(meshes, mesh_count, call, made) : MLRT_ERROR_OUT_OF_MEMORY;
     if (status != MLRT_OK) {
@@ -129,7 +137,9 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
         mlrt_destroy_tree(made);
         return status;
     }
+    made->structure = call->structure;
     made->info.struct_size = sizeof made->info;
+    made->info.structure = call->structure;
     made->info.triangle_count = made->triangle_count;
     made->info.memory_size = made->memory.held_size;
     made->info.peak_memory_size = made->memory.peak_size;
@@ -140,18 +150,30 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
     return MLRT_OK;
 }
 
-MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
-                                   mlrt_tree **tree)
+static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
+                     mlrt_tree **tree)
 {
     if (!tree) return MLRT_ERROR_ARGUMENT;
     *tree = NULL;
     struct call call;
-    int32_t status = take_options(options, &call);
+    int32_t status = take_options(options, structure, &call);
     if (status != MLRT_OK) return status;
     const uint64_t environment = mlrt_enter_fp_environment();
     status = build_tree(meshes, mesh_count, &call, tree);
     mlrt_leave_fp_environment(environment);
     return status;
+}
+
+MLRT_API int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
+                                 mlrt_tree **tree)
+{
+    return build(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, tree);
+}
+
+MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
+                                   mlrt_tree **tree)
+{
+    return build(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, tree);
 }
 
 /* ---- the finished tree ---- */
@@ -171,28 +193,27 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
 MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
 {
     if (!tree || !info) return MLRT_ERROR_ARGUMENT;
-    const int32_t status = mlrt_check_result_size(info, MLRT_SIZE_UP_TO(mlrt_tree_info, bounds_max), sizeof *info);
+    const int32_t status = mlrt_check_result_size(info, sizeof *info, sizeof *info);
     if (status == MLRT_OK) mlrt_give_struct(&tree->info, sizeof tree->info, info);
     return status;
 }
 
 /* ---- memory, before ---- */
 
-static MLRT_NOINLINE void foresee(const mlrt_build_options *options, uint32_t triangle_count, int have_masks,
-                                  size_t mesh_count, mlrt_memory_estimate *estimate)
+static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_count, int have_masks, size_t mesh_count,
+                                  mlrt_memory_estimate *estimate)
 {
     const uint64_t size = sizeof(struct mlrt_triangle) + (have_masks ? sizeof(uint32_t) : 0);
     const uint64_t always = sizeof(struct mlrt_tree) + triangle_count * size + mesh_count * 3 * sizeof(uint32_t);
-    struct mlrt_demand kdtree = {0, 0}, boxes = {0, 0};
-    if (options->structures & MLRT_STRUCTURE_KDTREE) kdtree = mlrt_foresee_nodes(options, triangle_count);
-    if (options->structures & MLRT_STRUCTURE_BVH) boxes = mlrt_foresee_bvh(options, triangle_count);
-    const uint64_t with_boxes = kdtree.held_size + boxes.peak_size;
-    estimate->memory_size = always + kdtree.held_size + boxes.held_size;
-    estimate->peak_memory_size = always + (kdtree.peak_size > with_boxes ? kdtree.peak_size : with_boxes);
+    const struct mlrt_demand demand = call->structure == MLRT_STRUCTURE_KDTREE
+                                          ? mlrt_foresee_nodes(&call->options.kdtree, triangle_count)
+                                          : mlrt_foresee_bvh(&call->options.tree, triangle_count);
+    estimate->memory_size = always + demand.held_size;
+    estimate->peak_memory_size = always + demand.peak_size;
 }
 
-MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_build_options *options,
-                                      mlrt_memory_estimate *estimate)
+static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
+                               mlrt_memory_estimate *estimate)
 {
     if (!estimate) return MLRT_ERROR_ARGUMENT;
     mlrt_memory_estimate own;
@@ -200,13 +221,25 @@ MLRT_API int32_t mlrt_estimate_memory(const mlrt_mesh *meshes, size_t mesh_count
     uint32_t triangle_count;
     int32_t status =
         mlrt_check_result_size(estimate, MLRT_SIZE_UP_TO(mlrt_memory_estimate, peak_memory_size), sizeof own);
-    if (status == MLRT_OK) status = take_options(options, &call);
+    if (status == MLRT_OK) status = take_options(options, structure, &call);
     if (status == MLRT_OK) status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
     if (status != MLRT_OK) return status;
     memset(&own, 0, sizeof own);
     const uint64_t environment = mlrt_enter_fp_environment();
-    foresee(&call.options, triangle_count, mlrt_have_masks(meshes, mesh_count), mesh_count, &own);
+    foresee(&call, triangle_count, mlrt_have_masks(meshes, mesh_count), mesh_count, &own);
     mlrt_leave_fp_environment(environment);
     mlrt_give_struct(&own, sizeof own, estimate);
     return MLRT_OK;
+}
+
+MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
+                                    mlrt_memory_estimate *estimate)
+{
+    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, estimate);
+}
+
+MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
+                                      mlrt_memory_estimate *estimate)
+{
+    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, estimate);
 }

@@ -49,7 +49,6 @@ struct preset {
  */
 static const struct preset PRESETS[] = {
     {0.15f, 1e-4f, 32}, /* MLRT_TREE_DEFAULT */
-    {0.15f, 1e-4f, 32}, /* MLRT_TREE_PAPER: the default's */
     {0.0f, 1.0f, 32},   /* MLRT_TREE_FAST */
     {0.5f, 1e-6f, 16},  /* MLRT_TREE_BEST */
 };
@@ -816,7 +815,7 @@ static int32_t build_hierarchy(struct build *build)
 }
 
 /* What follows from the options and the number of triangles. */
-static void set_limits(const mlrt_build_options *options, uint32_t triangle_count, struct build *build)
+static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count, struct build *build)
 {
     build->preset = &PRESETS[options != NULL ? options->preset : MLRT_TREE_DEFAULT];
     build->costs = COSTS;
@@ -833,7 +832,7 @@ static void set_limits(const mlrt_build_options *options, uint32_t triangle_coun
 
 static const struct build NOTHING_BUILT;
 
-int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_build_options *options, struct mlrt_progress *progress)
+int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options, struct mlrt_progress *progress)
 {
     static const struct mlrt_bvh NONE;
     struct build build = NOTHING_BUILT;
@@ -857,9 +856,9 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_build_options *options
 
 /* Bytes of nodes and quads per triangle that scenes take, with some room: DEFAULT 47 to 56, FAST 47 to 51, BEST 49
  * to 65. */
-static const double RESULT_SIZES[] = {58, 58, 53, 66};
+static const double RESULT_SIZES[] = {58, 53, 66};
 
-struct mlrt_demand mlrt_foresee_bvh(const mlrt_build_options *options, uint32_t triangle_count)
+struct mlrt_demand mlrt_foresee_bvh(const mlrt_tree_options *options, uint32_t triangle_count)
 {
     struct build build = NOTHING_BUILT;
     set_limits(options, triangle_count, &build);

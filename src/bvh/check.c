@@ -138,7 +138,6 @@ static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, s
 
 void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
-    if (tree->nodes != NULL) return;
     tree->float_safe = mlrt_has_safe_bounds(tree);
     report(tree, costs, progress);
 }

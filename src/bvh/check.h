@@ -10,8 +10,7 @@
 #include "scene/tree.h"
 
 /*
- * Sets tree->bvh.float_safe, and if the tree has no kd-tree also tree->float_safe and what follows from the hierarchy
- * in tree->info: depth, the counts of nodes and references, tree_hash, sah_cost for these costs in units of a node's,
+ * Sets tree->bvh.float_safe, tree->float_safe and what follows from the hierarchy in tree->info: depth, the counts of nodes and references, tree_hash, sah_cost for these costs in units of a node's,
  * the bounds, and the peak of memory. If the call is cancelled meanwhile, all this may be wrong.
  */
 void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress);

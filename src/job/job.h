@@ -131,11 +131,12 @@ struct mlrt_kernels {
     /* What follows is there for the hierarchy of boxes only. */
 
     /*
-     * Traces one ray, and tells its hit: what mlrt_trace_ray does, whose structs are whole by now. The ray passes the
-     * triangle with number `skip`. trace/single.h. It does not count: the ones that do have NULL.
+     * Traces one ray, and tells its hit: as mlrt_trace_ray, with structs of this version. `skip` is the number of the
+     * triangle that the ray passes. Returns 0, having done nothing, if float does not carry the ray (trace/single.h).
+     * Kernels that count have NULL.
      */
-    void (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
-                      mlrt_hit *hit);
+    int (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
+                     mlrt_hit *hit);
     /* Makes a bundle without rays out of a camera's picture; 0 if it cannot be. camera_cells.h */
     int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_bundle *bundle);

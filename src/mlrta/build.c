@@ -46,8 +46,8 @@ struct preset {
  * beams, 42.2.
  */
 static const struct preset PRESETS[] = {
-    {{1.0, 1.0, 0.9}, 1e-6}, /* MLRT_TREE_DEFAULT */
-    {{1.0, 2.5, 0.9}, 2e-5}, /* MLRT_TREE_PAPER */
+    {{1.0, 2.5, 0.9}, 2e-5}, /* MLRT_KDTREE_PAPER */
+    {{1.0, 1.0, 0.9}, 1e-6}, /* MLRT_KDTREE_TUNED */
 };
 
 /*
@@ -88,11 +88,11 @@ static uint32_t default_depth(uint32_t triangle_count)
     return depth < MLRT_DEPTH_LIMIT ? (uint32_t)depth : MLRT_DEPTH_LIMIT;
 }
 
-static struct settings resolve_options(const mlrt_build_options *options, uint32_t triangle_count)
+static struct settings resolve_options(const mlrt_kdtree_options *options, uint32_t triangle_count)
 {
-    static const mlrt_build_options DEFAULTS;
+    static const mlrt_kdtree_options DEFAULTS;
     if (options == NULL) options = &DEFAULTS;
-    struct settings settings = {PRESETS[options->preset == MLRT_TREE_PAPER], options->rules_off, options->max_depth,
+    struct settings settings = {PRESETS[options->preset], options->rules_off, options->max_depth,
                                 options->max_references};
     if (options->traversal_cost > 0) settings.preset.model.traversal = options->traversal_cost;
     if (options->intersection_cost > 0) settings.preset.model.intersection = options->intersection_cost;
@@ -552,7 +552,7 @@ static int build_tree(struct build *build, struct mlrt_tree *tree)
     return build_cell(build, &root, &cost);
 }
 
-int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *options, struct mlrt_progress *progress)
+int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *options, struct mlrt_progress *progress)
 {
     static const struct build NOTHING_BUILT;
     struct build build = NOTHING_BUILT;
@@ -583,7 +583,7 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *optio
 }
 
 /* Nodes and entries that scenes take are 24 to 54 bytes per triangle; while they are made there is as much again. */
-struct mlrt_demand mlrt_foresee_nodes(const mlrt_build_options *options, uint32_t triangle_count)
+struct mlrt_demand mlrt_foresee_nodes(const mlrt_kdtree_options *options, uint32_t triangle_count)
 {
     const struct settings settings = resolve_options(options, triangle_count);
     const uint64_t guess = 56 * (uint64_t)triangle_count + 64 * 12;

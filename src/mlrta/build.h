@@ -15,12 +15,12 @@
  * and nothing else is held in tree->memory than on entry. So with MLRT_ERROR_TOO_LARGE: over 2^30 - 1 triangles. And
  * with MLRT_ERROR_CANCELLED. Progress (NULL = none) goes on by MLRT_KDTREE_WORK per triangle.
  */
-int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_build_options *options, struct mlrt_progress *progress);
+int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *options, struct mlrt_progress *progress);
 
 /* In units of what copying a triangle takes (meshes.h). */
 #define MLRT_KDTREE_WORK 60.0
 
 /* What mlrt_build_nodes will hold in the end, and at most at one time: a guess. */
-struct mlrt_demand mlrt_foresee_nodes(const mlrt_build_options *options, uint32_t triangle_count);
+struct mlrt_demand mlrt_foresee_nodes(const mlrt_kdtree_options *options, uint32_t triangle_count);
 
 #endif

@@ -8,23 +8,23 @@
 #include "mlrta/ray.h"
 #include "scene/tree.h"
 
-static int has_boxes_only(const struct mlrt_tree *tree)
+static int is_bvh(const struct mlrt_tree *tree)
 {
-    return tree->structures == MLRT_STRUCTURE_BVH;
+    return tree->structure == MLRT_STRUCTURE_BVH;
 }
 
 uint32_t mlrt_trace_segment(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
                             mlrt_counters *counters)
 {
-    return has_boxes_only(tree) ? mlrt_trace_boxes(tree, ray, skip, any, NULL, counters)
-                                : mlrt_trace_cells(tree, ray, skip, any, NULL, counters);
+    return is_bvh(tree) ? mlrt_trace_boxes(tree, ray, skip, any, NULL, counters)
+                        : mlrt_trace_cells(tree, ray, skip, any, NULL, counters);
 }
 
 void mlrt_gather_hits(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip,
                       struct mlrt_hit_list *list, mlrt_counters *counters)
 {
     list->count = 0;
-    if (has_boxes_only(tree)) {
+    if (is_bvh(tree)) {
         mlrt_trace_boxes(tree, ray, skip, 0, list, counters);
     } else {
         mlrt_trace_cells(tree, ray, skip, 0, list, counters);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The tree as a whole: the scene's triangles, and the structures over them, a hierarchy of boxes (bvh/node.h), a kd-tree
- * (mlrta/kdtree.h) or both.
+ * The tree as a whole: the scene's triangles, and the structure over them, a hierarchy of boxes (bvh/node.h) or a kd-tree
+ * (mlrta/kdtree.h).
  *
  * Triangles keep the order of the input: triangle i of mesh m has the number mesh_first[m] + i everywhere in the
  * library, so comparing numbers is the tie order of the hit rule. Triangles that were left out are stored too, but no
@@ -43,12 +43,12 @@ struct mlrt_tree {
     uint32_t *masks;      /* triangle_count: that of each one's mesh; NULL if all of them have all bits */
     int borrowed;         /* 1 = all arrays are someone else's, and stay: save.c */
     struct mlrt_node *nodes;
-    uint32_t node_count; /* at least 1 */
+    uint32_t node_count; /* of a kd-tree, where it is at least 1; else 0 */
     uint32_t *references;
     uint32_t reference_count;
     struct mlrt_box bounds; /* of all triangles in the tree: exact, nothing is rounded. All 0 if there is none */
-    struct mlrt_bvh bvh;    /* node_count 0 without it, or without triangles */
-    uint32_t structures;    /* MLRT_STRUCTURE_*: what there is */
+    struct mlrt_bvh bvh;    /* node_count 0 in a kd-tree, or without triangles */
+    uint32_t structure;     /* MLRT_STRUCTURE_* */
     int float_safe;         /* 1 = every split plane and every bound is mlrt_is_float_safe */
     mlrt_tree_info info;
 };

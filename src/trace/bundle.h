@@ -59,8 +59,8 @@ enum mlrt_ray_term {
 
 /* The rays of a packet, lane by lane. */
 struct mlrt_bundle_rays {
-    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, place j, place l */
+    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without places, slopes only */
+    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, and with places, place j, place l */
     MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];        /* |d_main| */
     MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];       /* bounds of tau: after it; nearest hit so far */
     MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
@@ -123,7 +123,8 @@ struct mlrt_ray_tile;
 struct mlrt_bundle {
     struct mlrt_waist waist;
     int has_places; /* 0: all rays start at the waist, and all places are 0 */
-    int is_apex;    /* the waist is where some rays start */
+    int is_apex;    /* the waist is where some rays start: */
+    float apex[3];  /* there, as rays are given */
     int has_begins; /* some t_min is not 0 */
     int far_first;  /* boxes that the rays come to last are opened first */
     float unit;     /* brings rays into units (bvh/unit.h), where all of this is */

@@ -260,7 +260,7 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
         const vf to_waist = v_load(rays->to_waist[0] + v), zero = v_set1(0);
         MLRT_UNROLL
         for (int i = 0; i < 4; ++i) {
-            const vf value = v_load(rays->term[term[i]] + v);
+            const vf value = i < 2 || bundle->has_places ? v_load(rays->term[term[i]] + v) : zero;
             const int at = (i & 2) * 2 + (i & 1);
             least[at] = v_min(v_select(lanes, value, inf), least[at]);
             least[at + 2] = v_min(v_select(lanes, v_sub(zero, value), inf), least[at + 2]);
@@ -277,25 +277,34 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
     keep_extremes(of, place, &bundle->hulls);
 }
 
-/* Do all rays of a packet start at the waist? Says so in the packet, too. A unit that is not exact for it is none. */
-MLRT_INLINE int starts_at_waist(const struct mlrt_bundle *bundle, struct mlrt_packet *packet)
+/* Do all rays of a packet start at the waist, which is `apex` as rays are given? Says so in the packet, too. */
+MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
 {
-    float apex[3];
     vm same = m_from_bits(ALL_LANES);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        apex[k] = packet->has_apex ? packet->apex[k] : packet->origin[k][0];
-        if (apex[k] * bundle->unit != bundle->waist.point[k] || bundle->waist.point[k] / bundle->unit != apex[k])
-            return 0;
-    }
-    for (int v = 0; !packet->has_apex && v < MLRT_PACKET_RAYS; v += VW) {
-        MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) same = m_and(same, v_eq(v_load(packet->origin[k] + v), v_set1(apex[k])));
+        const vf w = v_set1(apex[k]);
+        if (packet->has_apex) same = m_and(same, v_eq(v_set1(packet->apex[k]), w));
+        for (int v = 0; !packet->has_apex && v < MLRT_PACKET_RAYS; v += VW) {
+            same = m_and(same, v_eq(v_load(packet->origin[k] + v), w));
+        }
     }
     if (m_bits(same) != ALL_LANES) return 0;
+    for (int k = 0; k < 3 && !packet->has_apex; ++k) packet->apex[k] = packet->origin[k][0];
     packet->has_apex = 1;
-    memcpy(packet->apex, apex, sizeof packet->apex);
     return 1;
+}
+
+/* Gives the waist as rays are given; 0 if the unit is not exact for it, or float does not carry it. */
+static int find_apex(const struct mlrt_bundle *bundle, float apex[3])
+{
+    int is_exact = 1;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        apex[k] = bundle->waist.point[k] / bundle->unit;
+        is_exact &= apex[k] * bundle->unit == bundle->waist.point[k];
+    }
+    return is_exact;
 }
 
 /* A vector of rays of a packet as they are given: what a bundle's numbers are made of. */
@@ -438,7 +447,7 @@ static MLRT_NOINLINE uint32_t bound_apex_rays(struct mlrt_bundle *bundle, uint32
 /* Bounds a packet. Returns the lanes of rays that can go with the bundle. */
 static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
 {
-    const int is_apex = bundle->is_apex && starts_at_waist(bundle, &bundle->tile->packets[place]);
+    const int is_apex = bundle->is_apex && starts_at_waist(bundle->apex, &bundle->tile->packets[place]);
     bundle->apexes |= (uint32_t)is_apex << place;
     return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
 }
@@ -524,18 +533,22 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
         vf slope[2], at[2], to_waist[3];
         load_given_rays(bundle, packet, bundle->has_places, v, &given);
         MLRT_UNROLL
-        for (int k = 0; k < 3; ++k) {
-            to_waist[k] = v_sub(zero, given.from_waist[k]);
-            v_store(rays->to_waist[k] + v, to_waist[k]);
-        }
-        MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
             slope[i] = v_div(given.across[i], given.pace);
-            at[i] = bundle->has_places ? v_mul_sub(slope[i], to_waist[0], to_waist[1 + i]) : zero;
             v_store(rays->term[MLRT_SLOPE_J + i] + v, slope[i]);
-            v_store(rays->term[MLRT_PLACE_J + i] + v, at[i]);
         }
+        v_store(rays->to_waist[0] + v, zero);
         if (bundle->has_places) {
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) {
+                to_waist[k] = v_sub(zero, given.from_waist[k]);
+                v_store(rays->to_waist[k] + v, to_waist[k]);
+            }
+            MLRT_UNROLL
+            for (int i = 0; i < 2; ++i) {
+                at[i] = v_mul_sub(slope[i], to_waist[0], to_waist[1 + i]);
+                v_store(rays->term[MLRT_PLACE_J + i] + v, at[i]);
+            }
             v_store(rays->term[MLRT_MOMENT] + v, v_mul_sub(slope[1], at[0], v_mul(slope[0], at[1])));
         }
         const vf pace = v_mul(given.pace, unit), end = v_mul(v_load(packet->t_max + v), pace);

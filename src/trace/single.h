@@ -52,8 +52,7 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "bvh/ray.h"
-#include "exact/nearest.h"
+#include "exact/segment.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
 #include "job/sink.h"
@@ -461,19 +460,17 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ra
     return packet->triangle[0];
 }
 
-/* Traces a ray that float does not carry, or only in units. */
-static MLRT_NOINLINE uint32_t trace_unusual_ray(const struct mlrt_job *job, const mlrt_ray *given, uint32_t mask,
-                                                uint32_t skip)
+/* Traces a ray in units. Returns 0 if float does not carry it there. */
+static MLRT_NOINLINE int trace_scaled_ray(const struct mlrt_job *job, const mlrt_ray *given, uint32_t mask,
+                                          uint32_t skip, uint32_t *number)
 {
-    const float unit = job->tree->bvh.unit;
     struct mlrt_packet packet;
     struct mlrt_scaled_packet scaled;
     struct mlrt_ray_segment segment;
     struct lone_ray ray;
+    float origin[4], direction[4];
     const float t_max = given->t_max == 0 ? INFINITY : given->t_max;
-    if (!mlrt_make_segment(given->origin, given->direction, given->t_min, t_max, &segment)) return MLRT_NONE;
-    segment.mask = mask;
-    if (unit == 1) return mlrt_trace_boxes(job->tree, &segment, skip, job->any, NULL, NULL);
+    if (!mlrt_make_segment(given->origin, given->direction, given->t_min, t_max, &segment)) return 1;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
         for (int k = 0; k < 3; ++k) {
             packet.origin[k][lane] = segment.origin[k];
@@ -486,9 +483,7 @@ static MLRT_NOINLINE uint32_t trace_unusual_ray(const struct mlrt_job *job, cons
     packet.skip[0] = skip;
     packet.has_skip = skip != MLRT_NONE;
     packet.has_apex = packet.has_masks = 0;
-    if (!scale_packet(1, unit, &packet, &scaled))
-        return mlrt_trace_boxes(job->tree, &segment, skip, job->any, NULL, NULL);
-    float origin[4], direction[4];
+    if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) return 0;
     for (int k = 0; k < 4; ++k) {
         origin[k] = scaled.rays.origin[k < 3 ? k : 2][0];
         direction[k] = scaled.rays.direction[k < 3 ? k : 2][0];
@@ -498,36 +493,39 @@ static MLRT_NOINLINE uint32_t trace_unusual_ray(const struct mlrt_job *job, cons
     set_lone_reciprocals(&ray);
     ray.t_min = scaled.rays.t_min[0];
     ray.t_max = scaled.rays.hi[0];
-    return trace_lone_lane(job, &ray, mask, skip, &scaled);
+    *number = trace_lone_lane(job, &ray, mask, skip, &scaled);
+    return 1;
 }
 
-/* job.h: trace_ray. */
-static void trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, int any, uint32_t mask, uint32_t skip,
-                           mlrt_hit *hit)
+/* job/job.h: trace_ray. */
+static int trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, int any, uint32_t mask, uint32_t skip,
+                          mlrt_hit *hit)
 {
     struct lone_ray ray;
     struct mlrt_job job;
     uint32_t number = MLRT_NONE;
     job.tree = tree;
     job.any = any;
-    if (MLRT_LIKELY(tree->bvh.node_count > 0)) {
-        const int is_taken = tree->bvh.unit == 1 ? take_lone_ray(given, &ray) : -1;
-        if (MLRT_UNLIKELY(is_taken < 0)) {
-            number = trace_unusual_ray(&job, given, mask, skip);
-        } else if (is_taken && meets_scene(&ray, &tree->bvh.whole)) {
+    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
+        if (!trace_scaled_ray(&job, given, mask, skip, &number)) return 0;
+    } else {
+        const int is_taken = take_lone_ray(given, &ray);
+        if (MLRT_UNLIKELY(is_taken < 0)) return 0;
+        if (is_taken && tree->bvh.node_count > 0 && meets_scene(&ray, &tree->bvh.whole)) {
             number = trace_lone_lane(&job, &ray, mask, skip, NULL);
         }
     }
     hit->occluded = number != MLRT_NONE;
-    if (any) return;
+    if (any) return 1;
     if (number != MLRT_NONE) {
         mlrt_tell_hit(tree, given, number, hit);
-        return;
+        return 1;
     }
     hit->t = INFINITY;
     hit->u = hit->v = 0;
     hit->mesh = hit->triangle = MLRT_NONE;
     hit->facing = 0;
+    return 1;
 }
 #endif
 

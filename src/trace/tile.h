@@ -455,7 +455,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     }
     look_at_scene(&job->tree->bvh, bundle);
     bundle->is_apex = memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
-                      mlrt_are_float_safe(samples[0].origin);
+                      mlrt_are_float_safe(samples[0].origin) && find_apex(bundle, bundle->apex);
     const uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
     bundle->has_places = (bundle->going & ~bundle->apexes) != 0;

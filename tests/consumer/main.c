@@ -12,8 +12,8 @@ int main(void)
     mlrt_ray ray = {.struct_size = sizeof ray, .origin = {0.25f, 0.25f, 0}, .direction = {0, 0, 1}};
     mlrt_hit hit = {.struct_size = sizeof hit};
     int32_t status = mlrt_create_pool(2, &pool);
-    mlrt_build_options options = {.struct_size = sizeof options, .pool = pool};
-    if (status == MLRT_OK) status = mlrt_build_kdtree(&mesh, 1, &options, &tree);
+    mlrt_tree_options options = {.struct_size = sizeof options, .pool = pool};
+    if (status == MLRT_OK) status = mlrt_build_tree(&mesh, 1, &options, &tree);
     if (status == MLRT_OK) status = mlrt_trace_ray(tree, &ray, NULL, &hit);
     mlrt_destroy_tree(tree);
     mlrt_destroy_pool(pool);

@@ -3,5 +3,5 @@
 #include "library.h"
 
 extern const struct library COPY;
-const struct library COPY = {mlrt_build_kdtree, mlrt_trace_packet, mlrt_destroy_tree, mlrt_create_pool,
+const struct library COPY = {mlrt_build_tree, mlrt_trace_packet, mlrt_destroy_tree, mlrt_create_pool,
                              mlrt_destroy_pool};

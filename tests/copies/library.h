@@ -11,7 +11,7 @@
 #include "mlrt.h"
 
 struct library {
-    int32_t (*build)(const mlrt_mesh *, size_t, const mlrt_build_options *, mlrt_tree **);
+    int32_t (*build)(const mlrt_mesh *, size_t, const mlrt_tree_options *, mlrt_tree **);
     int32_t (*trace)(const mlrt_tree *, const mlrt_rays *, const mlrt_trace_options *, const mlrt_hits *);
     void (*destroy_tree)(mlrt_tree *);
     int32_t (*create_pool)(uint32_t, mlrt_pool **);
@@ -41,7 +41,7 @@ static inline int32_t begin_use(const struct library *library, struct use *use)
         corners[i] = around + draw(&state) * (i % 9 < 3 ? 1.0f : 0.2f);
     }
     mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = corners, .vertex_count = 1500, .triangle_count = 500};
-    mlrt_build_options options = {.struct_size = sizeof options};
+    mlrt_tree_options options = {.struct_size = sizeof options};
     memset(use, 0, sizeof *use);
     int32_t status = library->create_pool(2, &use->pool);
     options.pool = use->pool;

@@ -18,7 +18,7 @@ static inline int look_up(void *handle, const char *name, void *function)
 static inline void *load_library(const char *path, struct library *library)
 {
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (handle && look_up(handle, "mlrt_build_kdtree", &library->build) &&
+    if (handle && look_up(handle, "mlrt_build_tree", &library->build) &&
         look_up(handle, "mlrt_trace_packet", &library->trace) &&
         look_up(handle, "mlrt_destroy_tree", &library->destroy_tree) &&
         look_up(handle, "mlrt_create_pool", &library->create_pool) &&

@@ -10,7 +10,7 @@ Every answer equals exact arithmetic on the float32 numbers given; include/mlrt.
 """
 
 from ._abi import NONE, Counters
-from ._build import MemoryEstimate, estimate_memory
+from ._build import MemoryEstimate, estimate_kdtree, estimate_tree
 from ._camera import Camera
 from ._errors import (
     ArgumentError,
@@ -41,7 +41,7 @@ def version() -> tuple[int, int, int]:
 
 
 def capabilities() -> frozenset[str]:
-    """What the library can do on this machine: names out of "sse", "avx2", "avx512" (isa) and "bvh", "kdtree" (structures)."""
+    """What the library can do on this machine: names out of "sse", "avx2", "avx512" (isa)."""
     from ._abi import CAPABILITIES, library
 
     bits = library.mlrt_capabilities()
@@ -71,7 +71,8 @@ __all__ = [
     "TreeInfo",
     "UnsupportedError",
     "capabilities",
-    "estimate_memory",
+    "estimate_kdtree",
+    "estimate_tree",
     "geometry_hash",
     "geometry_hash_of_meshes",
     "version",

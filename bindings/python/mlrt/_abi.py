@@ -15,8 +15,9 @@ from . import _library
 NONE = 0xFFFFFFFF
 STRIDE_ALL = c_size_t(-1).value
 
-PRESETS = {"default": 0, "paper": 1, "fast": 2, "best": 3}
-STRUCTURES = {"kdtree": 1, "bvh": 2}
+PRESETS = {"default": 0, "fast": 1, "best": 2}
+KDTREE_PRESETS = {"paper": 0, "tuned": 1}
+STRUCTURES = {1: "kdtree", 2: "bvh"}
 RULES = {"empty_space": 1, "coplanar": 2, "minimum_cell": 4, "clipped_splits": 8, "retraction": 16}
 METHODS = {None: 0, "ray": 1, "packet2": 2, "packet4": 3, "multilevel": 4, "tile": 5}
 ISAS = {None: 0, "scalar": 1, "sse": 2, "avx2": 3, "avx512": 4}
@@ -24,7 +25,7 @@ PROJECTIONS = {"pinhole": 0, "parallel": 1}
 QUERY_CLOSEST, QUERY_ANY = 0, 1
 LIGHT_POINT, LIGHT_DIRECTIONAL = 0, 1
 LIGHT_LIMIT = 8
-CAPABILITIES = {"sse": 1, "avx2": 2, "avx512": 4, "bvh": 8, "kdtree": 16}
+CAPABILITIES = {"sse": 1, "avx2": 2, "avx512": 4}
 LOAD_IN_PLACE = 1
 LOG_ERROR, LOG_WARNING, LOG_INFO = 0, 1, 2
 
@@ -69,22 +70,33 @@ class Mesh(Struct):
     ]
 
 
-class BuildOptions(Struct):
+class TreeOptions(Struct):
     _fields_ = [
         ("struct_size", c_uint32),
         ("preset", c_int32),
-        ("rules_off", c_uint32),
-        ("max_depth", c_uint32),
-        ("max_references", c_uint64),
         ("traversal_cost", c_float),
         ("intersection_cost", c_float),
         ("message", c_void_p),
         ("message_size", c_size_t),
-        ("pool", c_void_p),
-        ("structures", c_uint32),
-        ("reserved", c_uint32),
         ("host", c_void_p),
         ("memory_limit", c_uint64),
+        ("pool", c_void_p),
+    ]
+
+
+class KdTreeOptions(Struct):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("preset", c_int32),
+        ("traversal_cost", c_float),
+        ("intersection_cost", c_float),
+        ("message", c_void_p),
+        ("message_size", c_size_t),
+        ("host", c_void_p),
+        ("memory_limit", c_uint64),
+        ("max_references", c_uint64),
+        ("max_depth", c_uint32),
+        ("rules_off", c_uint32),
     ]
 
 
@@ -128,6 +140,8 @@ class TreeInfo(Struct):
         ("build_seconds", c_double),
         ("bounds_min", Float3),
         ("bounds_max", Float3),
+        ("structure", c_uint32),
+        ("reserved", c_uint32),
     ]
 
 
@@ -331,7 +345,7 @@ pack_hit_lists = Packer(HitLists)
 STRUCT_NUMBERS: dict[Any, int] = {
     Host: 0,
     Mesh: 1,
-    BuildOptions: 2,
+    TreeOptions: 2,
     TreeInfo: 3,
     MemoryEstimate: 4,
     LoadOptions: 5,
@@ -345,6 +359,7 @@ STRUCT_NUMBERS: dict[Any, int] = {
     Camera: 16,
     Tile: 17,
     Light: 18,
+    KdTreeOptions: 20,
 }
 
 # Structs go in as pointers (or as bytes), handles as addresses.
@@ -353,8 +368,10 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "mlrt_capabilities": (c_uint64, []),
     "mlrt_struct_sizes": (None, [c_void_p, c_uint32]),
     "mlrt_status_string": (c_char_p, [c_int32]),
+    "mlrt_build_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_build_kdtree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
-    "mlrt_estimate_memory": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
+    "mlrt_estimate_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
+    "mlrt_estimate_kdtree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_hash_geometry": (c_int32, [c_void_p, c_size_t, c_void_p]),
     "mlrt_save_tree": (c_int32, [c_void_p, c_void_p, c_size_t, c_void_p]),
     "mlrt_load_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),

@@ -18,30 +18,34 @@ from ._progress import Bar
 if TYPE_CHECKING:  # in typing since Python 3.11
     from typing_extensions import Unpack
 
-Preset = Literal["default", "paper", "fast", "best"]
-Structure = Literal["kdtree", "bvh"]
+Preset = Literal["default", "fast", "best"]
+KdTreePreset = Literal["paper", "tuned"]
 
 MESSAGE_SIZE = 256
 
 
-class BuildSettings(TypedDict, total=False):
-    """What Tree, Tree.from_meshes and estimate_memory take by name."""
+class CommonSettings(TypedDict, total=False):
+    """What trees of both structures take by name."""
 
-    preset: Preset
-    rules_off: Iterable[str]
-    max_depth: int
-    max_references: int
     traversal_cost: float
     intersection_cost: float
-    structures: Union[None, Structure, Iterable[Structure]]
-    pool: Optional[Pool]
     memory_limit: int
 
 
-class TreeSettings(BuildSettings, total=False):
-    """What Tree and Tree.from_meshes take by name."""
+class TreeSettings(CommonSettings, total=False):
+    """What estimate_tree takes by name, and Tree and Tree.from_meshes besides `progress`."""
 
-    progress: bool
+    preset: Preset
+    pool: Optional[Pool]
+
+
+class KdTreeSettings(CommonSettings, total=False):
+    """What estimate_kdtree takes by name, and Tree.kdtree and Tree.kdtree_from_meshes besides `progress`."""
+
+    preset: KdTreePreset
+    rules_off: Iterable[str]
+    max_depth: int
+    max_references: int
 
 
 class MemoryEstimate(NamedTuple):
@@ -58,68 +62,92 @@ def named(value: Any, names: dict[Any, int], what: str) -> int:
         raise ValueError(f"{what}: {value!r} is none of {', '.join(map(repr, names))}") from None
 
 
-def _structures(given: Union[None, Structure, Iterable[Structure]]) -> int:
-    words = (given,) if isinstance(given, str) else given or ()
-    return sum({named(word, _abi.STRUCTURES, "structures") for word in words})
+def _refuse(settings: Any, own: type, other: type, maker: str) -> None:
+    """A TypeError by name for what only the other kind of tree has."""
+    for name in settings:
+        if name in other.__annotations__ and name not in own.__annotations__:
+            raise TypeError(f"{name} is an option of {maker} only")
 
 
-def _options(
+def _complete(options: Any, memory_limit: int) -> Any:
+    """Options of either builder, which keep alive what they point to."""
+    options.text = ctypes.create_string_buffer(MESSAGE_SIZE)
+    options.message = ctypes.addressof(options.text)
+    options.message_size = MESSAGE_SIZE
+    options.memory_limit = in_64_bits(memory_limit, "memory_limit")
+    return options
+
+
+def _tree_options(
     *,
     preset: Preset = "default",
+    traversal_cost: float = 0.0,
+    intersection_cost: float = 0.0,
+    pool: Optional[Pool] = None,
+    memory_limit: int = 0,
+) -> Any:
+    """An mlrt_tree_options."""
+    options: Any = _abi.TreeOptions(
+        preset=named(preset, _abi.PRESETS, "preset"),
+        traversal_cost=traversal_cost,
+        intersection_cost=intersection_cost,
+    )
+    if pool is not None:
+        options.handle = pool.handle()
+        options.pool = options.handle.value
+    return _complete(options, memory_limit)
+
+
+def _kdtree_options(
+    *,
+    preset: KdTreePreset = "paper",
     rules_off: Iterable[str] = (),
     max_depth: int = 0,
     max_references: int = 0,
     traversal_cost: float = 0.0,
     intersection_cost: float = 0.0,
-    structures: Union[None, Structure, Iterable[Structure]] = None,
-    pool: Optional[Pool] = None,
     memory_limit: int = 0,
 ) -> Any:
-    """An mlrt_build_options, which keeps alive what it points to."""
-    message = ctypes.create_string_buffer(MESSAGE_SIZE)
-    options: Any = _abi.BuildOptions(
-        preset=named(preset, _abi.PRESETS, "preset"),
+    """An mlrt_kdtree_options."""
+    options: Any = _abi.KdTreeOptions(
+        preset=named(preset, _abi.KDTREE_PRESETS, "preset"),
         rules_off=sum({named(rule, _abi.RULES, "rules_off") for rule in rules_off}),
         max_depth=in_32_bits(max_depth, "max_depth"),
         max_references=in_64_bits(max_references, "max_references"),
         traversal_cost=traversal_cost,
         intersection_cost=intersection_cost,
-        message=ctypes.addressof(message),
-        message_size=MESSAGE_SIZE,
-        structures=_structures(structures),
-        memory_limit=in_64_bits(memory_limit, "memory_limit"),
     )
-    options.text = message
-    if pool is not None:
-        options.handle = pool.handle()
-        options.pool = options.handle.value
-    return options
+    return _complete(options, memory_limit)
 
 
-def build(meshes: Meshes, progress: bool = False, **settings: "Unpack[BuildSettings]") -> TreeHandle:
-    """mlrt_build_kdtree."""
-    options = _options(**settings)
+def _build(builder: Any, meshes: Meshes, options: Any, progress: bool) -> TreeHandle:
     handle = TreeHandle()
     with ExitStack() as stack:
         total = meshes.triangle_count
         bar = stack.enter_context(Bar(total, "triangles")) if progress else None
         options.host = stack.enter_context(Host(bar, total)).pointer
         count, pointers = len(meshes.structs), map(ctypes.byref, (options, handle))
-        status = library.mlrt_build_kdtree(meshes.structs, count, *pointers)
+        status = builder(meshes.structs, count, *pointers)
     check(status, options.text.value.decode())
     return handle
 
 
-def estimate_memory(
-    triangle_counts: Union[int, Iterable[int]],
-    masks: Optional[Sequence[int]] = None,
-    **options: "Unpack[BuildSettings]",
-) -> MemoryEstimate:
-    """Foresees the memory of a Tree with these numbers of triangles: that of its mesh, or those of several.
+def build_tree(meshes: Meshes, progress: bool = False, **settings: "Unpack[TreeSettings]") -> TreeHandle:
+    """mlrt_build_tree."""
+    _refuse(settings, TreeSettings, KdTreeSettings, "Tree.kdtree")
+    return _build(library.mlrt_build_tree, meshes, _tree_options(**settings), progress)
 
-    masks, options: as for Tree.from_meshes. Of a hierarchy of boxes, scenes of more than a few thousand triangles take 80 to 110 %
-    of what is said; of a kd-tree it is a guess, and can be off by two. What holds is `memory_limit`.
-    """
+
+def build_kdtree(meshes: Meshes, progress: bool = False, **settings: "Unpack[KdTreeSettings]") -> TreeHandle:
+    """mlrt_build_kdtree."""
+    _refuse(settings, KdTreeSettings, TreeSettings, "Tree")
+    return _build(library.mlrt_build_kdtree, meshes, _kdtree_options(**settings), progress)
+
+
+Counts = Union[int, Iterable[int]]
+
+
+def _estimate(estimator: Any, triangle_counts: Counts, masks: Optional[Sequence[int]], options: Any) -> MemoryEstimate:
     counts = list(triangle_counts) if isinstance(triangle_counts, Iterable) else [triangle_counts]
     if masks is not None and len(masks) != len(counts):
         raise ValueError(f"masks: {len(counts)} are needed, not {len(masks)}")
@@ -129,6 +157,25 @@ def estimate_memory(
         struct.triangle_count = in_64_bits(count, "triangle_counts")
         struct.mask = mask_word(mask, "masks")
     estimate = _abi.MemoryEstimate()
-    pointers = map(ctypes.byref, (_options(**options), estimate))
-    check(library.mlrt_estimate_memory(structs, len(counts), *pointers))
+    check(estimator(structs, len(counts), ctypes.byref(options), ctypes.byref(estimate)), options.text.value.decode())
     return MemoryEstimate(estimate.memory_size, estimate.peak_memory_size)
+
+
+def estimate_tree(
+    triangle_counts: Counts, masks: Optional[Sequence[int]] = None, **options: "Unpack[TreeSettings]"
+) -> MemoryEstimate:
+    """Foresees the memory of a Tree with these numbers of triangles: that of its mesh, or those of several.
+
+    masks, options: as for Tree.from_meshes. Scenes of more than a few thousand triangles take 80 to 110 % of what is said. What
+    holds is `memory_limit`.
+    """
+    _refuse(options, TreeSettings, KdTreeSettings, "estimate_kdtree")
+    return _estimate(library.mlrt_estimate_tree, triangle_counts, masks, _tree_options(**options))
+
+
+def estimate_kdtree(
+    triangle_counts: Counts, masks: Optional[Sequence[int]] = None, **options: "Unpack[KdTreeSettings]"
+) -> MemoryEstimate:
+    """Foresees the memory of a Tree.kdtree, likewise: a guess, which can be off by two."""
+    _refuse(options, KdTreeSettings, TreeSettings, "estimate_tree")
+    return _estimate(library.mlrt_estimate_kdtree, triangle_counts, masks, _kdtree_options(**options))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _abi, _saved
 from ._abi import Counters, TreeHandle, library
 from ._arrays import mask_word, mask_words
-from ._build import TreeSettings, build, named
+from ._build import KdTreeSettings, TreeSettings, build_kdtree, build_tree, named
 from ._camera import Camera
 from ._errors import check
 from ._host import TileCounter
@@ -33,8 +33,9 @@ Method = Literal["ray", "packet2", "packet4", "multilevel", "tile"]
 Isa = Literal["scalar", "sse", "avx2", "avx512"]
 
 class TreeInfo(NamedTuple):
-    """The build report: of the kd-tree if there is one, else of the hierarchy of boxes."""
+    """The build report."""
 
+    structure: Literal["bvh", "kdtree"]  #: what the tree is: boxes, of Tree, or a kd-tree, of Tree.kdtree
     depth: int  #: inner nodes above the deepest leaf
     triangle_count: int  #: as given, left-out ones included
     non_finite_count: int  #: left out: a vertex is NaN or infinite
@@ -88,21 +89,17 @@ def _options(
 
 
 class Tree:
-    """Triangles, and what finds them. It never changes: any number of threads may trace it at once, without the GIL.
+    """Triangles, and what finds them: boxes. It never changes: any number of threads may trace it at once, without the GIL.
 
     vertices: float32 (n, 3). faces: uint16, uint32 or int32 (m, 3), or None, then each three vertices in a row are a triangle.
     Other dtypes are copied; float64 is rounded to float32. The arrays may go when the tree is built.
 
-    preset: "default", "fast" (built fastest, for scenes that change), "best" (built slowest, for many pictures of one scene),
-    "paper" (the paper's kind of kd-tree). pool: a Pool that shares the work of building; the tree is the same. structures: what
-    to search in, "bvh" (a hierarchy of boxes: methods "tile" and "ray"), "kdtree" (all methods but "tile"), or both of them;
-    None = by the preset. traversal_cost, intersection_cost: 0 = by itself. mlrt.h explains them.
-
-    For kd-trees only: rules_off, names out of "empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction";
-    max_depth, max_references, 0 = by itself.
+    preset: "default", "fast" (built fastest, for scenes that change), "best" (built slowest, for many pictures of one scene).
+    pool: a Pool that shares the work of building; the tree is the same. traversal_cost, intersection_cost: 0 = by itself. mlrt.h
+    explains them. The paper's kd-tree is Tree.kdtree.
 
     mask: 32 bits; rays see the mesh if theirs has a bit in common; 0 = all bits. memory_limit: bytes held at one time at most, or
-    it is an OutOfMemoryError, 0 = no limit (estimate_memory foresees them). progress: a bar, by tqdm; what is raised in it, or by
+    it is an OutOfMemoryError, 0 = no limit (estimate_tree foresees them). progress: a bar, by tqdm; what is raised in it, or by
     Ctrl-C, ends the build. The logger "mlrt" gets a line for each tree, and warnings of triangles that were left out.
 
     Trees can be saved, loaded, and pickled; copies share the data.
@@ -116,10 +113,11 @@ class Tree:
         faces: Optional[ArrayLike] = None,
         *,
         mask: int = 0,
+        progress: bool = False,
         **options: "Unpack[TreeSettings]",
     ) -> None:
         self._handle: Optional[TreeHandle] = None
-        self._handle = build(Meshes([(vertices, faces)], None, [mask]), **options)
+        self._handle = build_tree(Meshes([(vertices, faces)], None, [mask]), progress, **options)
 
     @classmethod
     def from_meshes(
@@ -127,6 +125,8 @@ class Tree:
         meshes: Iterable[Any],
         ids: Optional[Sequence[int]] = None,
         masks: Optional[Sequence[int]] = None,
+        *,
+        progress: bool = False,
         **options: "Unpack[TreeSettings]",
     ) -> "Tree":
         """A tree over several meshes: each is (vertices, faces), or has attributes of these names.
@@ -134,7 +134,40 @@ class Tree:
         ids: what hits report as `mesh`, all different; None = 0, 1, 2, ... masks: of each mesh, 32 bits; rays see the meshes whose
         mask has a bit in common with theirs; 0 = all bits, as is None. Other options as for Tree.
         """
-        return cls._of(build(Meshes([parts(mesh) for mesh in meshes], ids, masks), **options))
+        return cls._of(build_tree(Meshes([parts(mesh) for mesh in meshes], ids, masks), progress, **options))
+
+    @classmethod
+    def kdtree(
+        cls,
+        vertices: ArrayLike,
+        faces: Optional[ArrayLike] = None,
+        *,
+        mask: int = 0,
+        progress: bool = False,
+        **options: "Unpack[KdTreeSettings]",
+    ) -> "Tree":
+        """The paper's kd-tree, whose rays the paper's method ("multilevel") traces if no other is named.
+
+        It has the methods "packet2", "packet4", "multilevel" and "ray", where a Tree has "tile" and "ray"; the answers are the same.
+        For study: it is slower to build, by the calling thread alone, and to trace.
+
+        preset: "paper", or "tuned" (renders faster here, takes longer to build). rules_off: names out of "empty_space", "coplanar",
+        "minimum_cell", "clipped_splits", "retraction". max_depth, max_references: 0 = by itself. Others as for Tree.
+        """
+        return cls._of(build_kdtree(Meshes([(vertices, faces)], None, [mask]), progress, **options))
+
+    @classmethod
+    def kdtree_from_meshes(
+        cls,
+        meshes: Iterable[Any],
+        ids: Optional[Sequence[int]] = None,
+        masks: Optional[Sequence[int]] = None,
+        *,
+        progress: bool = False,
+        **options: "Unpack[KdTreeSettings]",
+    ) -> "Tree":
+        """The paper's kd-tree over several meshes: as from_meshes, with the options of kdtree."""
+        return cls._of(build_kdtree(Meshes([parts(mesh) for mesh in meshes], ids, masks), progress, **options))
 
     @classmethod
     def load(
@@ -145,7 +178,7 @@ class Tree:
         geometry_hash: Optional[int] = None,
         memory_limit: int = 0,
     ) -> "Tree":
-        """The tree that `save` or `to_bytes` wrote, with the same answers. Anything else, or a damaged file, is a DataError.
+        """The tree that `save` or `to_bytes` wrote, of the same structure. Anything else, or a damaged file, is a DataError.
 
         source: a path, or anything with a buffer of bytes in one piece: bytes, mmap, memoryview, an array.
 
@@ -208,8 +241,9 @@ class Tree:
         """The build report."""
         info = _abi.TreeInfo()
         check(library.mlrt_get_tree_info(self._open_handle(), ctypes.byref(info)))
-        numbers = {name: getattr(info, name) for name in TreeInfo._fields if name != "bounds"}
-        return TreeInfo(bounds=np.array([info.bounds_min, info.bounds_max], np.float32), **numbers)
+        numbers = {name: getattr(info, name) for name in TreeInfo._fields if name not in ("bounds", "structure")}
+        structure: Any = _abi.STRUCTURES[info.structure]
+        return TreeInfo(structure, bounds=np.array([info.bounds_min, info.bounds_max], np.float32), **numbers)
 
     def trace(
         self,
@@ -243,7 +277,7 @@ class Tree:
         row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes, or for flat
         lists what they look like. float32 arrays whose numbers are packed and whose strides are positive are read where they are,
         others are copied once. Without the GIL.
-        method, isa: how to trace. They never change the results. A method that needs a structure the tree does not have is an
+        method, isa: how to trace. They never change the results. A method of the other structure (Tree.kdtree) is an
         UnsupportedError. progress: a bar, by tqdm, moves while rays are traced.
         """
         tree = self._open_handle()

@@ -7,7 +7,14 @@ import mlrt
 
 # What every x86-64 has, and what this one may have.
 ISAS = ("scalar", "sse", "avx2", "avx512")
-METHODS = ("ray", "packet2", "packet4", "multilevel", "tile")
+BOX_METHODS = (None, "ray", "tile")
+KDTREE_METHODS = (None, "ray", "packet2", "packet4", "multilevel")
+
+
+def both_trees(boxes, kdtree):
+    """Each method with the tree that has it."""
+    yield from ((method, boxes) for method in BOX_METHODS)
+    yield from ((method, kdtree) for method in KDTREE_METHODS)
 
 
 def box(lower=-1.0, upper=1.0):

@@ -47,20 +47,25 @@ class Sizes(unittest.TestCase):
     def test_mesh(self):
         mesh = _abi.Mesh()
         handle = _abi.TreeHandle()
-        self.check(mesh, lambda: library.mlrt_build_kdtree(ctypes.byref(mesh), 1, None, ctypes.byref(handle)))
+        self.check(mesh, lambda: library.mlrt_build_tree(ctypes.byref(mesh), 1, None, ctypes.byref(handle)))
 
-    def test_build_options(self):
-        options, handle = _abi.BuildOptions(), _abi.TreeHandle()
+    def test_tree_options(self):
+        options, handle = _abi.TreeOptions(), _abi.TreeHandle()
+        self.check(options, lambda: library.mlrt_build_tree(None, 0, ctypes.byref(options), ctypes.byref(handle)))
+
+    def test_kdtree_options(self):
+        options, handle = _abi.KdTreeOptions(), _abi.TreeHandle()
         self.check(options, lambda: library.mlrt_build_kdtree(None, 0, ctypes.byref(options), ctypes.byref(handle)))
 
     def test_host(self):
         host, handle = _abi.Host(), _abi.TreeHandle()
-        options = _abi.BuildOptions(host=ctypes.addressof(host))
-        self.check(host, lambda: library.mlrt_build_kdtree(None, 0, ctypes.byref(options), ctypes.byref(handle)))
+        options = _abi.TreeOptions(host=ctypes.addressof(host))
+        self.check(host, lambda: library.mlrt_build_tree(None, 0, ctypes.byref(options), ctypes.byref(handle)))
 
     def test_memory_estimate(self):
-        estimate = _abi.MemoryEstimate()
-        self.check(estimate, lambda: library.mlrt_estimate_memory(None, 0, None, ctypes.byref(estimate)))
+        for estimator in (library.mlrt_estimate_tree, library.mlrt_estimate_kdtree):
+            estimate = _abi.MemoryEstimate()
+            self.check(estimate, lambda: estimator(None, 0, None, ctypes.byref(estimate)))
 
     def test_load_options(self):
         options, handle, content = _abi.LoadOptions(), _abi.TreeHandle(), self.tree.to_bytes()

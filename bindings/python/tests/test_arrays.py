@@ -282,7 +282,7 @@ class Refused(unittest.TestCase):
 
     def test_library_errors(self):
         with self.assertRaises(mlrt.ArgumentError):
-            mlrt.Tree(self.vertices, self.faces, max_depth=99)
+            mlrt.Tree.kdtree(self.vertices, self.faces, max_depth=99)
         with self.assertRaises(mlrt.ArgumentError):
             mlrt.Tree(self.vertices, self.faces, traversal_cost=float("nan"))
 
@@ -309,9 +309,9 @@ class Refused(unittest.TestCase):
         with self.assertRaises(ValueError):
             mlrt.Tree(self.vertices, self.faces, preset="fine")
         with self.assertRaises(ValueError):
-            mlrt.Tree(self.vertices, self.faces, structures="octree")
+            mlrt.Tree.kdtree(self.vertices, self.faces, preset="fine")
         with self.assertRaises(ValueError):
-            mlrt.Tree(self.vertices, self.faces, rules_off=["all"])
+            mlrt.Tree.kdtree(self.vertices, self.faces, rules_off=["all"])
         with self.assertRaises(ValueError):
             mlrt.Pool(5000)
 

@@ -202,26 +202,31 @@ class Log(unittest.TestCase):
 class Memory(unittest.TestCase):
     def test_estimate(self):
         vertices = soup(5000)
-        for options in ({}, {"preset": "fast"}, {"preset": "best"}, {"structures": ("bvh", "kdtree")}):
-            info, estimate = mlrt.Tree(vertices, **options).info, mlrt.estimate_memory(5000, **options)
-            lowest = 0.4 if "structures" in options else 0.75
-            for name in ("memory_size", "peak_memory_size"):
-                real, foreseen = getattr(info, name), getattr(estimate, name)
-                self.assertTrue(lowest <= real / foreseen <= 1.1, (options, name, real, foreseen))
+        for options in ({}, {"preset": "fast"}, {"preset": "best"}):
+            info, estimate = mlrt.Tree(vertices, **options).info, mlrt.estimate_tree(5000, **options)
+            self.check_estimate(info, estimate, 0.75, 1.1)
+        for options in ({}, {"preset": "tuned"}):
+            info, estimate = mlrt.Tree.kdtree(vertices, **options).info, mlrt.estimate_kdtree(5000, **options)
+            self.check_estimate(info, estimate, 0.4, 2)
+
+    def check_estimate(self, info, estimate, lowest, highest):
+        for name in ("memory_size", "peak_memory_size"):
+            real, foreseen = getattr(info, name), getattr(estimate, name)
+            self.assertTrue(lowest <= real / foreseen <= highest, (name, real, foreseen))
 
     def test_several_meshes_and_masks(self):
-        one = mlrt.estimate_memory(3000)
-        several = mlrt.estimate_memory([1000, 2000])
-        masked = mlrt.estimate_memory(np.array([1000, 2000]), masks=[1, 2])
+        one = mlrt.estimate_tree(3000)
+        several = mlrt.estimate_tree([1000, 2000])
+        masked = mlrt.estimate_tree(np.array([1000, 2000]), masks=[1, 2])
         self.assertLess(abs(several.memory_size - one.memory_size), 1000)
         self.assertEqual(masked.memory_size - several.memory_size, 4 * 3000)
         for wrong in (-1, 1 << 64):
             with self.assertRaises(ValueError):
-                mlrt.estimate_memory(wrong)
+                mlrt.estimate_tree(wrong)
         with self.assertRaises(ValueError):
-            mlrt.estimate_memory([1, 2], masks=[1])
+            mlrt.estimate_tree([1, 2], masks=[1])
         with self.assertRaises(mlrt.TooLargeError):
-            mlrt.estimate_memory(1 << 40)
+            mlrt.estimate_tree(1 << 40)
 
     def test_limit(self):
         vertices = soup(5000)
@@ -238,10 +243,7 @@ class Memory(unittest.TestCase):
 
 class Capabilities(unittest.TestCase):
     def test_they_are_what_works(self):
-        self.assertEqual(mlrt.capabilities() - {"bvh", "kdtree"}, set(isas()) - {"scalar"})
-        for structure in ("bvh", "kdtree"):
-            self.assertIn(structure, mlrt.capabilities())
-            mlrt.Tree(*box(), structures=structure)
+        self.assertEqual(mlrt.capabilities(), set(isas()) - {"scalar"})
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ import ctypes
 import unittest
 
 import numpy as np
-from support import METHODS, assert_same, box, integer_scene, isas
+from support import assert_same, both_trees, box, integer_scene, isas
 
 import mlrt
 from mlrt import _abi
@@ -70,7 +70,8 @@ class Shadows(unittest.TestCase):
     def setUpClass(cls):
         vertices, faces, _, _ = integer_scene(50, triangle_count=90)
         meshes = [(vertices, faces[start : start + 30]) for start in (0, 30, 60)]
-        cls.tree = mlrt.Tree.from_meshes(meshes, ids=[7, 3, 5], masks=[1, 2, 6], structures=("bvh", "kdtree"))
+        cls.tree = mlrt.Tree.from_meshes(meshes, ids=[7, 3, 5], masks=[1, 2, 6])
+        cls.kdtree = mlrt.Tree.kdtree_from_meshes(meshes, ids=[7, 3, 5], masks=[1, 2, 6])
 
     def test_the_rays_that_are_told(self):
         for camera in self.cameras:
@@ -90,9 +91,9 @@ class Shadows(unittest.TestCase):
             hits = self.tree.render(camera)
             assert_same(self, hits._replace(occluded=expected.occluded), expected)
             for isa in isas():
-                for method in METHODS:
+                for method, tree in both_trees(self.tree, self.kdtree):
                     with self.subTest(isa=isa, method=method):
-                        assert_same(self, expected, self.tree.render(camera, lights=self.lights, method=method, isa=isa))
+                        assert_same(self, expected, tree.render(camera, lights=self.lights, method=method, isa=isa))
             with mlrt.Pool(3) as pool:
                 assert_same(self, expected, self.tree.render(camera, lights=self.lights, pool=pool))
 

@@ -68,10 +68,16 @@ class Saved(unittest.TestCase):
             mlrt.Tree.load(self.path, in_place=False, memory_limit=size // 10)
 
     def test_all_kinds_of_trees(self):
-        for options in ({}, {"structures": "kdtree"}, {"structures": ("bvh", "kdtree")}, {"preset": "paper"}):
-            tree = mlrt.Tree.from_meshes(self.meshes, **options)
-            tree.save(self.path)
-            self.check_same(mlrt.Tree.load(self.path), tree)
+        for make, presets, structure in (
+            (mlrt.Tree.from_meshes, ("default", "fast", "best"), "bvh"),
+            (mlrt.Tree.kdtree_from_meshes, ("paper", "tuned"), "kdtree"),
+        ):
+            for preset in presets:
+                tree = make(self.meshes, preset=preset)
+                tree.save(self.path)
+                loaded = mlrt.Tree.load(self.path)
+                self.assertEqual(loaded.info.structure, structure)
+                self.check_same(loaded, tree)
         empty = mlrt.Tree.from_meshes([])
         self.assertFalse(mlrt.Tree.load(empty.to_bytes()).occluded([0, 0, 0], [0, 0, 1]))
 

@@ -4,7 +4,7 @@
 import unittest
 
 import numpy as np
-from support import METHODS, assert_same, box, distances, integer_scene, isas
+from support import assert_same, both_trees, box, distances, integer_scene, isas
 
 import mlrt
 
@@ -56,12 +56,12 @@ class AgainstIntegers(unittest.TestCase):
 class SameAnswers(unittest.TestCase):
     def test_methods_and_instruction_sets(self):
         vertices, faces, origins, directions = integer_scene(1)
-        tree = mlrt.Tree(vertices, faces, structures=("kdtree", "bvh"))
-        expected = tree.trace(origins, directions)
-        occluded = tree.occluded(origins, directions)
+        boxes, kdtree = mlrt.Tree(vertices, faces), mlrt.Tree.kdtree(vertices, faces)
+        expected = boxes.trace(origins, directions)
+        occluded = boxes.occluded(origins, directions)
         for isa in isas():
-            for method in METHODS:
-                with self.subTest(isa=isa, method=method):
+            for method, tree in both_trees(boxes, kdtree):
+                with self.subTest(isa=isa, method=method, structure=tree.info.structure):
                     assert_same(self, expected, tree.trace(origins, directions, method=method, isa=isa))
                     got = tree.occluded(origins, directions, method=method, isa=isa)
                     self.assertTrue((got == occluded).all())
@@ -75,34 +75,64 @@ class SameAnswers(unittest.TestCase):
             lists = tree.hits(origins, directions, 4)
             assert_same(self, lists, tree.hits(origins, directions, 4, pool=pool))
 
-    def test_presets_and_structures(self):
+    def test_presets(self):
         vertices, faces, origins, directions = integer_scene(4)
         expected = mlrt.Tree(vertices, faces).trace(origins, directions)
-        for options in ({"preset": "fast"}, {"preset": "best"}, {"structures": "kdtree"}, {"structures": ["bvh", "kdtree"]}):
-            with self.subTest(**options):
-                assert_same(self, expected, mlrt.Tree(vertices, faces, **options).trace(origins, directions))
+        for preset in ("default", "fast", "best"):
+            with self.subTest(preset=preset):
+                tree = mlrt.Tree(vertices, faces, preset=preset)
+                self.assertEqual(tree.info.structure, "bvh")
+                assert_same(self, expected, tree.trace(origins, directions))
 
     def test_threads_build_the_same_tree(self):
         vertices, faces, _, _ = integer_scene(5, triangle_count=2000)
-        for structures in (None, "kdtree"):
-            alone = mlrt.Tree(vertices, faces, structures=structures).info
-            with mlrt.Pool(3) as pool:
-                self.assertEqual(mlrt.Tree(vertices, faces, structures=structures, pool=pool).info.tree_hash, alone.tree_hash)
+        alone = mlrt.Tree(vertices, faces).info
+        with mlrt.Pool(3) as pool:
+            self.assertEqual(mlrt.Tree(vertices, faces, pool=pool).info.tree_hash, alone.tree_hash)
 
-    def test_a_method_without_its_structure_is_unsupported(self):
-        for structures, wrong, right in (("bvh", "multilevel", "tile"), ("kdtree", "tile", "multilevel")):
-            tree = mlrt.Tree(*box(), structures=structures)
+    def test_a_method_of_the_other_structure_is_unsupported(self):
+        for make, wrong, right in ((mlrt.Tree, "multilevel", "tile"), (mlrt.Tree.kdtree, "tile", "multilevel")):
+            tree = make(*box())
             tree.trace([0, 0, 0], [0, 0, 1], method=right)
             with self.assertRaises(mlrt.UnsupportedError):
                 tree.trace([0, 0, 0], [0, 0, 1], method=wrong)
 
-    def test_paper_tree(self):
+    def test_kdtrees(self):
         vertices, faces, origins, directions = integer_scene(3)
         rules = ("empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction")
         expected = mlrt.Tree(vertices, faces).trace(origins, directions)
-        for options in ({"preset": "paper"}, {"rules_off": rules}, {"max_depth": 3}, {"max_references": 100}):
-            tree = mlrt.Tree(vertices, faces, structures="kdtree", **options)
-            assert_same(self, expected, tree.trace(origins, directions))
+        for options in ({}, {"preset": "tuned"}, {"rules_off": rules}, {"max_depth": 3}, {"max_references": 100}):
+            for tree in (
+                mlrt.Tree.kdtree(vertices, faces, **options),
+                mlrt.Tree.kdtree_from_meshes([(vertices, faces)], **options),
+            ):
+                self.assertEqual(tree.info.structure, "kdtree")
+                assert_same(self, expected, tree.trace(origins, directions))
+
+    def test_a_kdtree_is_traced_by_beams_unless_told_otherwise(self):
+        camera = mlrt.Camera.look_at((3, 2, 4), (0, 0, 0), 64, 64)
+        for make, has_beams in ((mlrt.Tree, False), (mlrt.Tree.kdtree, True)):
+            counters = mlrt.Counters()
+            make(*box()).render(camera, counters=counters)
+            self.assertEqual(counters.beam_count > 0, has_beams)
+
+    def test_options_of_the_other_structure_are_refused_by_name(self):
+        vertices, faces = box()
+        with mlrt.Pool(1) as pool:
+            for makers, refusals in (
+                ((mlrt.Tree, mlrt.estimate_tree), {"max_depth": 3, "max_references": 100, "rules_off": ()}),
+                ((mlrt.Tree.kdtree, mlrt.estimate_kdtree), {"pool": pool}),
+            ):
+                for name, value in refusals.items():
+                    with self.assertRaisesRegex(TypeError, f"^{name} is an option of Tree"):
+                        makers[0](vertices, faces, **{name: value})
+                    with self.assertRaisesRegex(TypeError, f"^{name} is an option of estimate_"):
+                        makers[1](12, **{name: value})
+        for make, wrong in ((mlrt.Tree, "paper"), (mlrt.Tree, "tuned"), (mlrt.Tree.kdtree, "fast")):
+            with self.assertRaisesRegex(ValueError, wrong):
+                make(vertices, faces, preset=wrong)
+        with self.assertRaisesRegex(mlrt.ArgumentError, "max_depth"):
+            mlrt.Tree.kdtree(vertices, faces, max_depth=61)
 
 
 class InsideAndOutside(unittest.TestCase):

@@ -137,14 +137,14 @@ impl Tree {
             })
             .collect();
         let mut message = [0u8; 256];
-        let options = ffi::mlrt_build_options {
-            struct_size: size_of::<ffi::mlrt_build_options>() as u32,
+        let options = ffi::mlrt_tree_options {
+            struct_size: size_of::<ffi::mlrt_tree_options>() as u32,
             message: message.as_mut_ptr().cast(),
             message_size: message.len(),
             ..Default::default()
         };
         let mut tree = ptr::null_mut();
-        let status = unsafe { ffi::mlrt_build_kdtree(list.as_ptr(), list.len(), &options, &mut tree) };
+        let status = unsafe { ffi::mlrt_build_tree(list.as_ptr(), list.len(), &options, &mut tree) };
         check(status, || CStr::from_bytes_until_nul(&message).unwrap_or_default().to_string_lossy().into_owned())?;
         Ok(Tree(NonNull::new(tree).expect("a tree")))
     }
