@@ -399,7 +399,7 @@ static void begin_bundle_of(const float *point, const float *const *origins, con
 static int finish_bundle(int has_places)
 {
     bundle.has_places = has_places;
-    bundle.is_apex = !has_places;
+    bundle.is_apex = !has_places && find_apex(&bundle, bundle.apex);
     const uint32_t fit = bound_from_anywhere(&bundle, 0), active = tile.packets[0].active;
     if ((fit & active) != active || !hulls_fit(&bundle, 1)) return 0;
     assert_int_equal(bundle.apexes, !has_places);
@@ -753,7 +753,7 @@ static double outlines_over(const float *input, int has_places)
     bundle.waist.is_beam = fabsf(input[3]) > 1;
     for (int i = 0; i < 2; i++) bundle.waist.slope[i] = bundle.waist.is_beam ? fminf(fmaxf(input[4 + i], -2), 2) : 0;
     set_up_triangle(point);
-    outline_packet(&bundle, 0, has_places, &hull);
+    outline_packet(&bundle, 0, &hull);
     const struct mlrt_hulls *hulls = &bundle.hulls;
     const double error = has_places ? PLACE_ERROR * (hulls->reach[0] * hulls->away[0]) + PLACE_FLOOR : 0;
     const double depth = fabs(mpf_get_d(corner[0].x[0]));
@@ -770,11 +770,16 @@ static double outlines_over(const float *input, int has_places)
         size += HULL_FLOOR;
         if (is_fan) mpf_div(other, other, corner[0].x[0]);
         mpf_set(truth, other);
-        const float weight = leaf.weight[0], room = (is_fan ? hull.aside[i] : hull.turn[i]) * weight;
-        const float upper = (is_fan ? hull.slope_hi[i] : has_places ? hull.place_hi[i] : 0) + room;
-        const float lower = (is_fan ? hull.slope_lo[i] : has_places ? hull.place_lo[i] : 0) - room;
+        const vf slopes[2] = {v_set1(hull.slope_lo[i]), v_set1(hull.slope_hi[i])};
+        const vf places[2] = {v_set1(hull.place_lo[i]), v_set1(hull.place_hi[i])};
+        MLRT_ALIGNED(64) float lower[VW], upper[VW];
+        vf ends[2];
+        find_outline_ends(&bundle.waist, i, v_set1(leaf.weight[0]), m_from_bits(0), is_fan, slopes, places, has_places,
+                          ends);
+        v_store(lower, ends[0]);
+        v_store(upper, ends[1]);
         /* What is compared, relative to the ray's own: lo - upper is not more than `truth`, hi - lower not less. */
-        const double low = (double)leaf.outline_lo[i][0] - upper, high = (double)leaf.outline_hi[i][0] - lower;
+        const double low = (double)leaf.outline_lo[i][0] - upper[0], high = (double)leaf.outline_hi[i][0] - lower[0];
         if (!(low <= INFINITY && high >= -INFINITY)) return INFINITY;
         if ((mpf_sgn(truth) <= 0 && low > 0) || (mpf_sgn(truth) >= 0 && high < 0)) return INFINITY;
         if (!has_places && !is_fan && p < 0x1p-100) continue; /* what underflows keeps its order: nothing is used */
@@ -839,9 +844,9 @@ static double attack_apex_cut(const float *input)
 static int is_cut(int has_places)
 {
     struct hull_outline hull;
-    outline_packet(&bundle, 0, has_places, &hull);
+    outline_packet(&bundle, 0, &hull);
     leaf.row = 4;
-    if (!(triangles_met(&leaf, &hull, has_places, 1) & 1)) return 1;
+    if (!(triangles_met(&bundle, &leaf, &hull, has_places, 1) & 1)) return 1;
     return !(triangles_within_edges(&bundle, &leaf, 0, has_places, 1) & 1);
 }
 
@@ -853,8 +858,7 @@ static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_ra
     static struct edge_values edges;
     static const uint32_t number = 7;
     leaf.numbers = &number;
-    *of = (struct bundle_vector){.least_n = INFINITY, .greatest_n = INFINITY, .least_d = 1, .greatest_d = 1};
-    of->triangle = MLRT_NONE;
+    *of = (struct bundle_vector){.nearest = {INFINITY, INFINITY, 1, 1, MLRT_NONE}};
     for (int i = 0; i < 2; i++) of->slope[i] = tile.rays[0].term[i][0];
     for (int i = 0; i < 3; i++) of->to_waist[i] = has_places ? tile.rays[0].to_waist[i][0] : 0;
     find_edges(&leaf, has_places, &edges);
@@ -864,7 +868,7 @@ static int test_ray(int has_places, struct bundle_vector *of, struct plane_of_ra
     if (has_places) inside = m_or(inside, v_lt(greatest, -bound)), may = m_or(may, v_le(greatest, bound));
     const uint32_t undecided =
         test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, may, inside, of, plane);
-    return of->triangle == number ? 1 : undecided ? 0 : -1;
+    return of->nearest.triangle == number ? 1 : undecided ? 0 : -1;
 }
 
 /* Decisions about a ray, also where edges, D or N hardly differ from 0. */
@@ -913,10 +917,10 @@ static double ends_over(const float *input, int is_distance, int has_places)
     set_up_triangle(input);
     const struct plane_bounds bounds = {PLANE_BOUND * bundle.hulls.reach[0], has_places ? bundle.hulls.away[0] : 0, 0};
     (void)test_ray(has_places, &of, &plane);
-    of.least_n = of.greatest_n = INFINITY;
-    of.triangle = MLRT_NONE;
+    of.nearest.least_n = of.nearest.greatest_n = INFINITY;
+    of.nearest.triangle = MLRT_NONE;
     test_distances(&leaf, 0, &bounds, tile.rays[0].begin, has_places, 1, 0xFFFFFFFFu, &of, &plane);
-    if (of.triangle == MLRT_NONE) return -1;
+    if (of.nearest.triangle == MLRT_NONE) return -1;
     if (is_distance) {
         find_n(0);
     } else {
@@ -924,7 +928,9 @@ static double ends_over(const float *input, int is_distance, int has_places)
     }
     mpf_abs(truth, truth);
     set_scale(divisors[NORMAL_DIVISOR], is_distance ? 1 : tile.rays[0].pace[0]);
-    return fabs(is_distance ? place_between(of.least_n, of.greatest_n) : place_between(of.least_d, of.greatest_d));
+    const struct nearest_hits *hit = &of.nearest;
+    return fabs(is_distance ? place_between(hit->least_n, hit->greatest_n)
+                            : place_between(hit->least_d, hit->greatest_d));
 }
 
 static double attack_d(const float *input)
@@ -965,6 +971,7 @@ static double covers_over(const float *input, int has_places)
         if (!leaf.from_waist) return -1;
     }
     see_triangle_of_packets(&bundle.hulls, &leaf, 0, 0, has_places, &of);
+    bound_depths(&bundle.hulls, &leaf, 0, 0, has_places, &of);
     tile.packets[0].triangle[0] = MLRT_NONE;
     const uint32_t may = offer_to_packets(&job, &worker, &bundle, &leaf, 0, 1);
     const int is_covered = bundle.hulls.cover[0] == 0;
@@ -1017,6 +1024,188 @@ static double attack_apex_cover(const float *input)
     return covers_over(input, 0);
 }
 
+/* ---- in double --------------------------------------------------------------------------------------------------- */
+
+/* A packet of one ray, of these inputs, and what there is of it and the triangle without rounding. It ends at t_max. */
+static void load_ray_and_triangle(const float *input)
+{
+    static const float no_waist[3];
+    const float *const origins[1] = {input + ORIGIN(0)}, *const directions[1] = {input + DIRECTION(0)};
+    begin_bundle_of(no_waist, origins, directions, 1);
+    tile.packets[0].t_max[0] = fabsf(input[WAIST]);
+    memcpy(triangles[0].v, input, sizeof triangles[0].v);
+    for (int i = 0; i < 3; i++) load_exactly(input + 3 * i, &corner[i]);
+    for (int i = 0; i < 3; i++) subtract_vectors(&corner[(i + 1) % 3], &corner[i], &edge[i]);
+}
+
+/* Determinants in the signs of the given axes, where the first may have been turned round; and in a sign besides. */
+static void turn_back(double sign)
+{
+    if ((bundle.waist.sign < 0) != (sign < 0)) mpf_neg(truth, truth);
+}
+
+/* N, and N - t_max D, of a plane (bundle_cover.h: find_apart), over their bounds. */
+static double attack_apart(const float *input)
+{
+    struct mlrt_plane plane;
+    double worst = 0;
+    load_ray_and_triangle(input);
+    mlrt_set_plane(&triangles[0], &plane);
+    set_scale(1, 1);
+    for (int at_end = 0; at_end < 2; at_end++) {
+        struct measured_lanes n, height;
+        measure_n(&plane, &tile.packets[0], 0, &n);
+        height = n;
+        if (at_end) measure_end(&plane, &tile.packets[0], 0, &n, &height);
+        find_d(0);
+        mpf_set_d(other, at_end ? tile.packets[0].t_max[0] : 0);
+        mpf_mul(other, other, truth);
+        find_n(0);
+        mpf_sub(truth, truth, other);
+        turn_back(1);
+        worst = fmax(worst, fabs(error_over(height.value, CLOSE_ERROR * height.size)));
+        for (int sign = -1; sign < 2; sign += 2) {
+            const int apart = (int)find_apart(&plane, &tile.packets[0], at_end, sign) & 1;
+            if (apart && mpf_sgn(truth) * sign * (at_end ? 1 : -1) <= 0) return INFINITY;
+        }
+    }
+    return worst;
+}
+
+/* N, D and the edge functions of close_calls.h over their bounds. */
+static double attack_close_call(const float *input)
+{
+    struct close_triangle triangle;
+    struct close_bounds bounds;
+    double value_of[3], bound[3];
+    load_ray_and_triangle(input);
+    set_close_triangle(&triangles[0], &tile.packets[0], &triangle);
+    bound_quotient(&triangle, &tile.packets[0], 0, &bounds);
+    bound_edges(&triangle, &bounds, &tile.packets[0], 0, value_of, bound);
+    const double sign = copysign(1, bounds.d);
+    set_scale(1, 1);
+    find_d(0);
+    turn_back(sign);
+    double worst = fabs(place_between(bounds.least_d, bounds.greatest_d));
+    find_n(0);
+    turn_back(sign);
+    worst = fmax(worst, fabs(place_between(bounds.least_n, bounds.greatest_n)));
+    for (int i = 0; i < 3; i++) {
+        find_edge(i, 0);
+        turn_back(-sign);
+        worst = fmax(worst, fabs(error_over(value_of[i], bound[i])));
+    }
+    return worst;
+}
+
+/* ---- lines of two planes ----------------------------------------------------------------------------------------- */
+
+/* Inputs: as of one ray, and the corners of the second triangle. */
+enum { SECOND = INPUT_COUNT, INPUT_COUNT_OF_PAIR = INPUT_COUNT + 9 };
+#define DIRECTION_IS_SAFE (7u << DIRECTION(0))
+
+/* n of a triangle, and N at the waist; N and D of the ray. */
+struct exact_plane {
+    struct vector normal;
+    mpf_t v, n, d;
+};
+
+static void find_plane(const float *corners, struct exact_plane *plane)
+{
+    for (int i = 0; i < 3; i++) load_exactly(corners + 3 * i, &corner[i]);
+    for (int i = 0; i < 3; i++) subtract_vectors(&corner[(i + 1) % 3], &corner[i], &edge[i]);
+    find_d(0);
+    mpf_set(plane->d, truth);
+    for (int k = 0; k < 3; k++) mpf_set(plane->normal.x[k], cross.x[k]);
+    find_dot(&corner[0]);
+    mpf_set(plane->v, truth);
+    find_n(0);
+    mpf_set(plane->n, truth);
+}
+
+/* Sets `result` to a b - c e. */
+static void subtract_products(const mpf_t a, const mpf_t b, const mpf_t c, const mpf_t e, mpf_t result)
+{
+    mpf_mul(other, a, b);
+    mpf_mul(product, c, e);
+    mpf_sub(result, other, product);
+}
+
+/* Sets `scale` to S of pair_line.c. */
+static void find_size_of_line(const struct exact_plane *first, const struct exact_plane *second)
+{
+    mpf_set_ui(scale, 0);
+    mpf_set_ui(value, 0);
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        subtract_products(first->v, second->normal.x[k], second->v, first->normal.x[k], truth);
+        mpf_abs(truth, truth);
+        if (k) mpf_div_2exp(truth, truth, 1);
+        mpf_add(scale, scale, truth);
+        subtract_products(second->normal.x[i], first->normal.x[j], second->normal.x[j], first->normal.x[i], truth);
+        mpf_abs(truth, truth);
+        mpf_add(value, value, truth);
+    }
+    mpf_div_2exp(value, value, 20);
+    if (mpf_cmp(value, scale) > 0) mpf_set(scale, value);
+}
+
+/* F of a ray over its bound, and the sides of the line that it is said to be on. */
+static double lines_over(const float *input, int has_places)
+{
+    static struct mlrt_worker worker;
+    static struct mlrt_known_plane planes[1];
+    static struct mlrt_triangle_pair pairs[1];
+    static struct mlrt_bundle_cache cache;
+    static struct mlrt_triangle both[2];
+    static const struct mlrt_tree tree_of_two = {.triangles = both, .bvh.unit = 1};
+    static struct exact_plane first, second;
+    struct mlrt_pair_line line;
+    vf bound;
+    vm above, below;
+    if (!worker.planes) {
+        struct exact_plane *const exact[2] = {&first, &second};
+        for (int i = 0; i < 2; i++) {
+            init_vector(&exact[i]->normal);
+            mpf_inits(exact[i]->v, exact[i]->n, exact[i]->d, NULL);
+        }
+        worker.planes = planes;
+        worker.pairs = pairs;
+    }
+    if (!bundle_of(input, 1, has_places)) return -1;
+    memcpy(both[0].v, input, sizeof both[0].v);
+    memcpy(both[1].v, input + SECOND, sizeof both[1].v);
+    if (!mlrt_triangle_has_area(&both[0]) || !mlrt_triangle_has_area(&both[1])) return -1;
+    mlrt_forget_planes(0, 0, &worker);
+    cache.waist = bundle.waist;
+    mlrt_set_pair_line(&tree_of_two, &cache, 0, 1, &worker, &line);
+    find_plane(input, &first);
+    find_plane(input + SECOND, &second);
+    find_size_of_line(&first, &second);
+    if (line.kind == MLRT_ONE_PLANE) return mpf_sgn(scale) == 0 ? 0.01 : INFINITY;
+    if (line.kind == MLRT_NO_LINE) return -1;
+    mpf_set_d(product, tile.rays[0].pace[0]);
+    mpf_mul(scale, scale, product);
+    subtract_products(first.n, second.d, second.n, first.d, truth);
+    find_line_sides(&line, &bundle, 0, 0, &above, &below);
+    const int side = mpf_sgn(truth) * mpf_sgn(second.d);
+    if ((above && side <= 0) || (below && side >= 0)) return INFINITY;
+    const float f = find_line_values(&line, &bundle, 0, 0, &bound);
+    /* S as computed, of which F is divided, may differ from S by so much of itself. */
+    const double doubt = fmax(line.error / (14 * 0x1p-24) - 1, 0) * (6 * 0x1p-24) + 0x1p-44;
+    return fmax(fabs(error_over(f, bound)) - doubt * fabs(error_over(0, bound)), 0);
+}
+
+static double attack_line(const float *input)
+{
+    return lines_over(input, 1);
+}
+
+static double attack_apex_line(const float *input)
+{
+    return lines_over(input, 0);
+}
+
 /* Numbers of one size, of sizes 2^-4 .. 2^4, 2^-24 .. 2^24 or any, or denormal, or points of two kinds; slopes up to 2.
  */
 static void draw_bundle(struct random *random, const struct bound *bound, float *input)
@@ -1062,6 +1251,45 @@ static void draw_bundle(struct random *random, const struct bound *bound, float 
         }
     }
     for (int i = 0; i < bound->input_count; i++) input[i] = clamp_input(input[i], (int)(bound->safe >> i & 1));
+}
+
+/* As above; of a pair the second triangle is any, or has corners of the first one's plane, a few floats off. */
+static void draw_pair(struct random *random, const struct bound *bound, float *input)
+{
+    draw_bundle(random, bound, input);
+    const uint32_t steps = draw_below(random, 5);
+    const int is_near = draw_below(random, 4) != 0, is_shifted = draw_below(random, 2) == 0;
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            const float *at = input + k;
+            const float a = draw_range(random, -1, 1);
+            float x = at[3 * i];
+            if (is_shifted) x = i == 0 ? at[0] + (at[3] - at[0]) * 0.25f : i == 1 ? at[6] : at[3] + (at[6] - at[0]);
+            if (is_near) x = next_float(x, (int)draw_below(random, 2 * steps + 1) - (int)steps);
+            if (!is_near) x = x * (1 + 0.5f * a);
+            input[SECOND + 3 * i + k] = clamp_input(x, 0);
+        }
+    }
+}
+
+static void bounds_of_lines_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"bundles: line of two planes", INPUT_COUNT_OF_PAIR, DIRECTION_IS_SAFE, attack_line, 0.25, NULL},
+        {"from the waist: line of two planes", INPUT_COUNT_OF_PAIR, DIRECTION_IS_SAFE, attack_apex_line, 0.2, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_pair, 10, STEP_COUNT);
+}
+
+static void bounds_in_double_hold(void **state)
+{
+    static const struct bound bounds[] = {
+        {"close calls: N, D, edge functions", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_close_call, 0.4, NULL},
+        {"close calls: N - t D", INPUT_COUNT, DIRECTIONS_ARE_SAFE, attack_apart, 0.5, NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) attack_bound(&bounds[i], draw_bundle, 10, STEP_COUNT);
 }
 
 static void bounds_of_bundles_hold(void **state)
@@ -1120,6 +1348,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(bounds_of_bundles_hold),
         cmocka_unit_test(bounds_from_the_waist_hold),
         cmocka_unit_test(depths_hold),
+        cmocka_unit_test(bounds_of_lines_hold),
+        cmocka_unit_test(bounds_in_double_hold),
     };
     if (argc > 1 && atoi(argv[1]) > 0) search_effort = (size_t)atoi(argv[1]);
     init_numbers();

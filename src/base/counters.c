@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Adding up counters: a call's workers count for themselves and are summed at the end. All but the head of the struct
- * are uint64_t, and the caller's may have fewer of them.
+ * Sums of counters: each worker of a call counts for itself, and the counts are added up at the end. Behind its head
+ * mlrt_counters consists of uint64_t only; a caller compiled with an older version has fewer of them.
  */
 #include "base/counters.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Counting: COUNT(counters, field, n) adds n to a field of mlrt_counters in the object files compiled with
- * MLRT_COUNTING=1, and is nothing in the others, so that nobody pays who does not ask (dispatch.c). COUNTERS(worker) is
- * what functions of other files are handed: NULL where nothing is counted.
+ * Counting: in object files compiled with MLRT_COUNTING=1, COUNT(counters, field, n) adds n to a field of
+ * mlrt_counters. In the others it does nothing, so calls without counters pay nothing for it (dispatch.c).
+ * COUNTERS(worker) is the pointer to pass to functions of other files: NULL where nothing is counted.
  */
 #ifndef MLRT_BASE_COUNTERS_H
 #define MLRT_BASE_COUNTERS_H
@@ -18,7 +18,7 @@
 #define COUNTERS(worker)          NULL
 #endif
 
-/* Adds every count of *from to *to. */
+/* Adds every count of *from to *to, as far as to->struct_size reaches. */
 void mlrt_add_counters(mlrt_counters *to, const mlrt_counters *from);
 
 #endif

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Words go by twos into eight lanes in turn: word 16 i + 2 j is the lower half and 16 i + 2 j + 1 the upper half of
- * what lane j takes in step i. The last block is filled up with zeros. In the end the lanes go into one, and so does
- * the number of words. Lanes do not wait for each other's multiplications: 4 bytes per clock cycle and more.
+ * The hash of words: see hash.h.
  *
- * A step is reversible in the lane and in what is taken: so two inputs that differ in one word never meet again. The
- * step is of the kind of Y. Collet's xxHash: multiply, add, rotate, multiply.
+ * In step i, lane j of eight takes a 64-bit value: word 16 i + 2 j is its lower half, word 16 i + 2 j + 1 its upper
+ * half. Zeros fill up the last block. At the end the number of words and all lanes are hashed into one value. No lane
+ * waits for the multiplication of another: 4 bytes per clock cycle and more.
+ *
+ * For a given value a step is a bijection of the lane, and for a given lane a bijection of the value: so inputs that
+ * differ in one word end with different lanes. A step multiplies, adds, rotates and multiplies, as Y. Collet's xxHash
+ * does.
  */
 #include "base/hash.h"
 
 #include <string.h>
 
-/* Odd, with bits all over: 2^64 over the golden ratio, and a factor of G. Steele and S. Vigna, 2021. */
+/* Odd, with irregular bits: 2^64 divided by the golden ratio, and a factor of G. Steele and S. Vigna, 2021. */
 #define FACTOR       0x9E3779B97F4A7C15u
 #define OTHER_FACTOR 0xD1342543DE82EF95u
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A hash of 64 bits over 32-bit words, many at a time, to tell whether data are what they were. It is defined on the
- * values of the words, so floats and counts have the same hash on every machine. A change of one word always shows, any
- * other by chance 2^64 - 1 times in 2^64. It is no protection against someone who wants two data to have one hash.
+ * A 64-bit hash of 32-bit words, to detect that data have changed. It is defined on the values of the words, so floats
+ * and counts have the same hash on every machine. A change of one word always changes the hash; any other change leaves
+ * it as it is with probability 2^-64. It gives no protection against data that are made to have a given hash.
  */
 #ifndef MLRT_BASE_HASH_H
 #define MLRT_BASE_HASH_H
@@ -14,15 +14,16 @@
 
 struct mlrt_hash {
     uint64_t lane[MLRT_HASH_LANES];
-    uint32_t waiting[2 * MLRT_HASH_LANES]; /* words of a block that is not full */
+    uint32_t waiting[2 * MLRT_HASH_LANES]; /* the words of the last block, which is not full */
     uint64_t word_count;
 };
 
 void mlrt_start_hash(struct mlrt_hash *hash);
 
-/* Adds `count` words, at any address. How many are added at a time makes no difference. */
+/* Adds `count` words, at any address. The hash does not depend on how many are added at a time. */
 void mlrt_add_words(struct mlrt_hash *hash, const void *words, size_t count);
 
+/* Returns the hash of all words added. */
 uint64_t mlrt_finish_hash(struct mlrt_hash *hash);
 
 #endif

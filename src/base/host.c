@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The functions of the program around the library: see host.h.
+ * The host's functions, and messages: see host.h.
  */
 #include "base/host.h"
 
@@ -10,6 +10,7 @@
 
 #include "base/structs.h"
 
+/* Of a line for the log: the 255 bytes that mlrt.h promises at most, and the NUL. */
 #define LINE_SIZE 256
 
 int32_t mlrt_take_host(const mlrt_host *given, mlrt_host *own)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Memory: blocks aligned to 64 bytes, with the sizes checked and counted, from the host or from malloc.
+ * Memory: blocks aligned to 64 bytes, from the host or from malloc, with sizes checked and counted.
  *
- * C99 has no aligned allocation, so a block is cut out of a larger one from malloc, whose address lies just below it.
- * Counted are the bytes asked for, without that margin.
+ * C99 has no aligned allocation, so a block from malloc is larger by MARGIN_SIZE. The aligned block lies inside it, and
+ * the address that malloc returned is stored just below the aligned one. The margin is not counted.
  */
 #define _DEFAULT_SOURCE
 #include "base/memory.h"
@@ -20,7 +20,7 @@
 /* A cache line, and the widest vector of any instruction set. */
 #define ALIGNMENT 64
 
-/* What is added to a block: room to move it up to the next aligned address, and the address to free below it. */
+/* Added to each block: the way to the next aligned address, and the stored address below it. */
 #define MARGIN_SIZE (ALIGNMENT + sizeof(void *))
 
 static int product_fits(size_t count, size_t size)
@@ -34,7 +34,7 @@ static int within_limit(const struct mlrt_memory *memory, size_t block_size)
            (memory->held_size <= memory->limit_size && block_size <= memory->limit_size - memory->held_size);
 }
 
-/* The aligned block in what malloc gave, with that address just below it. */
+/* Stores the address that malloc returned below the aligned block inside. Returns the aligned block. */
 static void *place_block(char *start)
 {
     char *lowest = start + sizeof(void *);
@@ -43,6 +43,7 @@ static void *place_block(char *start)
     return block;
 }
 
+/* The address that malloc returned for this block. */
 static char *start_of(const void *block)
 {
     char *start;
@@ -50,13 +51,16 @@ static char *start_of(const void *block)
     return start;
 }
 
-/* Large pages: what x86 and most others have between 4 KiB and 1 GiB. Smaller blocks have few of them inside. */
+/*
+ * Large pages have 2 MiB on x86 and most other processors. A block of less than two of them may hold none that is
+ * aligned.
+ */
 #define LARGE_PAGE_SIZE  ((size_t)1 << 21)
 #define LARGE_BLOCK_SIZE (2 * LARGE_PAGE_SIZE)
 
 /*
- * Asks for large pages inside a large block, where the system has them: trees are walked in no order, and each small
- * page has to be looked up. A hint: whether it is followed changes nothing but time.
+ * Asks the system for large pages inside a large block: traversal reads a tree in no order, and each small page costs
+ * a look-up in the page tables. The system need not follow the hint; only time depends on it.
  */
 static void advise_large_pages(char *start, size_t size)
 {
@@ -81,7 +85,10 @@ struct mlrt_memory mlrt_host_memory(const mlrt_host *host, uint64_t limit_size)
     return (struct mlrt_memory){0, 0, limit_size, host->user, host->allocate, host->free};
 }
 
-/* Of the host; hosts are not asked for nothing. One that does not align gets its block back. */
+/*
+ * A block from the host, which is never asked for 0 bytes. A block that is not aligned is freed at once; then the
+ * result is NULL.
+ */
 static void *allocate_from_host(const struct mlrt_memory *memory, size_t block_size)
 {
     const size_t size = block_size ? block_size : 1;
@@ -135,7 +142,10 @@ static void *move_block(struct mlrt_memory *memory, void *block, size_t old_coun
     return moved;
 }
 
-/* realloc moves the bytes behind its own start, which can be off the next aligned address by a different amount. */
+/*
+ * realloc keeps the distance of the bytes from its own start. The distance from the new start to the next aligned
+ * address can be another, so the bytes are moved there.
+ */
 void *mlrt_resize(struct mlrt_memory *memory, void *block, size_t old_count, size_t new_count, size_t size)
 {
     if (block == NULL) return mlrt_allocate(memory, new_count, size);

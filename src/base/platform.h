@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the compiler and the processor differ in, and nothing else does: inlining, alignment, and the floating-point
- * environment. Also the two settings without which no bound in this library holds: no contraction of a * b + c, and
- * float arithmetic that is done in float.
+ * All that depends on compiler, processor and system: inlining, alignment, bits, and the floating-point environment.
+ * Also the settings that every error bound of the library relies on: no contraction of a * b + c, and float arithmetic
+ * that is done in float.
  */
 #ifndef MLRT_BASE_PLATFORM_H
 #define MLRT_BASE_PLATFORM_H
@@ -21,15 +21,15 @@
 #endif
 
 /*
- * 1 in a build that is made to measure what exactness costs, and never installed (make GUESS=1): decisions are the best
- * guess of the first arithmetic that looks at them, float in packets and double for single rays. No bounds, no judge.
+ * 1 in a build that measures the cost of exactness and is never installed (make GUESS=1). There the sign of the first
+ * computed value decides, float in packets and double for single rays, with no error bound and no exact arithmetic.
  */
 #ifndef MLRT_GUESS
 #define MLRT_GUESS 0
 #endif
 
 #if defined(__GNUC__)
-#if defined(MLRT_COUNTING) && MLRT_COUNTING /* counting kernels may be slow, and should be small: 40 kB of 100 less */
+#if defined(MLRT_COUNTING) && MLRT_COUNTING /* may be slow: without forced inlining, 40 of their 100 kB are saved */
 #define MLRT_INLINE static inline __attribute__((unused))
 #else
 #define MLRT_INLINE static inline __attribute__((always_inline, unused))
@@ -46,14 +46,14 @@
 #define MLRT_UNLIKELY(condition) (condition)
 #endif
 
-/* Before a short loop that must be gone, whatever the compiler is told. */
+/* Before a short loop that must be unrolled at every optimisation level. */
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
 #define MLRT_UNROLL _Pragma("GCC unroll 9")
 #else
 #define MLRT_UNROLL
 #endif
 
-/* Tells the processor that a cache line will be read soon. */
+/* Prefetches the cache line at `address`, to be read soon. */
 MLRT_INLINE void mlrt_prefetch(const void *address)
 {
 #if defined(__GNUC__)
@@ -63,7 +63,7 @@ MLRT_INLINE void mlrt_prefetch(const void *address)
 #endif
 }
 
-/* Likewise, of one that will be written. */
+/* Prefetches the cache line at `address`, to be written soon. */
 MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
 {
 #if defined(__GNUC__)
@@ -73,7 +73,7 @@ MLRT_INLINE void mlrt_prefetch_for_writing(const void *address)
 #endif
 }
 
-/* Bits set. */
+/* How many bits are set. */
 MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
 {
 #if defined(__POPCNT__)
@@ -85,7 +85,7 @@ MLRT_INLINE uint32_t mlrt_count_bits(uint32_t bits)
 #endif
 }
 
-/* The place of the lowest of the bits set; there must be one. */
+/* The position of the lowest bit that is set; `bits` is not 0. */
 MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 {
 #if defined(__GNUC__)
@@ -113,7 +113,7 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #define MLRT_HAVE_MADVISE 0
 #endif
 
-/* Processors that are online: of <unistd.h>, and on Windows of the <pthread.h> of winpthreads. */
+/* The number of processors that are online. Needs <unistd.h>; on Windows, the <pthread.h> of winpthreads. */
 #if defined(_WIN32)
 #define MLRT_ONLINE_PROCESSORS() pthread_num_processors_np()
 #else
@@ -121,14 +121,15 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #endif
 
 /*
- * The floating-point environment this library computes in: round to nearest, denormals kept, exceptions masked.
- * Every exported function and every thread's work runs between a pair of these calls; what lies between must be a call
- * of a function that is not inlined, so that no arithmetic moves across them.
+ * The library computes with round to nearest, denormals kept, and exceptions masked. mlrt_enter_fp_environment sets
+ * that and returns the caller's environment; mlrt_leave_fp_environment restores it. Every exported function that
+ * computes with floats, and every thread's work, runs between the two. The code between them must be a call of a
+ * function that is not inlined, so that the compiler moves no arithmetic across them.
  */
 #if MLRT_HAVE_SSE
 #include <xmmintrin.h>
 #define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */
-#define MLRT_CONTROL_BITS   0xFFC0u /* the others are flags of what has happened, and stay */
+#define MLRT_CONTROL_BITS   0xFFC0u /* the other bits are exception flags, and stay */
 MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
 {
     const uint32_t saved = _mm_getcsr();

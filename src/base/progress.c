@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How far a call has come: see progress.h.
+ * Progress and cancelling: see progress.h.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "base/progress.h"
@@ -10,7 +10,7 @@
 
 #include "base/platform.h"
 
-/* Hosts are told so often, in seconds: enough to stop within 10 ms, and rare enough for callbacks into Python. */
+/* Least time in seconds between two calls of the host: short enough to stop within 10 ms, long enough for Python. */
 #define INTERVAL 1e-3
 
 double mlrt_seconds_now(void)
@@ -30,13 +30,13 @@ void mlrt_begin_progress(const mlrt_host *host, double total, struct mlrt_progre
     pthread_mutex_init(&progress->mutex, NULL);
 }
 
-/* Adds work, with the mutex held. Returns whether it is time to tell the host, and then *fraction, of this moment. */
+/* Adds work, with the mutex held. Returns 1 if it is time to call the host, with the *fraction to tell it. */
 static MLRT_NOINLINE int is_time_to_tell(struct mlrt_progress *progress, double work, double *fraction)
 {
     progress->done += work;
     const double now = mlrt_seconds_now();
     if (progress->cancelled || progress->telling || now - progress->told_at < INTERVAL) return 0;
-    /* An estimate of the total may be too low: then less is told than was done. */
+    /* The total is an estimate and may be too low; 1 is told at the end only (mlrt_end_progress). */
     *fraction = progress->done / progress->total;
     if (*fraction > 0.99) *fraction = 0.99;
     progress->told_at = now;
@@ -45,8 +45,8 @@ static MLRT_NOINLINE int is_time_to_tell(struct mlrt_progress *progress, double 
 }
 
 /*
- * The host is told without the mutex: in its answer it may wait for tasks, and run those of this very call. Work is
- * done in any floating-point environment, and counted in the library's.
+ * The host is called without the mutex, because its function may wait for tasks and run tasks of this same call. The
+ * work is added in the library's floating-point environment, since callers may be in their own.
  */
 int mlrt_advance(struct mlrt_progress *progress, double work)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a call that traces runs with: threads, counters, and the host.
+ * The options that all calls that trace have in common: pool, counters and host.
  */
 #ifndef MLRT_BASE_RUN_OPTIONS_H
 #define MLRT_BASE_RUN_OPTIONS_H
@@ -8,9 +8,9 @@
 #include "mlrt.h"
 
 struct mlrt_run_options {
-    mlrt_pool *pool;         /* NULL = this thread alone */
-    mlrt_counters *counters; /* NULL = nobody counts */
-    mlrt_host host;          /* checked; all 0 if there is none */
+    mlrt_pool *pool;         /* NULL = the calling thread alone */
+    mlrt_counters *counters; /* NULL = nothing is counted */
+    mlrt_host host;          /* checked; all 0 = no host */
 };
 
 #endif

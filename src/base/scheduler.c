@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A pool of pthreads that sleep until there are items, claim them one by one under a mutex, and sleep again; or of
- * tasks that the host runs, which claim them likewise. An item is tens of microseconds of work, claiming one takes tens
- * of nanoseconds.
+ * A pool has threads of its own, or it uses tasks that the host runs. Threads sleep until a batch of items begins,
+ * claim items one by one under a mutex, and sleep again; tasks claim items in the same way. An item is tens of
+ * microseconds of work, and claiming it takes tens of nanoseconds.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "base/scheduler.h"
@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "base/platform.h"
 
+/* Also bounds the array of tasks on the stack. */
 #define THREAD_LIMIT 1024
 
 /* One call of mlrt_run_items. Guarded by the pool's mutex. */
@@ -22,25 +23,25 @@ struct batch {
     void *work;
     uint32_t item_count;
     uint32_t next_item;
-    int32_t result; /* 0, or what the first function to say stop said */
+    int32_t result; /* 0, or the first result of the function that was not 0 */
     mlrt_pool *pool;
-    uint32_t next_worker; /* tasks of the host are numbered as they start */
+    uint32_t next_worker; /* worker number of the next task that starts */
 };
 
 struct mlrt_pool {
     pthread_mutex_t call_mutex; /* held for the length of a call: one batch at a time */
-    pthread_mutex_t mutex;      /* guards all below */
+    pthread_mutex_t mutex;      /* guards all members below */
     pthread_cond_t batch_begins;
     pthread_cond_t batch_ends;
     struct batch *batch;   /* NULL between calls */
-    uint64_t batch_number; /* so that a worker takes part in each batch once */
-    uint32_t busy_count;   /* started threads inside the batch */
-    int ending;
-    uint32_t thread_count; /* started ones; with tasks, what there may be of them */
+    uint64_t batch_number; /* so that a thread takes part in each batch once */
+    uint32_t busy_count;   /* threads that work on the batch */
+    int ending;            /* 1 = threads are to end */
+    uint32_t thread_count; /* threads started; with tasks, the most tasks of a batch */
     struct thread *threads;
     struct mlrt_memory memory;
     size_t thread_capacity;
-    /* Tasks: then there are no threads, and any number of batches. */
+    /* Set if the pool uses tasks: then it has no threads, and any number of batches can run at a time. */
     void *user;
     mlrt_enqueue_callback enqueue;
     mlrt_finish_callback finish;
@@ -52,7 +53,7 @@ struct thread {
     uint32_t worker;
 };
 
-/* Claims and runs items until none is left. Enters and leaves with the mutex held. */
+/* Claims and runs items until none is left or one stops the batch. The mutex is held on entry and on return. */
 static void work_on_batch(mlrt_pool *pool, struct batch *batch, uint32_t worker)
 {
     while (batch->next_item < batch->item_count && batch->result == 0) {
@@ -108,7 +109,7 @@ static void run_task(void *argument)
     pthread_mutex_unlock(&pool->mutex);
 }
 
-/* A task that starts when nothing is left does nothing; but until all have ended there must be a batch. */
+/* A task that starts when no item is left returns at once. It reads the batch, so all tasks end before this returns. */
 static void run_tasks(mlrt_pool *pool, struct batch *batch)
 {
     void *tasks[THREAD_LIMIT];

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Shares out numbered work items among the threads of a pool. It knows nothing of rays.
+ * The scheduler: shares out numbered work items among the workers of a pool.
  *
- * Every item 0..item_count - 1 is run exactly once, each by one worker; which one is not determined. The caller is
- * worker 0 and blocks until all are done. Workers are numbered below mlrt_worker_count(pool), and no two items run at
- * the same time with the same worker number: so data per worker needs no lock.
+ * Every item 0 .. item_count - 1 runs exactly once, on one worker, which can be any. The calling thread is worker 0 and
+ * returns when all items are done. Worker numbers are below mlrt_worker_count(pool), and a worker runs one item at a
+ * time: so data that belong to a worker need no lock.
  */
 #ifndef MLRT_BASE_SCHEDULER_H
 #define MLRT_BASE_SCHEDULER_H
@@ -19,15 +19,15 @@ int32_t mlrt_make_pool(const mlrt_pool_options *options, mlrt_pool **pool);
 /* Ends its threads and frees it. */
 void mlrt_end_pool(mlrt_pool *pool);
 
-/* Runs one item. Anything but 0 stops the claiming of further items. */
+/* Runs one item. If the result is not 0, no further items start. */
 typedef int32_t mlrt_work_function(void *work, uint32_t item, uint32_t worker);
 
-/* Workers of a pool; 1 for NULL. */
+/* The number of workers of a pool; 1 for NULL. */
 uint32_t mlrt_worker_count(const mlrt_pool *pool);
 
 /*
- * Runs the items on the pool (NULL: all on the calling thread). Returns 0, or what the function first returned that was
- * not 0. Calls that share a pool wait for each other.
+ * Runs the items on the pool (NULL: all on the calling thread). Returns 0, or the first result of `function` that was
+ * not 0. A pool with threads of its own runs one call at a time: others wait.
  */
 int32_t mlrt_run_items(mlrt_pool *pool, uint32_t item_count, mlrt_work_function *function, void *work);
 

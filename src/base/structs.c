@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Structs that grow: see structs.h. Every one begins with its size, as uint32_t.
+ * Structs that grow: see structs.h. Each begins with its size, a uint32_t.
  */
 #include "base/structs.h"
 
 #include <string.h>
 
-/* More than any version adds, and little enough that a size that was never set is most likely told from one. */
+/* Bytes that later versions may add: more than they will add, but so few that a size never set is mostly refused. */
 #define GROWTH_LIMIT 256
 
 static size_t size_of(const void *given)

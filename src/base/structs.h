@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Structs that grow: what the caller has is as long as its struct_size says, which may be less or more than what this
- * version knows (mlrt.h, rules of the whole interface). And the greatest stride that arrays in them may have.
+ * Structs that grow: the caller's struct has struct_size bytes, which may be fewer or more than this version knows
+ * (mlrt.h, rules of the whole interface). Also the greatest stride that arrays in such structs may have.
  */
 #ifndef MLRT_BASE_STRUCTS_H
 #define MLRT_BASE_STRUCTS_H
@@ -10,23 +10,23 @@
 
 #include "mlrt.h"
 
-/* The greatest stride that a caller may give, in bytes: more is a mistake, such as a negative number. */
+/* The greatest stride that a caller may give, in bytes. A greater one is a mistake, such as a negative number. */
 #define MLRT_STRIDE_LIMIT ((size_t)1 << 31)
 
-/* Bytes up to the end of a field: what the size of a struct was when that field was the last. */
+/* Bytes up to the end of a field: the size of the struct in a version whose last field it was. */
 #define MLRT_SIZE_UP_TO(type, field) (offsetof(type, field) + sizeof(((type *)0)->field))
 
 /*
- * Copies a struct of the caller's, whose size was `first_size` in the first version, to *own: what it does not have
- * becomes 0. MLRT_ERROR_STRUCT_SIZE: it is shorter than ever, longer than any version will be, no multiple of 4, or has
- * something other than 0 where this version knows nothing.
+ * Copies a caller's struct to *own; fields that it does not have become 0. `first_size` is its size in the first
+ * version. Returns MLRT_OK, or MLRT_ERROR_STRUCT_SIZE if its size is less than that, greater than that of any later
+ * version, or not a multiple of 4, or if a byte behind the fields that this version knows is not 0.
  */
 int32_t mlrt_take_struct(const void *given, size_t first_size, void *own, size_t own_size);
 
-/* Whether *given says that it is of a size that mlrt_give_struct can write. */
+/* Checks that struct_size of a caller's result is one that mlrt_give_struct can write. Returns a status. */
 int32_t mlrt_check_result_size(const void *given, size_t first_size, size_t own_size);
 
-/* The other way: writes the fields that the caller's struct has, and 0 to those that this version does not know. */
+/* Copies *own to a caller's struct: the fields that it has, and 0 to those that this version does not know. */
 void mlrt_give_struct(const void *own, size_t own_size, void *given);
 
 #endif

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What method tile decides by itself while it traces, and the numbers it does so with. They are here, and can be set by
- * the compiler's command line, so that a sweep (examples/bench/sweep.py) can compare each with fixed choices;
- * docs/performance.md has what it found.
+ * The thresholds of the decisions that the default method takes while it traces, and one of the builder. They are
+ * macros that the compiler's command line can set, so that a sweep (examples/bench/sweep.py) can compare other values;
+ * docs/performance.md, "What tiles decide by themselves", has its results.
+ *
+ * A cell of a camera (a packet of a tile of 16x16, or a tile of a square of 64x64) is closed while its rays are not
+ * made, and open once they are.
  */
 #ifndef MLRT_BASE_TUNING_H
 #define MLRT_BASE_TUNING_H
@@ -10,8 +13,8 @@
 #include "mlrt.h"
 
 /*
- * Where all cells of one area had to be opened, so have those of the next ones, mostly: so many tiles of 16x16 begin
- * with open cells, and so many squares of 64x64 with their tiles. 0: all areas begin with closed cells.
+ * After an area whose cells all had to be opened, so must most cells of the next areas. So this many tiles begin with
+ * open cells, and this many squares are not traced as squares but tile by tile. 0: every area begins with closed cells.
  */
 #ifndef MLRT_TILE_RUN
 #define MLRT_TILE_RUN 3
@@ -20,7 +23,7 @@
 #define MLRT_SQUARE_RUN 3
 #endif
 
-/* How many begin so at first. 0xFFFFFFFF: all. */
+/* How many tiles, and how many squares, of a worker begin so at first. 0xFFFFFFFF: all. */
 #ifndef MLRT_FIRST_OPEN_TILES
 #define MLRT_FIRST_OPEN_TILES 0
 #endif
@@ -28,29 +31,32 @@
 #define MLRT_FIRST_OPEN_SQUARES 0
 #endif
 
-/* A packet so many times as wide as most of its tile goes lane by lane. */
+/* A packet this many times as wide as most packets of its tile goes lane by lane. */
 #ifndef MLRT_WIDE_FACTOR
 #define MLRT_WIDE_FACTOR 4.0f
 #endif
 
-/* A tile of which so many packets see one triangle each begins its shadows with closed cells of these; others have
- * rays. */
+/*
+ * In a tile where at least this many packets see one triangle each, the shadows of these packets begin with closed
+ * cells; all other packets begin with rays.
+ */
 #ifndef MLRT_LEAST_LIT_CELLS
 #define MLRT_LEAST_LIT_CELLS 9
 #endif
 
-/* A tile of at least this many packets has the rays of few of them go on one by one from what these meet
- * (trace/tile.h). 17: none does. */
+/*
+ * If a bundle has at least MANY_PACKETS packets, and at most FEW_PACKETS of them meet a child, then the rays of these
+ * that meet it are traced one by one from there (trace_few_of_bundle, trace/tile.h): at most FEW_RAYS rays through a
+ * node, at most FEW_LEAF_RAYS through a leaf that is not set up. MANY_PACKETS of 17: never. Other values take more
+ * instructions: docs/design.md, "Few rays go one by one".
+ */
 #ifndef MLRT_MANY_PACKETS
 #define MLRT_MANY_PACKETS 8
 #endif
 
-/* At most so many packets, */
 #ifndef MLRT_FEW_PACKETS
 #define MLRT_FEW_PACKETS 4
 #endif
-
-/* and so many of their rays: through a node, and through a leaf that is not set up. */
 #ifndef MLRT_FEW_RAYS
 #define MLRT_FEW_RAYS 32
 #endif
@@ -59,14 +65,16 @@
 #endif
 
 /*
- * A packet that has been tested against so many triangles that none of its rays could hit goes on lane by lane. Rays of
- * arrays with 40 and 160 in its place have 0.87 to 1.02 of the speed (conference, dragon, cruiser).
+ * A packet that has been tested in vain against more triangles than this goes on lane by lane. With 40 or 160 instead,
+ * rays of arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser).
  */
 #ifndef MLRT_MOST_TESTS
 #define MLRT_MOST_TESTS 96
 #endif
 
-/* Where more packets of a tile than this have been tested so often, all of it goes lane by lane, and so do the next tiles.
+/*
+ * A tile with more than MOST_GIVEN_UP such packets goes lane by lane as a whole, and so do the next LANE_TILES tiles:
+ * 1.3 times the speed for rays through a lens in conference.
  */
 #ifndef MLRT_MOST_GIVEN_UP
 #define MLRT_MOST_GIVEN_UP 4
@@ -76,8 +84,9 @@
 #endif
 
 /*
- * A worker keeps 1 << this set-ups of leaves, of 2 KiB; in calls of fewer rays than many, fewer, since what first
- * uses memory waits for it. By instructions, pictures and shadows take up to 3 % more with 32.
+ * A worker keeps 1 << LEAF_SETUP_BITS set-ups of leaves, of 2 KiB each. In calls of fewer than MANY_RAYS rays it keeps
+ * 1 << FEW_SETUP_BITS, because memory is slow when it is used first. With 32 set-ups in all calls, pictures and shadows
+ * take up to 3 % more instructions.
  */
 #ifndef MLRT_LEAF_SETUP_BITS
 #define MLRT_LEAF_SETUP_BITS 7
@@ -92,7 +101,7 @@
 #error "MLRT_FEW_SETUP_BITS: at most MLRT_LEAF_SETUP_BITS"
 #endif
 
-/* What a triangle more in a leaf costs the builder, where a node costs 1: less makes larger leaves. */
+/* The builder's cost of each triangle of a leaf, where a node costs 1 (bvh/build.c). Lower costs make larger leaves. */
 #ifndef MLRT_TRIANGLE_COST
 #define MLRT_TRIANGLE_COST 0.02f
 #endif

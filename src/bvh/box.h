@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Boxes of four floats a corner, as the builder of the hierarchy grows them.
+ * Boxes of four floats per corner, and how the builder of the hierarchy grows them.
  */
 #ifndef MLRT_BVH_BOX_H
 #define MLRT_BVH_BOX_H
@@ -22,7 +22,7 @@ MLRT_INLINE void extend_box(struct mlrt_quad_box *box, f4 lo, f4 hi)
     f4_store(box->hi, f4_max(f4_load(box->hi), hi));
 }
 
-/* Half the surface area, in double: extents reach from 2^-149 to 2^129. */
+/* Half the surface area, in double because extents are 2^-149 to 2^129. */
 MLRT_INLINE double area_of(const struct mlrt_quad_box *box)
 {
     double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1],
@@ -31,9 +31,9 @@ MLRT_INLINE double area_of(const struct mlrt_quad_box *box)
 }
 
 /*
- * A centre here is a quarter of lo + hi per axis, in float, each half quartered before: so neither it nor the
- * difference of two overflows. It is only a place to sort by; that it is rounded does no harm as long as it is always
- * the same.
+ * A centre is a quarter of lo + hi per axis, in float. lo and hi are multiplied by 1/4 first, so neither a centre nor
+ * the difference of two overflows. Centres only sort references: their rounding does no harm, because a reference
+ * always has the same centre.
  */
 MLRT_INLINE f4 centre_of(f4 lo, f4 hi)
 {
@@ -47,7 +47,7 @@ struct growing_box {
     f4 hi;
 };
 
-MLRT_INLINE struct growing_box nothing(void)
+MLRT_INLINE struct growing_box empty_box(void)
 {
     return (struct growing_box){f4_set1(INFINITY), f4_set1(-INFINITY)};
 }
@@ -58,21 +58,21 @@ MLRT_INLINE void grow(struct growing_box *box, f4 lo, f4 hi)
     box->hi = f4_max(box->hi, hi);
 }
 
-MLRT_INLINE void keep(const struct growing_box *box, struct mlrt_quad_box *kept)
+MLRT_INLINE void store_box(const struct growing_box *box, struct mlrt_quad_box *stored)
 {
-    f4_store(kept->lo, box->lo);
-    f4_store(kept->hi, box->hi);
+    f4_store(stored->lo, box->lo);
+    f4_store(stored->hi, box->hi);
 }
 
-/* What a set is while references are added to it. */
+/* The boxes of a set while references are added to it. */
 struct growing_set {
     struct growing_box box;
     struct growing_box centres;
 };
 
-MLRT_INLINE struct growing_set no_references(void)
+MLRT_INLINE struct growing_set empty_set(void)
 {
-    return (struct growing_set){nothing(), nothing()};
+    return (struct growing_set){empty_box(), empty_box()};
 }
 
 MLRT_INLINE void add_reference(struct growing_set *set, f4 lo, f4 hi)
@@ -85,16 +85,16 @@ MLRT_INLINE void add_reference(struct growing_set *set, f4 lo, f4 hi)
 MLRT_INLINE struct mlrt_bvh_set finish_set(const struct growing_set *growing, uint32_t first, uint32_t count)
 {
     struct mlrt_bvh_set set;
-    keep(&growing->box, &set.box);
-    keep(&growing->centres, &set.centres);
+    store_box(&growing->box, &set.box);
+    store_box(&growing->centres, &set.centres);
     set.first = first;
     set.count = count;
     return set;
 }
 
 /*
- * What a set of any size is expected to cost: that of leaves that are full but for the last. Counting whole leaves and
- * quads makes splits that fill them cheaper.
+ * The expected cost of a set of any size, not yet times its area: that of leaves that are full except the last. Because
+ * whole leaves and quads are counted, splits that fill them are cheaper.
  */
 MLRT_INLINE double set_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
 {

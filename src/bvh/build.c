@@ -1,23 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The builder of the hierarchy of boxes. References are cut in two, over and over, which gives a binary hierarchy;
- * collapse.c says which of its nodes become nodes of sixteen; these are written in depth-first order.
+ * The builder of the hierarchy of boxes. It cuts sets of references in two, again and again: the result is a binary
+ * hierarchy. collapse.c chooses which of its nodes become nodes of sixteen, and these are written in depth-first order.
  *
- * The upper levels are built one set after the other, with the pool looking for the split, and below them each subtree
- * by itself, shared out to the pool. What becomes of a set depends on its references and its shares of depth, leaves
- * and room only, and everything has its place before it is made, so the number of threads changes nothing. (Bins that
- * several workers fill are put together by minima, maxima and sums of integers: it does not matter who filled which.)
+ * The upper levels are built one set after the other, and for each set all workers of the pool fill the bins. Below
+ * them are subtrees (tasks), each built by one worker. The result does not depend on the number of threads: a set is
+ * split according to its references and its shares of depth, leaves and spare places alone, every part has its place in
+ * the arrays before it is built, and the bins of several workers are merged by minima, maxima and sums of integers.
  *
- * Three things are bounded for any input:
+ * Three quantities are bounded for any input:
  *
- *   Leaves. A set of n references has a budget of leaves, at least reserve(n), so that halving it until 16 are left
- *   always stays within. A split that would leave one side with less than its reserve is not made. A binary hierarchy
- *   of b leaves has 2 b - 1 nodes, so each subtree has its own part of the array of nodes.
+ *   Leaves. A set of n references has a budget of at least reserve(n) leaves, so that halving it down to sets of 16
+ *   never exceeds the budget. A split is not made if the two sides need more than the budget. A binary hierarchy of b
+ *   leaves has 2 b - 1 nodes, so each subtree has its own part of the array of nodes.
  *
  *   Depth. A split is made only if both sides can be halved to leaves in the levels that remain. A node of sixteen
- * takes at least one level, so a limit of MLRT_BVH_DEPTH_LIMIT binary levels would do, but is more than most scenes
- * need and less than some do. So it is built with a larger one first, and again with that one only if the result is too
- * deep.
+ *   takes at least one binary level, so MLRT_BVH_DEPTH_LIMIT binary levels are never too deep. Most scenes need fewer,
+ *   but some need more: so the first attempt allows BINARY_DEPTH levels, and only if its nodes of sixteen are too deep,
+ *   a second attempt allows MLRT_BVH_DEPTH_LIMIT.
+ *
+ *   References. A set has spare places behind its references (spatial splits make more of these), and a split is not
+ *   made if it needs more.
  */
 #include "bvh/build.h"
 
@@ -37,15 +40,16 @@
 /* ---- settings ------------------------------------------------------------------------------------------------ */
 
 struct preset {
-    float spare_share;     /* room for references of triangles that are cut, per triangle */
-    float overlap_limit;   /* planes are looked for where sides overlap by more than this part of the scene's area */
-    uint32_t spatial_size; /* and sets have more references than this, at least MLRT_BVH_LEAF_LIMIT */
+    float spare_share;     /* spare places per triangle, for references that spatial splits add */
+    float overlap_limit;   /* spatial splits are tried where sides overlap by more than this part of the scene's area */
+    uint32_t spatial_size; /* and in sets of more references than this; at least MLRT_BVH_LEAF_LIMIT */
 };
 
 /*
- * Overlap limits of 1e-5, 1e-4, 1e-3: nodes per packet of 4x4 in clinic, a building, 6.08, 6.08, 6.45, and time to
- * build dragon, a scan, by 3 : 2 : 1.6. Room of 0.1, 0.15, 0.2: expected cost of clinic 18.8, 18.1, 17.8, of
- * sponza 12.8, 12.7, 12.6, at 89.6, 91.6, 93.3 bytes per triangle for the first.
+ * With overlap limits of 1e-5, 1e-4, 1e-3, a packet of 4x4 visits 6.08, 6.08, 6.45 nodes in clinic (a building), and
+ * the times to build dragon (a scan) are as 3 : 2 : 1.6. With 0.1, 0.15, 0.2 spare places per triangle, the expected
+ * cost of clinic is 18.8, 18.1, 17.8 and that of sponza 12.8, 12.7, 12.6; clinic takes 89.6, 91.6, 93.3 bytes per
+ * triangle.
  */
 static const struct preset PRESETS[] = {
     {0.15f, 1e-4f, 32}, /* MLRT_TREE_DEFAULT */
@@ -54,8 +58,8 @@ static const struct preset PRESETS[] = {
 };
 
 /*
- * Leaves cost about what nodes do, however many triangles they have: both are looked at sixteen wide. Nodes / leaves
- * per packet of 4x4 that a single walk visits (seven scenes, geometric mean of the sum), and triangles per leaf:
+ * A leaf costs about as much as a node, however many triangles it has, since both are tested sixteen wide. Measured:
+ * nodes + leaves that a packet of 4x4 visits on its own (geometric mean of seven scenes), and triangles per leaf:
  *
  *     leaf, quad, triangle     sum     per leaf
  *     1.0   0     0.02         6.08    8.8 to 10.6
@@ -67,68 +71,71 @@ static const struct preset PRESETS[] = {
  *     0.3   0.2   0.03         6.42    5.2 to 6.6
  *     0.8   0     0.08         6.35    5.1 to 7.0
  *
- * So small leaves save quads, by a third at most, but not visits. `quad` is there to be tried with other kernels.
+ * So smaller leaves save at most a third of the quads, but no visits. `quad` is kept for trials with other kernels.
  */
 static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, 0.0f, MLRT_TRIANGLE_COST};
 
 /*
- * A plane must be this much better than the best other split. In scenes of regular parts both are often about the same,
- * and planes only cost references: with 1, erw10 (a room of equal squares) takes 3.79 nodes and 2.85 leaves per packet,
- * with 0.99 and 0.97 3.53 and 2.94. 0.9 is too much: a building (clinic) then takes 8.3 nodes instead of 6.1.
+ * A spatial split is used if its cost is below this part of the best other split's. In scenes of regular parts both
+ * often cost about the same, and spatial splits only add references: with 1, erw10 (a room of equal squares) takes 3.79
+ * nodes and 2.85 leaves per packet, with 0.99 and 0.97 it takes 3.53 and 2.94. 0.9 is too low: a building (clinic) then
+ * takes 8.3 nodes instead of 6.1.
  */
 #define PLANE_GAIN 0.99
 
-/* References per leaf that the budget allows for on average: memory for nodes while building is 104 / 4 bytes each. */
+/* References per leaf, on average, that the budget allows for: so building takes 104 / 4 bytes of nodes for each. */
 #define LEAF_SHARE 4
 
-/* Binary levels in the first attempt. It bounds the stack. */
+/* Binary levels in the first attempt. Bounds the stack. */
 #define BINARY_DEPTH 64
 
-/* Of MLRT_BVH_WORK, what looking at a triangle first takes, and writing nodes at the end. */
+/* The parts of MLRT_BVH_WORK for making a triangle's reference first, and for writing nodes at the end. */
 #define FIRST_WORK 1.0
 #define LAST_WORK  1.0
 
-/* Subtrees of at most so many references, or of this part of all, are built by one worker. */
+/* One worker builds each subtree of at most so many references, or of at most this part of all references. */
 #define TASK_SIZE  4096
 #define TASK_SHARE 64
 
-/* So many references, or triangles, between two looks at whether the call goes on; the pool is given them at a time.
- * Looking for planes takes 3 ms for them. */
+/*
+ * The pool takes references, or triangles, in chunks of so many, and looks after each chunk whether the call is
+ * cancelled. Filling the slabs of a chunk takes 3 ms.
+ */
 #define CHUNK_SIZE 4096
 
-/* Quads and nodes have 29 bits in a child. */
+/* A child has 29 bits for the number of a node or quad. */
 #define COUNT_LIMIT (UINT32_MAX >> 3)
 
 /* ---- one build ----------------------------------------------------------------------------------------------- */
 
-/* A set to be cut, its place among the binary nodes, and what it may use. */
+/* A set to be cut, the number of its binary node, and its limits. */
 struct portion {
     struct mlrt_bvh_set set;
-    uint32_t spare; /* places for references behind those of the set */
+    uint32_t spare; /* free places behind the references of the set */
     uint32_t node;
     uint32_t depth;
-    uint32_t budget; /* of leaves */
+    uint32_t budget; /* the most leaves */
 };
 
 /* A subtree that one worker builds. */
 struct task {
     struct portion portion;
     struct mlrt_forest_costs costs;
-    uint32_t slots; /* children of the node above that it may become */
+    uint32_t slots; /* of the node above, that it may take */
     uint32_t depth; /* of that node */
     struct mlrt_bvh_size size;
     struct mlrt_bvh_cursor cursor;
 };
 
-/* What a worker counts for all. */
+/* The bins that one worker fills, where all workers bin one set. */
 struct share {
     struct mlrt_bvh_bins bins;
     struct mlrt_spatial_bins slabs;
 };
 
-/* References made of a chunk of triangles, and those that are left out. */
+/* The references of a chunk of triangles, and how many triangles are left out. */
 struct chunk {
-    struct mlrt_box bounds; /* as given */
+    struct mlrt_box bounds; /* of the references, not in units */
     uint32_t count;
     uint32_t non_finite_count;
     uint32_t zero_area_count;
@@ -144,20 +151,21 @@ struct build {
     struct task *tasks;
     struct share *shares;
     struct chunk *chunks;
-    uint32_t capacity; /* references that there is room for */
+    uint32_t capacity; /* length of `references` */
     uint32_t reference_count;
     uint32_t leaf_limit;
     uint32_t task_capacity;
     uint32_t task_count;
-    uint32_t task_size; /* sets up to this are tasks */
+    uint32_t task_size; /* sets of at most so many references are tasks */
     uint32_t chunk_count;
     uint32_t depth_limit;
-    double scene_area;              /* of the core: a few large boxes are as large as that */
-    const struct portion *together; /* the set that the pool is looking at */
+    double scene_area;                    /* area of the core of the scene; a few boxes may be larger */
+    const struct portion *shared_portion; /* the portion whose bins all workers fill; NULL = none */
     struct mlrt_progress *progress;
-    double cut_work; /* per reference of a set that is cut */
+    double cut_work; /* work per reference of a set that is cut */
 };
 
+/* The area of a box relative to the scene's, at most 1. */
 static float relative_area(const struct build *build, const struct mlrt_quad_box *box)
 {
     const double area = mlrt_quad_box_area(box);
@@ -166,7 +174,7 @@ static float relative_area(const struct build *build, const struct mlrt_quad_box
 
 /* ---- references ---------------------------------------------------------------------------------------------- */
 
-/* Beyond MLRT_BVH_FAR, where boxes have no bounds: here they have this one, to have an area. */
+/* Bounds of references beyond MLRT_BVH_FAR are moved to this, so that areas are finite. */
 #define REFERENCE_LIMIT (2 * MLRT_BVH_FAR)
 
 static float limit_reference(float bound)
@@ -183,7 +191,7 @@ static void scale_reference(float unit, struct mlrt_quad_box *reference)
     }
 }
 
-/* + 0 turns -0 into 0. */
+/* Sets a reference to a whole triangle. + 0 turns -0 into 0. */
 static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_triangle *triangle, uint32_t number)
 {
     uint32_t bits = number | MLRT_REFERENCE_MARK;
@@ -197,8 +205,8 @@ static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_tri
     reference->hi[3] = 0;
 }
 
-/* One reference for each triangle of the chunk that can be hit, from the chunk's own place on. */
-static MLRT_NOINLINE void refer_to_chunk(struct build *build, uint32_t number)
+/* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
+static MLRT_NOINLINE void make_chunk_references(struct build *build, uint32_t number)
 {
     struct chunk *chunk = &build->chunks[number];
     uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
@@ -233,7 +241,7 @@ static int32_t run_chunk(void *work, uint32_t item, uint32_t worker)
     struct build *build = work;
     (void)worker;
     const uint64_t environment = mlrt_enter_fp_environment();
-    refer_to_chunk(build, item);
+    make_chunk_references(build, item);
     mlrt_leave_fp_environment(environment);
     return mlrt_advance(build->progress, CHUNK_SIZE * FIRST_WORK);
 }
@@ -246,8 +254,8 @@ static void extend_bounds(const struct mlrt_box *bounds, struct mlrt_box *all)
     }
 }
 
-/* References to all triangles, without gaps, and the bounds of all. Those left out are counted. */
-static int32_t refer_to_all(struct build *build)
+/* Makes the references of all triangles, without gaps, and sets the bounds and the counts of triangles left out. */
+static int32_t make_references(struct build *build)
 {
     struct mlrt_box bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     mlrt_tree_info *info = &build->tree->info;
@@ -271,13 +279,13 @@ static int32_t refer_to_all(struct build *build)
 
 /* ---- budgets ------------------------------------------------------------------------------------------------- */
 
-/* Leaves that halving leaves: at least 8 references in each if there are more than 16. */
+/* The most leaves of a set that is halved down to sets of 16: an only leaf, or leaves of 8 references or more. */
 static uint32_t reserve(uint32_t count)
 {
     return count <= MLRT_BVH_LEAF_LIMIT ? 1 : count / 8;
 }
 
-/* Levels that halving takes. */
+/* The levels that halving down to sets of 16 takes. */
 static uint32_t halving_depth(uint32_t count)
 {
     uint32_t depth = 0;
@@ -291,6 +299,7 @@ static uint32_t scale(uint32_t a, uint32_t b, uint64_t c)
     return (uint32_t)((uint64_t)a * b / c);
 }
 
+/* 1 if sides of `lower` and `upper` references stay within the portion's budget and the depth limit. */
 static int may_split(const struct build *build, const struct portion *portion, uint32_t lower, uint32_t upper)
 {
     uint32_t larger = lower > upper ? lower : upper;
@@ -299,8 +308,9 @@ static int may_split(const struct build *build, const struct portion *portion, u
 }
 
 /*
- * Shares out what a portion may use to its sides: first what each needs, the rest by size. Sets that will not be cut by
- * planes have no use for room, and those that may become one leaf must have none between their sides.
+ * Shares out the budget and the spare places of a portion to its sides: first the reserve of each, then the rest by
+ * size. Sets too small for spatial splits get no spare places: they need none, and the references of a set that may
+ * become one leaf must have no gap.
  */
 static void share_out(const struct build *build, const struct portion *portion, const struct mlrt_bvh_set sets[2],
                       struct portion sides[2])
@@ -319,12 +329,13 @@ static void share_out(const struct build *build, const struct portion *portion, 
 /* ---- looking for a split --------------------------------------------------------------------------------------- */
 
 struct choice {
-    int spatial; /* 1 = by a plane */
+    int spatial; /* 1 = `plane` is used, 0 = `split` is */
     struct mlrt_bvh_split split;
     struct mlrt_spatial_split plane;
 };
 
-static uint32_t chunk_end(const struct portion *portion, uint32_t chunk)
+/* How many references chunk number `chunk` of the portion has. */
+static uint32_t count_in_chunk(const struct portion *portion, uint32_t chunk)
 {
     uint32_t left = portion->set.count - chunk * CHUNK_SIZE;
     return left < CHUNK_SIZE ? left : CHUNK_SIZE;
@@ -333,9 +344,9 @@ static uint32_t chunk_end(const struct portion *portion, uint32_t chunk)
 static int32_t fill_bins_item(void *work, uint32_t item, uint32_t worker)
 {
     struct build *build = work;
-    const struct portion *portion = build->together;
+    const struct portion *portion = build->shared_portion;
     const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_fill_bins(build->references, portion->set.first + item * CHUNK_SIZE, chunk_end(portion, item),
+    mlrt_fill_bins(build->references, portion->set.first + item * CHUNK_SIZE, count_in_chunk(portion, item),
                    &portion->set.centres, &build->shares[worker].bins);
     mlrt_leave_fp_environment(environment);
     return mlrt_is_cancelled(build->progress);
@@ -344,10 +355,10 @@ static int32_t fill_bins_item(void *work, uint32_t item, uint32_t worker)
 static int32_t fill_slabs_item(void *work, uint32_t item, uint32_t worker)
 {
     struct build *build = work;
-    const struct portion *portion = build->together;
+    const struct portion *portion = build->shared_portion;
     const uint64_t environment = mlrt_enter_fp_environment();
     mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
-                           portion->set.first + item * CHUNK_SIZE, chunk_end(portion, item), &portion->set.box,
+                           portion->set.first + item * CHUNK_SIZE, count_in_chunk(portion, item), &portion->set.box,
                            &build->shares[worker].slabs);
     mlrt_leave_fp_environment(environment);
     return mlrt_is_cancelled(build->progress);
@@ -358,9 +369,8 @@ static uint32_t chunks_of(uint32_t count)
     return count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
 }
 
-/* Whether so many references have such a chunk, and it is to be looked at. One chunk is not worth a look at the time.
- */
-static int goes_on(const struct build *build, uint32_t count, uint32_t chunk)
+/* 1 if `count` references have chunk number `chunk` and the call is not cancelled. For chunk 0 that is not asked. */
+static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chunk)
 {
     return chunk < chunks_of(count) && (chunk == 0 || !mlrt_is_cancelled(build->progress));
 }
@@ -369,9 +379,10 @@ static void fill_bins(struct build *build, const struct portion *portion, struct
 {
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_bins(bins);
-    if (build->together != portion) {
-        for (uint32_t i = 0; goes_on(build, set->count, i); i++)
-            mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, chunk_end(portion, i), &set->centres, bins);
+    if (build->shared_portion != portion) {
+        for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
+            mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->centres,
+                           bins);
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -384,10 +395,10 @@ static void fill_slabs(struct build *build, const struct portion *portion, struc
 {
     const struct mlrt_bvh_set *set = &portion->set;
     mlrt_clear_spatial_bins(slabs);
-    if (build->together != portion) {
-        for (uint32_t i = 0; goes_on(build, set->count, i); i++)
+    if (build->shared_portion != portion) {
+        for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
             mlrt_fill_spatial_bins(build->tree->triangles, build->tree->bvh.unit, build->references,
-                                   set->first + i * CHUNK_SIZE, chunk_end(portion, i), &set->box, slabs);
+                                   set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->box, slabs);
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
@@ -396,8 +407,8 @@ static void fill_slabs(struct build *build, const struct portion *portion, struc
     for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_spatial_bins(&build->shares[i].slabs, slabs);
 }
 
-static MLRT_NOINLINE void look_for_split(struct build *build, const struct portion *portion,
-                                         struct mlrt_bvh_split *split)
+/* Sets *split to the cheapest split by centres within the portion's limits. */
+static MLRT_NOINLINE void find_split(struct build *build, const struct portion *portion, struct mlrt_bvh_split *split)
 {
     if (portion->set.count <= MLRT_SWEEP_LIMIT) {
         mlrt_sweep_set(&build->costs, build->references, &portion->set, split);
@@ -410,8 +421,9 @@ static MLRT_NOINLINE void look_for_split(struct build *build, const struct porti
     if (split->cost < HUGE_VAL && !may_split(build, portion, lower, portion->set.count - lower)) split->cost = HUGE_VAL;
 }
 
-static MLRT_NOINLINE void look_for_plane(struct build *build, const struct portion *portion,
-                                         struct mlrt_spatial_split *plane)
+/* Sets *plane to the cheapest spatial split within the portion's limits. */
+static MLRT_NOINLINE void find_plane(struct build *build, const struct portion *portion,
+                                     struct mlrt_spatial_split *plane)
 {
     struct mlrt_spatial_bins slabs;
     fill_slabs(build, portion, &slabs);
@@ -419,7 +431,7 @@ static MLRT_NOINLINE void look_for_plane(struct build *build, const struct porti
     if (plane->cost < HUGE_VAL && !may_split(build, portion, plane->count[0], plane->count[1])) plane->cost = HUGE_VAL;
 }
 
-/* The paper's measure of when to look for planes: how much the sides of the best other split overlap. */
+/* 1 if the sides of the best split by centres overlap so much that a spatial split is tried, as Stich et al. do. */
 static int overlaps(const struct build *build, const struct mlrt_bvh_split *split)
 {
     struct mlrt_quad_box common;
@@ -432,7 +444,7 @@ static int overlaps(const struct build *build, const struct mlrt_bvh_split *spli
     return mlrt_quad_box_area(&common) > build->preset->overlap_limit * build->scene_area;
 }
 
-/* Coordinates must not be too large for spatial.c. */
+/* 1 if the box's coordinates are small enough for the float arithmetic of spatial.c. */
 static int may_be_cut(const struct mlrt_quad_box *box)
 {
     for (int k = 0; k < 3; k++)
@@ -442,18 +454,18 @@ static int may_be_cut(const struct mlrt_quad_box *box)
 
 static void choose(struct build *build, const struct portion *portion, struct choice *choice)
 {
-    look_for_split(build, portion, &choice->split);
+    find_split(build, portion, &choice->split);
     choice->spatial = 0;
     if (portion->spare == 0 || portion->set.count <= build->preset->spatial_size) return;
     if (!may_be_cut(&portion->set.box)) return;
     if (choice->split.cost < HUGE_VAL && !choice->split.sorted && !overlaps(build, &choice->split)) return;
-    look_for_plane(build, portion, &choice->plane);
+    find_plane(build, portion, &choice->plane);
     choice->spatial = choice->plane.cost < PLANE_GAIN * choice->split.cost;
 }
 
 /* ---- cutting ------------------------------------------------------------------------------------------------- */
 
-/* A sixteenth of a node is what another child of it costs. */
+/* 1 if the split costs less than a leaf. Another child of a node counts as a sixteenth of a node. */
 static int split_pays(const struct build *build, const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split)
 {
     const struct mlrt_bvh_costs *costs = &build->costs;
@@ -461,14 +473,17 @@ static int split_pays(const struct build *build, const struct mlrt_bvh_set *set,
     return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * mlrt_bvh_leaf_cost(costs, set->count);
 }
 
-/* Moves a set, whose order does not matter, to another first place. Not all of it, if the call is to end. */
+/*
+ * Moves the references of a set to another first place; their order does not matter, so only those outside the new
+ * place are moved. If the call is cancelled, not all of them.
+ */
 static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32_t first)
 {
     const uint32_t distance = first > set->first ? first - set->first : set->first - first;
     const uint32_t count = distance < set->count ? distance : set->count;
     const uint32_t from = first > set->first ? set->first : set->first + set->count - count;
     const uint32_t to = first > set->first ? first + set->count - count : first;
-    for (uint32_t chunk = 0; goes_on(build, count, chunk); chunk++) {
+    for (uint32_t chunk = 0; is_chunk_due(build, count, chunk); chunk++) {
         const uint32_t begin = chunk * CHUNK_SIZE, left = count - begin;
         memcpy(build->references + to + begin, build->references + from + begin,
                (left < CHUNK_SIZE ? left : CHUNK_SIZE) * sizeof *build->references);
@@ -476,7 +491,7 @@ static void move_set(const struct build *build, struct mlrt_bvh_set *set, uint32
     set->first = first;
 }
 
-/* Halves a set in which planes cut nothing off after all. */
+/* Halves a set of which a spatial split left one side empty. */
 static void halve(struct build *build, struct mlrt_bvh_set sets[2])
 {
     static const struct mlrt_bvh_split NO_SPLIT = {.cost = HUGE_VAL};
@@ -484,7 +499,7 @@ static void halve(struct build *build, struct mlrt_bvh_set sets[2])
     mlrt_apply_bvh_split(build->references, &whole, &NO_SPLIT, build->progress, sets);
 }
 
-/* Deals the references of a portion out to its sides. Returns 0 if the call is to end. */
+/* Deals the references of a portion out to its sides. Returns 0 if the call is cancelled. */
 static int apply(struct build *build, const struct portion *portion, const struct choice *choice,
                  struct portion sides[2])
 {
@@ -502,6 +517,7 @@ static int apply(struct build *build, const struct portion *portion, const struc
     return 1;
 }
 
+/* Sets the binary node of a portion, without children. Returns it. */
 static struct mlrt_binary_node *start_node(const struct build *build, const struct portion *portion)
 {
     struct mlrt_binary_node *node = &build->binary.nodes[portion->node];
@@ -513,7 +529,7 @@ static struct mlrt_binary_node *start_node(const struct build *build, const stru
     return node;
 }
 
-/* Cuts a set in two, unless it is to be a leaf, or the call is to end. Returns whether it did. */
+/* Cuts a portion in two and returns 1. Returns 0 if the portion becomes a leaf, or the call is cancelled. */
 static int cut(struct build *build, const struct portion *portion, struct mlrt_binary_node *node,
                struct portion sides[2])
 {
@@ -522,7 +538,7 @@ static int cut(struct build *build, const struct portion *portion, struct mlrt_b
     if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
     if (mlrt_advance(build->progress, build->cut_work * portion->set.count)) return 0;
     choose(build, portion, &choice);
-    /* Then bins may have been filled in part, and a plane cut more references than there is room for. */
+    /* If cancelled, bins may be unfinished, and a plane chosen from them may cut more references than fit. */
     if (portion->set.count > CHUNK_SIZE && mlrt_is_cancelled(build->progress)) return 0;
     if (is_small && (choice.split.cost == HUGE_VAL || !split_pays(build, &portion->set, &choice.split))) return 0;
     if (!apply(build, portion, &choice, sides)) return 0;
@@ -558,7 +574,7 @@ static int32_t build_task(void *work, uint32_t item, uint32_t worker)
     return mlrt_is_cancelled(build->progress);
 }
 
-/* Cuts sets until they are small enough for tasks, and notes these in the order of the hierarchy. */
+/* Cuts portions until they are small enough for tasks, and lists the tasks in depth-first order. */
 static void find_tasks(struct build *build, const struct portion *portion)
 {
     struct portion sides[2];
@@ -566,7 +582,7 @@ static void find_tasks(struct build *build, const struct portion *portion)
         build->tasks[build->task_count++].portion = *portion;
         return;
     }
-    build->together = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
+    build->shared_portion = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
     if (!cut(build, portion, start_node(build, portion), sides)) return;
     for (int side = 0; side < 2; side++) find_tasks(build, &sides[side]);
 }
@@ -576,7 +592,7 @@ static int is_next_task(const struct build *build, uint32_t number, uint32_t nex
     return next_task < build->task_count && build->tasks[next_task].portion.node == number;
 }
 
-/* The choices of the upper levels, when the tasks below them are done. */
+/* Sets the choices of the nodes above the tasks, after all tasks have set theirs. */
 static void choose_upper(const struct build *build, uint32_t number, uint32_t *next_task,
                          struct mlrt_forest_costs *costs)
 {
@@ -596,7 +612,7 @@ static void choose_upper(const struct build *build, uint32_t number, uint32_t *n
 
 /* ---- nodes of sixteen ---------------------------------------------------------------------------------------- */
 
-/* Counts the nodes above the tasks, and tells these what they are to become. */
+/* Adds the nodes of sixteen above the tasks to *size, and sets slots and depth of each task. */
 static void measure_upper(struct build *build, uint32_t number, uint32_t slots, uint32_t depth, uint32_t *next_task,
                           struct mlrt_bvh_size *size)
 {
@@ -643,7 +659,7 @@ static struct mlrt_bvh_size measure_all(struct build *build)
     return size;
 }
 
-/* Writes the nodes above the tasks, and tells these where theirs go. */
+/* Writes the nodes of sixteen above the tasks, and sets the cursor of each task. */
 static void write_upper(struct build *build, uint32_t number, uint32_t slots, uint32_t *next_task,
                         struct mlrt_bvh_cursor *cursor)
 {
@@ -677,7 +693,10 @@ static int32_t write_task(void *work, uint32_t item, uint32_t worker)
     return mlrt_advance(build->progress, LAST_WORK * task->portion.set.count);
 }
 
-/* The root is a node even if one leaf would do. Otherwise it is the only child of a node that nobody needs. */
+/*
+ * Writes the whole hierarchy. Its root is always a node. If the binary root becomes a leaf, that is the root's only
+ * child; else the root is written as the only child of a node `above`, which is dropped.
+ */
 static int32_t write_all(struct build *build)
 {
     struct mlrt_bvh_node above;
@@ -764,7 +783,7 @@ static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_siz
 
 /* ---- the whole hierarchy ------------------------------------------------------------------------------------- */
 
-/* The area of what a box shares with the core of the scene. */
+/* Sets scene_area to the area of the part of a box that lies in the core of the scene. */
 static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 {
     const struct mlrt_box *core = &build->tree->bvh.core;
@@ -776,7 +795,7 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
     build->scene_area = mlrt_quad_box_area(&part);
 }
 
-/* Sets *size, unless the call is to end. */
+/* Builds the binary hierarchy, and sets *size to that of the result. Returns a status. */
 static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
 {
     struct portion root = {mlrt_measure_set(build->references, 0, build->reference_count, build->progress),
@@ -787,7 +806,7 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
     build->task_count = 0;
     build->depth_limit = depth_limit;
     find_tasks(build, &root);
-    build->together = NULL;
+    build->shared_portion = NULL;
     if (!mlrt_is_cancelled(build->progress)) mlrt_run_items(build->pool, build->task_count, build_task, build);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
@@ -802,11 +821,11 @@ static int32_t build_hierarchy(struct build *build)
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
     memset(&tree->bounds, 0, sizeof tree->bounds);
     mlrt_set_bvh_unit(tree);
-    int32_t status = refer_to_all(build);
+    int32_t status = make_references(build);
     if (status != MLRT_OK || build->reference_count == 0) return status;
     status = build_binary(build, BINARY_DEPTH, &size);
     if (status == MLRT_OK && size.depth > MLRT_BVH_DEPTH_LIMIT) {
-        status = refer_to_all(build); // some were cut
+        status = make_references(build); // the first attempt has cut references
         if (status == MLRT_OK) status = build_binary(build, MLRT_BVH_DEPTH_LIMIT, &size);
     }
     release_references(build);
@@ -814,7 +833,7 @@ static int32_t build_hierarchy(struct build *build)
     return status == MLRT_OK ? write_all(build) : status;
 }
 
-/* What follows from the options and the number of triangles. */
+/* Sets all settings and capacities that follow from the options and the number of triangles. */
 static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count, struct build *build)
 {
     build->preset = &PRESETS[options != NULL ? options->preset : MLRT_TREE_DEFAULT];
@@ -824,7 +843,8 @@ static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count
     build->capacity = triangle_count + (uint32_t)((float)triangle_count * build->preset->spare_share);
     build->leaf_limit = build->capacity / LEAF_SHARE + 1;
     build->task_size = build->capacity / TASK_SHARE > TASK_SIZE ? build->capacity / TASK_SHARE : TASK_SIZE;
-    build->task_capacity = BINARY_DEPTH * (build->capacity / build->task_size) + 1; // as many on each level
+    /* A level has at most capacity / task_size sets larger than tasks, and cutting n of these leaves n + 1 tasks. */
+    build->task_capacity = BINARY_DEPTH * (build->capacity / build->task_size) + 1;
     build->chunk_count = chunks_of(triangle_count);
     const double levels = log2((double)triangle_count / MLRT_BVH_LEAF_LIMIT + 2);
     build->cut_work = (MLRT_BVH_WORK - FIRST_WORK - LAST_WORK) / levels;
@@ -852,10 +872,9 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
     return status;
 }
 
-/* ---- memory, before ------------------------------------------------------------------------------------------ */
+/* ---- expected memory ----------------------------------------------------------------------------------------- */
 
-/* Bytes of nodes and quads per triangle that scenes take, with some room: DEFAULT 47 to 56, FAST 47 to 51, BEST 49
- * to 65. */
+/* Bytes of nodes and quads per triangle, with a margin. Scenes take: DEFAULT 47 to 56, FAST 47 to 51, BEST 49 to 65. */
 static const double RESULT_SIZES[] = {58, 53, 66};
 
 struct mlrt_demand mlrt_foresee_bvh(const mlrt_tree_options *options, uint32_t triangle_count)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Statistics of a hierarchy of boxes and its invariants: see check.h. The check walks it without recursion: one
- * that is wrong may not end.
+ * Statistics and invariants of a hierarchy of boxes: see check.h. mlrt_check_boxes walks the hierarchy without
+ * recursion, because one that is wrong may have no end.
  */
 #include "bvh/check.h"
 
@@ -16,12 +16,13 @@
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */
 
-/* FNV-1a, as in mlrta/check.c, by words instead of bytes: there are more of them here. */
+/* FNV-1a, as in mlrta/check.c, but by words instead of bytes, because there are more of them. */
 #define HASH_START  0xCBF29CE484222325u
 #define HASH_FACTOR 0x100000001B3u
 
-/* Between two looks at whether the call goes on. */
+/* Nodes, and words of numbers, between two calls of mlrt_is_cancelled. */
 #define NODE_ROUNDS 1024
+#define WORD_ROUNDS 65536
 
 static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
 {
@@ -34,9 +35,7 @@ static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
     return hash;
 }
 
-#define WORD_ROUNDS 65536
-
-/* Corners follow from numbers. */
+/* Boxes, children and numbers. Corners are not hashed: they follow from the numbers. */
 static uint64_t hash_bvh(const struct mlrt_bvh *bvh, struct mlrt_progress *progress)
 {
     const size_t word_count = 4 * (size_t)bvh->quad_count;
@@ -71,7 +70,7 @@ static double half_area(const float lo[3], const float hi[3])
     return x * y + y * z + z * x;
 }
 
-/* In units, where boxes end as far out as they have bounds. */
+/* Half the surface area of a box in units. A bound beyond MLRT_BVH_FAR counts as 2 * MLRT_BVH_FAR. */
 static double half_area_of_box(const float lo[3], const float hi[3])
 {
     float finite_lo[3], finite_hi[3];
@@ -90,7 +89,7 @@ static double slot_area(const struct mlrt_bvh_node *node, int slot)
 }
 
 struct totals {
-    double cost; /* times area, without the root's */
+    double cost; /* sum of cost times area, without the root */
     uint64_t leaf_count;
     uint64_t reference_count;
     uint64_t node_count;
@@ -98,8 +97,8 @@ struct totals {
     struct mlrt_progress *progress;
 };
 
-static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, const struct mlrt_bvh_costs *costs,
-                   struct totals *totals)
+static void add_subtree(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, const struct mlrt_bvh_costs *costs,
+                        struct totals *totals)
 {
     const struct mlrt_bvh_node *node = &bvh->nodes[number];
     if (depth > totals->depth) totals->depth = depth;
@@ -112,17 +111,17 @@ static void add_up(const struct mlrt_bvh *bvh, uint32_t number, uint32_t depth, 
             totals->reference_count += count;
         } else {
             totals->cost += slot_area(node, i) * costs->node;
-            add_up(bvh, mlrt_bvh_offset(node->child[i]), depth + 1, costs, totals);
+            add_subtree(bvh, mlrt_bvh_offset(node->child[i]), depth + 1, costs, totals);
         }
     }
 }
 
-static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
+static void set_info(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
     struct totals totals = {0, 0, 0, 0, 0, progress};
     double area = half_area_of_box(tree->bvh.whole.lo, tree->bvh.whole.hi);
-    if (tree->bvh.node_count > 0) add_up(&tree->bvh, 0, 1, costs, &totals);
+    if (tree->bvh.node_count > 0) add_subtree(&tree->bvh, 0, 1, costs, &totals);
     info->depth = totals.depth;
     info->node_count = tree->bvh.node_count;
     info->leaf_count = totals.leaf_count;
@@ -139,24 +138,24 @@ static void report(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, s
 void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     tree->float_safe = mlrt_has_safe_bounds(tree);
-    report(tree, costs, progress);
+    set_info(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
 
-static int holds_nothing(const float *corners, uint32_t row)
+static int has_no_corners(const float *corners, uint32_t row)
 {
     for (uint32_t i = 0; i < 9; i++)
         if (corners[i * row] == corners[i * row]) return 0;
     return 1;
 }
 
-/* Whether a place holds the very bits of the triangle in units. `row` is how many places the leaf has. */
-static int holds_corners(const float *corners, uint32_t row, const struct mlrt_triangle *triangle, float unit)
+/* 1 if a place has the corners of the triangle in units, bit for bit. `row` is the number of places of the leaf. */
+static int has_corners_of(const float *corners, uint32_t row, const struct mlrt_triangle *triangle, float unit)
 {
     struct mlrt_triangle in_units;
     uint32_t difference = 0, expected[9];
-    if (!mlrt_triangle_in_units(triangle, unit, &in_units)) return holds_nothing(corners, row);
+    if (!mlrt_triangle_in_units(triangle, unit, &in_units)) return has_no_corners(corners, row);
     memcpy(expected, &in_units, sizeof expected);
     for (uint32_t i = 0; i < 9; i++) {
         uint32_t bits;
@@ -181,25 +180,25 @@ static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
     for (uint32_t place = 0; place < place_count; place++) {
         if (place >= count) {
             if (numbers[place] != MLRT_NONE) return "B5: a triangle behind an empty place";
-            if (!holds_nothing(corners + place, place_count)) return "B5: an empty place has corners";
+            if (!has_no_corners(corners + place, place_count)) return "B5: an empty place has corners";
             continue;
         }
         if (mlrt_is_left_out(tree, numbers[place])) return "a leaf holds a triangle that was to be left out";
-        if (!holds_corners(corners + place, place_count, &tree->triangles[numbers[place]], tree->bvh.unit))
+        if (!has_corners_of(corners + place, place_count, &tree->triangles[numbers[place]], tree->bvh.unit))
             return "B5: corners are not those of the triangle";
     }
     return NULL;
 }
 
-/* Kernels number the slots of all nodes. */
+/* Kernels number the slots of all nodes in 32 bits. */
 #define NODE_LIMIT (UINT32_MAX / MLRT_BVH_WIDTH)
 
-/* Where a walk is: what must come next. */
+/* The state of a walk in depth-first order. */
 struct walk {
-    uint32_t node[MLRT_BVH_DEPTH_LIMIT + 1]; /* the path */
-    int slot[MLRT_BVH_DEPTH_LIMIT + 1];
+    uint32_t node[MLRT_BVH_DEPTH_LIMIT + 1]; /* the path from the root */
+    int slot[MLRT_BVH_DEPTH_LIMIT + 1];      /* the next slot to visit, for each node of the path */
     uint32_t depth;
-    uint32_t next_node;
+    uint32_t next_node; /* the node and the quad that depth-first order has next */
     uint32_t next_quad;
 };
 
@@ -212,7 +211,7 @@ static const char *check_empty_slots(const struct mlrt_bvh_node *node, int first
     return first == 0 ? "B2: a node has no children" : NULL;
 }
 
-/* Not so where a bound is a NaN. */
+/* 1 if the slot's box is a box, within the bounds; 0 if a bound is a NaN. */
 static int is_box_within(const struct mlrt_bvh_node *node, int slot, const struct mlrt_box *bounds)
 {
     for (int k = 0; k < 3; k++) {
@@ -271,7 +270,10 @@ static int leaf_holds(const struct mlrt_bvh *bvh, uint32_t child, uint32_t trian
     return 0;
 }
 
-/* Whether a leaf holds the triangle whose box, with those above it, contains the point. At most 33 calls deep. */
+/*
+ * 1 if a leaf below the node holds the triangle, and its box and the boxes above it contain the point. At most 33 calls
+ * deep.
+ */
 static int is_found_at(const struct mlrt_bvh *bvh, uint32_t number, uint32_t triangle, const double point[3])
 {
     const struct mlrt_bvh_node *node = &bvh->nodes[number];

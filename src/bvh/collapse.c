@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which nodes of a binary hierarchy become nodes of sixteen, and writes them: see collapse.h.
+ * Chooses and writes nodes of sixteen: see collapse.h.
  */
 #include "bvh/collapse.h"
 
@@ -21,7 +21,7 @@ void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlr
     }
 }
 
-/* The cheapest way to share out `slots` children to the two sides. */
+/* The least cost of two children in `slots` slots. Sets *lower_slots to the number that the lower child gets. */
 MLRT_INLINE float distribute(const struct mlrt_forest_costs children[2], int slots, uint8_t *lower_slots)
 {
     float best = children[0].cost[1] + children[1].cost[slots - 1];
@@ -102,7 +102,7 @@ void mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number,
 
 /* ---- leaves -------------------------------------------------------------------------------------------------- */
 
-/* Ascending, so that the first of equal hits is met first. */
+/* Ascending, so that of triangles hit at one t the one that the hit rule prefers is tested first. */
 static void sort_numbers(uint32_t *numbers, uint32_t count)
 {
     for (uint32_t i = 1; i < count; i++) {
@@ -142,7 +142,7 @@ void mlrt_clear_node(struct mlrt_bvh_node *node)
     }
 }
 
-/* Beyond MLRT_BVH_FAR boxes have no bounds. */
+/* A low bound; -inf below -MLRT_BVH_FAR (unit.h). */
 static float low_bound(float lo)
 {
     return lo < -MLRT_BVH_FAR ? -INFINITY : lo;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From a binary hierarchy to nodes of sixteen: which of its nodes become nodes and leaves, so that the expected cost is
- * the least there is.
+ * From a binary hierarchy to nodes of sixteen: chooses which binary nodes become nodes and leaves, so that the expected
+ * cost is least, and writes these.
  *
  * Based on: Henri Ylitie, Tero Karras, Samuli Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
  * Wide BVHs", 2017, section 3 (the cut by dynamic programming).
@@ -15,73 +15,74 @@
 #include "scene/tree.h"
 
 /*
- * A node of the binary hierarchy. The lower child is the next in the array.
+ * A node of the binary hierarchy. Its lower child is the next one in the array.
  *
- * `choice` says what is cheapest. choice[i], 2 <= i <= 15: as at most i children of a node above, the lower child gets
- * so many of them and the upper one the others; 0 = i - 1 children are enough. choice[1]: 0 = as one child it is a
- * leaf, 1 = it is a node. choice[0]: of that node's sixteen children, the lower child gets so many.
+ * `choice` is the cheapest way to make the node at most i slots (children) of a node above. choice[i], 2 <= i <= 15:
+ * how many of the i slots the lower child gets, and the upper child the others; 0 = as for i - 1 slots. choice[1]:
+ * 0 = one slot is a leaf, 1 = it is a node. choice[0]: how many of that node's sixteen slots the lower child gets.
  */
 struct mlrt_binary_node {
     float lo[3];
     float hi[3];
-    uint32_t first; /* its triangles among all references */
+    uint32_t first; /* its references: `count` of them from this one on */
     uint32_t count;
-    uint32_t upper; /* the upper child; 0 = it has no children */
+    uint32_t upper; /* the upper child; 0 = the node has no children */
     uint8_t choice[MLRT_BVH_WIDTH];
 };
 
-/* cost[i]: what a binary node costs as at most i children of a node, times its area. cost[0] is not used. */
+/* cost[i]: the least cost, times area, of a binary node and all below it as at most i slots. cost[0] is not used. */
 struct mlrt_forest_costs {
     float cost[MLRT_BVH_WIDTH];
 };
 
-/* The choices and costs of a binary node with no children: 1 to 16 triangles. `area` is relative to the scene's. */
+/* Sets choices and costs of a binary node without children, of 1 to 16 triangles. `area` is relative to the scene's. */
 void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlrt_binary_node *node,
                       struct mlrt_forest_costs *result);
 
-/* The choices and costs of one with two, by theirs. */
+/* Sets choices and costs of a binary node with two children, from the costs of these. */
 void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struct mlrt_forest_costs children[2],
                      struct mlrt_binary_node *node, struct mlrt_forest_costs *result);
 
-/* What a binary node becomes as at most so many children of a node: one, or those of its own children. */
+/* A binary node becomes a leaf, a node of sixteen, or (BOTH) the slots of its two children. */
 struct mlrt_cut {
     enum { MLRT_CUT_LEAF, MLRT_CUT_NODE, MLRT_CUT_BOTH } kind;
-    uint32_t slots[2]; /* of its children, if it is not a leaf */
+    uint32_t slots[2]; /* slots of each child, unless it is a leaf */
 };
 
+/* The cheapest cut of a binary node that is at most `slots` slots. */
 struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots);
 
-/* The binary hierarchy, and the numbers of the triangles that it refers to. */
+/* The binary hierarchy. */
 struct mlrt_binary_tree {
     struct mlrt_binary_node *nodes;
-    uint32_t *triangles;
+    uint32_t *triangles; /* the number of each reference's triangle */
 };
 
-/* What a binary node and all below it become. */
+/* The size of the part of the hierarchy that a binary node and all below it become. */
 struct mlrt_bvh_size {
     uint64_t node_count;
     uint64_t quad_count;
-    uint32_t slot_count; /* children of the node above */
-    uint32_t depth;      /* nodes on the longest path */
+    uint32_t slot_count; /* of the node above */
+    uint32_t depth;      /* nodes on the longest path from the root */
 };
 
-/* Where nodes and quads go next, and the node whose children are written. */
+/* Where the next node, quad and slot are written. */
 struct mlrt_bvh_cursor {
     uint32_t node;
     uint32_t quad;
-    uint32_t slot;
-    struct mlrt_bvh_node *parent;
+    uint32_t slot;                /* of the parent */
+    struct mlrt_bvh_node *parent; /* the node whose children are written */
 };
 
-/* Adds what binary node `number` becomes as at most `slots` children of a node at that depth. */
+/* Adds to *size the part that binary node `number` becomes, as at most `slots` slots of a node at depth `depth`. */
 void mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
                          struct mlrt_bvh_size *size);
 
-/* Writes it, or a part of it if the call is to end. There is room for it in tree->bvh. */
+/* Writes that part into tree->bvh, which has room for it; not all of it if the call is cancelled. */
 void mlrt_write_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, struct mlrt_tree *tree,
                        struct mlrt_progress *progress, struct mlrt_bvh_cursor *cursor);
 
-/* Writes a binary node as a node of sixteen with no children yet. Returns where these go. */
+/* Writes a binary node as a node of sixteen that has no children yet. Returns the cursor for its children. */
 struct mlrt_bvh_cursor mlrt_start_node(const struct mlrt_binary_node *node, struct mlrt_tree *tree,
                                        struct mlrt_bvh_cursor *cursor);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray through the hierarchy of boxes: of a node's children those that it can meet, the nearest first, the others on
- * a stack; the nearest hit so far cuts all of them short.
+ * One ray through the hierarchy of boxes. The children of a node that the ray can meet go on a stack, the nearest on
+ * top. Children that start behind the nearest hit so far are skipped.
  *
- * Box tests are in double (ray_interval.h), so a box is left out only if the ray surely passes it or comes to it surely
- * behind the nearest hit. Where d_k is 0 the ray keeps its coordinate, and the comparison with the box is exact. Boxes
- * are taken out of their units (unit.h), which is exact in double too; bounds may be infinite, but never the one that
- * the ray comes to first on the side that it comes from.
+ * Box tests are in double (exact/ray_interval.h): a box is skipped only if the ray certainly misses it, or certainly
+ * meets it behind the nearest hit. Where d_k is 0, coordinate k of the ray is constant, and its comparison with the box
+ * is exact. Boxes are scaled out of their units (unit.h), which is exact in double too. Bounds may be infinite, but
+ * never the one that the ray comes to first on the side that it comes from.
  */
 #include "bvh/ray.h"
 
@@ -17,32 +17,34 @@
 #include "scene/masks.h"
 #include "scene/tree.h"
 
-/* A child, or the root, that the ray can meet from t = enter on. */
+/* A child that the ray can meet, from t = enter on. */
 struct pending {
     double enter;
     uint32_t child;
 };
 
-/* Of a node all children but one wait, and so on down. */
+/* On each level of the path, all children of a node but one can be pending. */
 #define PENDING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
 
 struct search {
     const struct mlrt_tree *tree;
     const struct mlrt_ray_segment *ray;
     double reciprocal[3];
-    double inverse_unit; /* out of units */
+    double inverse_unit; /* the factor that takes boxes out of units */
     struct mlrt_nearest nearest;
     struct pending stack[PENDING_LIMIT];
     uint32_t pending_count;
 };
 
-/* The parts of the ray inside each of a node's boxes. Empty slots have any. */
+/* The part of the ray inside each box of a node, from t = enter to t = exit. Arbitrary for empty slots. */
 struct parts {
     double enter[MLRT_BVH_WIDTH];
     double exit[MLRT_BVH_WIDTH];
 };
 
-/* Narrows them to what lies between the planes along one axis. Plain loops over all slots, which compilers vectorize.
+/*
+ * Narrows the parts to the slabs between the boxes' planes across axis k. The loops run over all slots, so that
+ * compilers vectorize them.
  */
 static void clip_to_slabs(const struct search *search, const struct mlrt_bvh_node *node, int k, struct parts *parts)
 {
@@ -83,7 +85,7 @@ static void push_children(const struct mlrt_bvh_node *node, struct search *searc
     }
 }
 
-/* Offers the triangles of a leaf. Returns 1 if the search is over. */
+/* Offers the triangles of a leaf to the ray. Returns 1 if the search ends: with `any`, at the first hit. */
 static int test_leaf(struct search *search, uint32_t leaf, uint32_t skip, int any, struct mlrt_hit_list *list,
                      mlrt_counters *counters)
 {

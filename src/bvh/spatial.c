@@ -2,8 +2,8 @@
 /*
  * Cuts a set of references by a plane: see spatial.h.
  *
- * What slabs hold is estimated, in float; it only decides what is done. References are then cut by clip.c, whose boxes
- * hold every point of the triangle.
+ * The bounds of the parts in slabs are estimates in float: they only choose the plane. References are then cut by
+ * scene/clip.c, whose boxes hold every point of the triangle.
  */
 #include "bvh/spatial.h"
 
@@ -21,7 +21,7 @@
 
 struct slabs {
     MLRT_ALIGNED(16) float start[4];
-    MLRT_ALIGNED(16) float scale[4]; /* slabs per length; 0 = all is in slab 0 */
+    MLRT_ALIGNED(16) float scale[4]; /* slabs per unit of length; 0 = all is in slab 0 */
     float width[3];
 };
 
@@ -39,12 +39,13 @@ static struct slabs cut_slabs(const struct mlrt_quad_box *box)
     return slabs;
 }
 
+/* The slab of coordinate x. */
 MLRT_INLINE uint32_t slab_of(const struct slabs *slabs, uint32_t axis, float x)
 {
     return (uint32_t)(int32_t)((x - slabs->start[axis]) * slabs->scale[axis]);
 }
 
-/* Where slab number `slab` starts, about. */
+/* The coordinate at which a slab starts, approximately. */
 MLRT_INLINE float slab_start(const struct slabs *slabs, uint32_t axis, uint32_t slab)
 {
     return slabs->start[axis] + (float)slab * slabs->width[axis];
@@ -58,11 +59,11 @@ MLRT_INLINE f4 load_vertex(const float vertex[3])
     return f4_load(place);
 }
 
-/* A triangle along an axis: its vertices by their heights, and how far its edges move per unit of height. */
-struct stretched {
+/* A triangle with its vertices in the order of their heights (coordinates along an axis), and its edges' slopes. */
+struct sorted_triangle {
     f4 low, middle;
     float low_height, middle_height, high_height;
-    f4 whole_slope, lower_slope, upper_slope; /* of the edges low - high, low - middle, middle - high */
+    f4 whole_slope, lower_slope, upper_slope; /* of the edges low - high, low - middle, middle - high, per height */
 };
 
 MLRT_INLINE f4 slope_of(f4 from, f4 to, float height)
@@ -70,14 +71,14 @@ MLRT_INLINE f4 slope_of(f4 from, f4 to, float height)
     return height > 0 ? f4_mul(f4_sub(to, from), f4_set1(1 / height)) : f4_set1(0);
 }
 
-static struct stretched stretch(const struct mlrt_triangle *triangle, uint32_t axis)
+static struct sorted_triangle sort_vertices(const struct mlrt_triangle *triangle, uint32_t axis)
 {
     const float *low = triangle->v[0], *middle = triangle->v[1], *high = triangle->v[2], *swap;
     if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
     if (high[axis] < middle[axis]) swap = middle, middle = high, high = swap;
     if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
-    struct stretched result = {load_vertex(low), load_vertex(middle), low[axis],  middle[axis],
-                               high[axis],       f4_set1(0),          f4_set1(0), f4_set1(0)};
+    struct sorted_triangle result = {load_vertex(low), load_vertex(middle), low[axis],  middle[axis],
+                                     high[axis],       f4_set1(0),          f4_set1(0), f4_set1(0)};
     f4 top = load_vertex(high);
     result.whole_slope = slope_of(result.low, top, high[axis] - low[axis]);
     result.lower_slope = slope_of(result.low, result.middle, middle[axis] - low[axis]);
@@ -85,8 +86,8 @@ static struct stretched stretch(const struct mlrt_triangle *triangle, uint32_t a
     return result;
 }
 
-/* The box of what a plane shares with the triangle. */
-MLRT_INLINE struct growing_box cross_section(const struct stretched *triangle, float height)
+/* The box of the segment in which a plane, at that height, cuts the triangle. */
+MLRT_INLINE struct growing_box cross_section(const struct sorted_triangle *triangle, float height)
 {
     f4 above_low = f4_set1(height - triangle->low_height), above_middle = f4_set1(height - triangle->middle_height);
     f4 a = f4_add(triangle->low, f4_mul(triangle->whole_slope, above_low));
@@ -95,24 +96,26 @@ MLRT_INLINE struct growing_box cross_section(const struct stretched *triangle, f
     return (struct growing_box){f4_min(a, b), f4_max(a, b)};
 }
 
-/* Adds a reference to slabs first, ..., last: what is between two planes is bounded by what is in them, and by
- * vertices. */
+/*
+ * Adds a reference to slabs first .. last along an axis. The part between two planes is bounded by its two segments in
+ * the planes, and by the middle vertex if it lies between them.
+ */
 static void fill_axis(const struct mlrt_triangle *triangle, const struct mlrt_quad_box *reference,
                       const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
                       struct mlrt_spatial_bins *bins)
 {
-    struct stretched stretched = stretch(triangle, axis);
+    struct sorted_triangle sorted = sort_vertices(triangle, axis);
     f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
     float height = reference->lo[axis], end = reference->hi[axis];
-    if (height < stretched.low_height) height = stretched.low_height;
-    if (end > stretched.high_height) end = stretched.high_height;
-    struct growing_box below = cross_section(&stretched, height);
+    if (height < sorted.low_height) height = sorted.low_height;
+    if (end > sorted.high_height) end = sorted.high_height;
+    struct growing_box below = cross_section(&sorted, height);
     for (uint32_t slab = first; slab <= last; slab++) {
         float next_height = slab < last ? slab_start(slabs, axis, slab + 1) : end;
-        struct growing_box above = cross_section(&stretched, next_height), box = below;
+        struct growing_box above = cross_section(&sorted, next_height), box = below;
         grow(&box, above.lo, above.hi);
-        if (height <= stretched.middle_height && stretched.middle_height <= next_height)
-            grow(&box, stretched.middle, stretched.middle);
+        if (height <= sorted.middle_height && sorted.middle_height <= next_height)
+            grow(&box, sorted.middle, sorted.middle);
         extend_box(&bins->box[axis][slab], f4_max(box.lo, lo), f4_min(box.hi, hi));
         below = above;
         height = next_height;
@@ -169,20 +172,20 @@ static void choose_on_axis(const struct mlrt_bvh_costs *costs, const struct mlrt
                            uint32_t spare, uint32_t axis, struct mlrt_spatial_split *split)
 {
     struct mlrt_quad_box upper[MLRT_SPATIAL_BINS], lower;
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     uint32_t lower_count = 0, upper_count = count;
     for (uint32_t slab = MLRT_SPATIAL_BINS - 1; slab > 0; slab--) {
         grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
-        keep(&box, &upper[slab]);
+        store_box(&box, &upper[slab]);
     }
-    box = nothing();
+    box = empty_box();
     for (uint32_t slab = 0; slab < MLRT_SPATIAL_BINS - 1; slab++) {
         lower_count += bins->first_count[axis][slab];
         upper_count -= bins->last_count[axis][slab];
         grow(&box, f4_load(bins->box[axis][slab].lo), f4_load(bins->box[axis][slab].hi));
         if (lower_count == 0 || lower_count == count || upper_count == 0 || upper_count == count) continue;
         if (lower_count + upper_count - count > spare) continue;
-        keep(&box, &lower);
+        store_box(&box, &lower);
         double cost =
             area_of(&lower) * set_cost(costs, lower_count) + area_of(&upper[slab + 1]) * set_cost(costs, upper_count);
         if (!(cost < split->cost)) continue;
@@ -205,11 +208,11 @@ void mlrt_choose_spatial_split(const struct mlrt_bvh_costs *costs, const struct 
 
 /* ---- dealing out ----------------------------------------------------------------------------------------------- */
 
-/* A set that is being dealt out: what the sides have so far, and what they are expected to have in the end. */
+/* A set whose references are being dealt out to two sides. */
 struct dealing {
-    struct growing_set side[2];
+    struct growing_set side[2]; /* the references dealt so far */
     uint32_t dealt_count[2];
-    uint32_t count[2];
+    uint32_t count[2]; /* how many references, in which box, each side is expected to have in the end */
     struct mlrt_quad_box box[2];
 };
 
@@ -227,7 +230,7 @@ static double joined_area(const struct mlrt_quad_box *box, const struct mlrt_qua
     return area_of(&joined);
 }
 
-/* 0 or 1: a reference on both sides had better be on that one as a whole. 2: on both. ("Reference unsplitting") */
+/* The cheapest place of a reference that lies on both sides: 0 or 1 = whole on that side ("unsplitting"), 2 = cut. */
 static int choose_side(const struct dealing *dealing, const struct mlrt_quad_box *reference)
 {
     double area[2] = {area_of(&dealing->box[0]), area_of(&dealing->box[1])};
@@ -260,8 +263,10 @@ static void set_part(const struct mlrt_box *part, struct mlrt_quad_box *referenc
     }
 }
 
-/* Cuts a reference. Returns which of the two parts there are, as bits; there is always one. Of an odd triangle only the
- * box is cut. */
+/*
+ * Cuts a reference by a plane. Returns a bit for each part that exists, at least one. For an odd triangle, which has no
+ * corners in units, the box is cut instead.
+ */
 static int cut_reference(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *reference,
                          uint32_t axis, float position, struct mlrt_quad_box parts[2])
 {
@@ -284,12 +289,13 @@ static int cut_reference(const struct mlrt_triangle *triangles, float unit, cons
     return touched != 0 ? touched : 1;
 }
 
-/* References that are cut between two looks at whether the call goes on: a millisecond or two. */
+/* References that are cut between two calls of mlrt_is_cancelled: a millisecond or two. */
 #define CUT_ROUNDS 4096
 
 /*
- * First, lower ones change places with upper ones, so that those on both sides lie between them. Then these are dealt
- * out in turn: lower parts right behind the lower ones, upper parts behind everything.
+ * The first loop orders the references: those of the lower side, those on both sides, those of the upper side. The
+ * second loop deals out those on both sides: parts of the lower side go right behind the lower ones, parts of the upper
+ * side behind all references.
  */
 void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit, struct mlrt_quad_box *references,
                               const struct mlrt_bvh_set *set, const struct mlrt_spatial_split *split,
@@ -297,7 +303,7 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
 {
     struct slabs slabs = cut_slabs(&set->box);
     struct dealing dealing = {
-        {no_references(), no_references()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
+        {empty_set(), empty_set()}, {0, 0}, {split->count[0], split->count[1]}, {split->box[0], split->box[1]}};
     uint32_t axis = split->axis, lower = set->first, next = lower, upper = lower + set->count, end = upper;
     while (next < upper) {
         if (mlrt_is_cancelled_in_round(progress, upper - next)) break;

@@ -21,7 +21,7 @@ double mlrt_quad_box_area(const struct mlrt_quad_box *box)
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                                      struct mlrt_progress *progress)
 {
-    struct growing_set set = no_references();
+    struct growing_set set = empty_set();
     for (uint32_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
         add_reference(&set, f4_load(references[first + i].lo), f4_load(references[first + i].hi));
     return finish_set(&set, first, count);
@@ -34,7 +34,7 @@ float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
     return costs->leaf + costs->quad * (float)((count + 3) / 4) + costs->triangle * (float)count;
 }
 
-/* ---- few references: every place between two of them ---------------------------------------------------------- */
+/* ---- few references: all places between two of them ----------------------------------------------------------- */
 
 static void sort_by_centre(const float centre[MLRT_SWEEP_LIMIT][4], uint32_t axis, uint32_t count, uint8_t *order)
 {
@@ -50,17 +50,17 @@ static void sweep_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_qua
                        const uint8_t *order, uint32_t axis, struct mlrt_bvh_split *split)
 {
     double upper_area[MLRT_SWEEP_LIMIT];
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     struct mlrt_quad_box kept;
     for (uint32_t i = count - 1; i > 0; i--) {
         grow(&box, f4_load(references[order[i]].lo), f4_load(references[order[i]].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         upper_area[i] = area_of(&kept);
     }
-    box = nothing();
+    box = empty_box();
     for (uint32_t i = 1; i < count; i++) {
         grow(&box, f4_load(references[order[i - 1]].lo), f4_load(references[order[i - 1]].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         double cost = area_of(&kept) * set_cost(costs, i) + upper_area[i] * set_cost(costs, count - i);
         if (cost >= split->cost) continue;
         split->cost = cost;
@@ -103,7 +103,7 @@ struct binning {
     MLRT_ALIGNED(16) float scale[4];
 };
 
-/* A scale that is 0 puts all into bin 0: where the centres are one, or so near each other that it would overflow. */
+/* If all centres along an axis are equal, or so close that the scale would overflow, it is 0: all are in bin 0. */
 static struct binning cut_bins(const struct mlrt_quad_box *centres)
 {
     struct binning binning;
@@ -158,21 +158,21 @@ static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
                        uint32_t axis, struct mlrt_bvh_split *split)
 {
     double upper_area[MLRT_BVH_BINS];
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     struct mlrt_quad_box kept;
     for (int i = MLRT_BVH_BINS - 1; i > 0; i--) {
         grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         upper_area[i] = area_of(&kept);
     }
-    box = nothing();
+    box = empty_box();
     uint32_t lower_count = 0;
     for (int i = 0; i < MLRT_BVH_BINS - 1; i++) {
         if (bins->count[axis][i] == 0) continue;
         lower_count += bins->count[axis][i];
         if (lower_count == count) break;
         grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-        keep(&box, &kept);
+        store_box(&box, &kept);
         double cost =
             area_of(&kept) * set_cost(costs, lower_count) + upper_area[i + 1] * set_cost(costs, count - lower_count);
         if (cost >= split->cost) continue;
@@ -183,13 +183,13 @@ static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     }
 }
 
-/* The box of what is in bins first, ..., last of the axis. */
+/* The box of the references in bins first .. last along the axis. */
 static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last,
                       struct mlrt_quad_box *joined)
 {
-    struct growing_box box = nothing();
+    struct growing_box box = empty_box();
     for (uint32_t i = first; i <= last; i++) grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-    keep(&box, joined);
+    store_box(&box, joined);
 }
 
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
@@ -203,13 +203,13 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     join_bins(bins, split->axis, split->bin + 1, MLRT_BVH_BINS - 1, &split->box[1]);
 }
 
-/* Where the lower side ends is known: references change places across it, from both ends. */
+/* Partitions the references in place: one of the upper side changes places with the last that is not yet tested. */
 static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                        const struct mlrt_bvh_split *split, struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
     struct binning binning = cut_bins(&set->centres);
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
-    struct growing_set lower = no_references(), upper = no_references();
+    struct growing_set lower = empty_set(), upper = empty_set();
     struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *back = end;
     float limit = (float)(split->bin + 1);
     while (next < back) {

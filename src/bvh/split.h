@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where to cut a set of references in two: the surface area heuristic over their centres. Pure functions: they look at
- * the references of one set and keep nothing.
+ * Where to cut a set of references in two: the surface area heuristic over their centres. The functions have no state:
+ * their results depend on the references of one set alone.
  *
  * Based on: Ingo Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007 (bins of centres). Jeffrey
  * Goldsmith, John Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987 (the heuristic).
@@ -12,10 +12,10 @@
 #include "base/progress.h"
 #include "bvh/set.h"
 
-/* Sets up to this are split at the best of all places. Above, bins are as good and take less time. */
+/* Sets of up to so many references are split at the best of all places. In larger sets bins are as good and faster. */
 #define MLRT_SWEEP_LIMIT 32
 
-/* With 16 expected costs are 0.3 % higher, with 64 no lower. */
+/* With 16 bins expected costs are 0.3 % higher, with 64 they are no lower. */
 #define MLRT_BVH_BINS 32
 
 struct mlrt_bvh_bins {
@@ -23,46 +23,47 @@ struct mlrt_bvh_bins {
     uint32_t count[3][MLRT_BVH_BINS];
 };
 
+/* A split of a set: by bins, or (sorted) by the order of its references. */
 struct mlrt_bvh_split {
-    double cost; /* area times cost of both sides; HUGE_VAL = there is no such split */
+    double cost; /* sum over both sides of area times cost; HUGE_VAL = there is no split */
     uint32_t axis;
-    uint32_t bin;                    /* bins up to this one are the lower side */
+    uint32_t bin;                    /* by bins: bins up to this one are the lower side */
     uint32_t lower_count;            /* references on the lower side */
-    int sorted;                      /* 1 = the lower side is the first lower_count of `order`; there are no bins */
-    uint8_t order[MLRT_SWEEP_LIMIT]; /* positions in the set */
-    struct mlrt_quad_box box[2];     /* of both sides, where there are bins */
+    int sorted;                      /* 1 = the first lower_count references of `order` are the lower side */
+    uint8_t order[MLRT_SWEEP_LIMIT]; /* sorted: positions in the set */
+    struct mlrt_quad_box box[2];     /* by bins: boxes of both sides */
 };
 
 /* Half the surface area of a box. Finite for all floats. */
 double mlrt_quad_box_area(const struct mlrt_quad_box *box);
 
-/* The set of the references from `first` on, at least one. */
+/* The set of `count` references from `first` on, at least one. If the call is cancelled, its boxes are unfinished. */
 struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                                      struct mlrt_progress *progress);
 
-/* What a leaf of so many triangles costs, not yet times its area. */
+/* The cost of a leaf of `count` triangles, not yet times its area. */
 float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count);
 
-/* The cheapest split of a set of 2 to MLRT_SWEEP_LIMIT references. */
+/* Sets *split to the cheapest split of a set of 2 to MLRT_SWEEP_LIMIT references. */
 void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
                     const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
 void mlrt_clear_bins(struct mlrt_bvh_bins *bins);
 
-/* Adds `count` references, from `first` on, of a set whose centres are in that box. */
+/* Adds `count` references, from `first` on, to bins of a set whose centres lie in the box `centres`. */
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                     const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins);
 
-/* The same result as if the references of both had been added to one. */
+/* Adds bins to *sum: then it is as if the references of both had been added to it. */
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum);
 
-/* The cheapest split between bins. */
+/* Sets *split to the cheapest split between bins of `count` references. */
 void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
                        struct mlrt_bvh_split *split);
 
 /*
- * Deals the references of a set out to its two sides, lower ones first. Without a split the sides are halves. If the
- * call is cancelled meanwhile, the references are those of before, in any order.
+ * Orders the references of a set by sides, lower ones first, and sets `sides`. If split->cost is HUGE_VAL, the sides
+ * are halves. If the call is cancelled meanwhile, the set still has the same references, in any order.
  */
 void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                           const struct mlrt_bvh_split *split, struct mlrt_progress *progress,

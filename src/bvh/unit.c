@@ -6,20 +6,20 @@
 
 #include <string.h>
 
-/* Scenes whose typical coordinate is within 2^-20 .. 2^20 keep the unit 1. */
+/* The unit is 1 if the typical coordinate is within 2^-20 .. 2^20. */
 #define USUAL_EXPONENT 20
 
-/* The core leaves out triangles whose coordinates are so much larger than typical ones. */
+/* Triangles with a coordinate of more than 2^16 times the typical one are not in the core. */
 #define CORE_EXPONENT 16
 
-/* Triangles that are looked at. */
+/* At most so many triangles are sampled. */
 #define SAMPLE_COUNT 4096
 
-/* frexp's exponents of floats: -148 .. 128, of which the first is put at 0. */
+/* frexp's exponents of floats are -148 .. 128. Exponent e is counted at e - LEAST_EXPONENT. */
 #define EXPONENT_COUNT 277
 #define LEAST_EXPONENT (-148)
 
-/* The greatest coordinate; 0 if it is not finite. */
+/* The greatest magnitude of a coordinate; 0 if a coordinate is not finite. */
 static float size_of_triangle(const struct mlrt_triangle *triangle)
 {
     const float *coordinate = triangle->v[0];
@@ -44,7 +44,7 @@ static uint32_t sample_step(const struct mlrt_tree *tree)
     return tree->triangle_count / SAMPLE_COUNT + 1;
 }
 
-/* The median of the exponents of triangles' greatest coordinates. */
+/* The median over the sample of the exponent of each triangle's greatest coordinate. */
 static int typical_exponent(const struct mlrt_tree *tree)
 {
     uint32_t counts[EXPONENT_COUNT] = {0}, total = 0, below = 0;
@@ -61,7 +61,7 @@ static int typical_exponent(const struct mlrt_tree *tree)
     return 0;
 }
 
-/* The exponent without those that make the unit no normal float. */
+/* The exponent of the unit, limited to -120 .. 120 so that the unit is a normal float. */
 static int unit_exponent(int typical)
 {
     if (typical >= -USUAL_EXPONENT && typical <= USUAL_EXPONENT) return 0;
@@ -108,7 +108,7 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
         const float size = size_of_triangle(&tree->triangles[i]);
         if (size > 0 && size <= limit) extend_core(&tree->triangles[i], bvh->unit, &core);
     }
-    for (int k = 0; k < 3; ++k) { /* one of samples that are left out may not meet the bounds */
+    for (int k = 0; k < 3; ++k) { /* the sample has triangles that are left out, and these may lie outside the bounds */
         if (core.lo[k] > bvh->core.lo[k]) bvh->core.lo[k] = core.lo[k];
         if (core.hi[k] < bvh->core.hi[k]) bvh->core.hi[k] = core.hi[k];
     }

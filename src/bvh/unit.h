@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The unit of a hierarchy of boxes. Its boxes and corners are coordinates times `unit`, a power of two, so that most
- * triangles have coordinates near 1 wherever a scene lies among the floats; few triangles that are far larger or
- * smaller do not move it. For usual scenes it is 1.
+ * The unit of a hierarchy of boxes, a power of two. Boxes and corners in the hierarchy are coordinates times the unit
+ * ("in units"): so the coordinates of most triangles are near 1, whatever the size of the scene. A few triangles that
+ * are far larger or smaller do not change the unit. For usual scenes it is 1.
  *
- * The unit follows from the triangles alone. Rays are brought into units where a kernel loads them; t is the same in
- * both. Times a power of two a number stays what it was, unless it underflows or overflows:
+ * The unit depends on the triangles alone. A kernel brings rays into units when it loads them; t is the same in both.
+ * Multiplying by a power of two is exact unless the product underflows or overflows. There,
  *
- *   Boxes are rounded outward. What lies farther out than MLRT_BVH_FAR has no bounds there: a low bound is at most FAR
- *   and otherwise -inf, a high one at least -FAR and otherwise inf.
+ *   - boxes are rounded outward. Beyond MLRT_BVH_FAR there are no bounds: a low bound below -FAR is -inf, one above FAR
+ *     is FAR; a high bound above FAR is inf, one below -FAR is -FAR.
  *
- *   A triangle is odd if one of its coordinates in units exceeds MLRT_SAFE_MAX or is not exact. Its corners in a leaf
- * are NaN, and whoever decides about it takes it from the tree.
+ *   - triangles are odd: those with a coordinate in units that exceeds MLRT_SAFE_MAX or is not exact. Their corners in
+ *     leaves are NaN, and decisions about them use the vertices in the tree.
  */
 #ifndef MLRT_BVH_UNIT_H
 #define MLRT_BVH_UNIT_H
@@ -23,13 +23,13 @@
 
 #define MLRT_BVH_FAR 0x1p62f
 
-/* Sets the unit, from triangles. */
+/* Sets tree->bvh.unit from the triangles. */
 void mlrt_set_bvh_unit(struct mlrt_tree *tree);
 
-/* Sets `whole` and `core`, from the unit, the triangles and the bounds of all that are not left out. */
+/* Sets `whole` and `core` of tree->bvh from its unit, the triangles, and tree->bounds. */
 void mlrt_set_bvh_extent(struct mlrt_tree *tree);
 
-/* A low bound of a box, in units. */
+/* The low bound of a box for a coordinate in units, rounded down. */
 static inline float mlrt_low_bound(double low)
 {
     if (low > MLRT_BVH_FAR) return MLRT_BVH_FAR;
@@ -46,7 +46,7 @@ static inline float mlrt_high_in_units(float x, float unit)
     return 0.0f - mlrt_low_in_units(-x, unit);
 }
 
-/* Brings a triangle into units. Returns 0 if it is odd. */
+/* Sets *in_units to the triangle in units. Returns 0 if it is odd. */
 static inline int mlrt_triangle_in_units(const struct mlrt_triangle *triangle, float unit,
                                          struct mlrt_triangle *in_units)
 {
@@ -61,7 +61,7 @@ static inline int mlrt_triangle_in_units(const struct mlrt_triangle *triangle, f
     return is_usual;
 }
 
-/* 1 if no triangle can be odd: a unit of 1 is exact, and all coordinates are within MLRT_SAFE_MAX. */
+/* 1 if no triangle can be odd: the unit is 1, which is exact, and all coordinates are within MLRT_SAFE_MAX. */
 static inline int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
 {
     int is_usual = tree->bvh.unit == 1;

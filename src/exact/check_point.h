@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points of triangles that double holds exactly: where the checks of both structures look (mlrta/check.c,
+ * Points of triangles that are exact in double: the checks of both structures look them up (mlrta/check.c,
  * bvh/check.c).
  */
 #ifndef MLRT_EXACT_CHECK_POINT_H
@@ -8,7 +8,7 @@
 
 #include "exact/triangle.h"
 
-/* a + b in *sum. Returns whether that is exact. */
+/* Sets *sum to a + b. Returns 1 if that is exact. */
 static inline int mlrt_add_exactly(double a, double b, double *sum)
 {
     *sum = a + b;
@@ -16,7 +16,9 @@ static inline int mlrt_add_exactly(double a, double b, double *sum)
     return (a - a_part) + (b - b_part) == 0;
 }
 
-/* Sixteenths of the vertices: products with a float are exact. Returns whether the point is. */
+/*
+ * Sets `point` to the sum of the vertices times weight / 16; the products are exact. Returns 1 if the sum is exact too.
+ */
 static inline int mlrt_find_check_point(const struct mlrt_triangle *triangle, const int weight[3], double point[3])
 {
     for (int k = 0; k < 3; k++) {

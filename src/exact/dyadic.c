@@ -2,7 +2,7 @@
 /*
  * Exact arithmetic on dyadic numbers: the schoolbook methods on 32-bit limbs, whose products fit uint64_t.
  *
- * Limbs sit at fixed positions (bit 32 k for every integer k), so that sums need no shifting; only a conversion does.
+ * Limbs start at fixed positions (bit 32 k, for integer k): so only a conversion shifts bits, and sums need not.
  *
  * Based on: Donald E. Knuth, "The Art of Computer Programming", volume 2, 1997, section 4.3.1 (algorithms A, S, M);
  * for the difference of two floats, the same, section 4.2.2, theorem B.
@@ -58,7 +58,7 @@ void mlrt_exact_from_double(double value, struct mlrt_exact *result)
 
 void mlrt_exact_from_difference(float first, float second, struct mlrt_exact *result)
 {
-    // What rounding to double loses is itself a double, and 0 unless the exponents are some 29 apart.
+    // The rounding error of the sum is itself a double. It is 0 unless the exponents are some 29 apart.
     double a = first, b = -(double)second;
     double sum = a + b;
     double b_part = sum - a;
@@ -73,7 +73,7 @@ void mlrt_exact_from_difference(float first, float second, struct mlrt_exact *re
     mlrt_exact_add(&exact_sum, &exact_error, result);
 }
 
-/* The limb at an absolute position: 0 outside the number. */
+/* The limb that starts at bit 32 * position: 0 outside the number. */
 static inline uint32_t limb_at(const struct mlrt_exact *number, int32_t position)
 {
     uint32_t index = (uint32_t)(position - number->position);
@@ -99,7 +99,7 @@ int mlrt_exact_compare_magnitude(const struct mlrt_exact *first, const struct ml
     return 0;
 }
 
-/* |first| + |second|; neither is 0. The sign is the caller's business. */
+/* |first| + |second|; neither is 0. The caller sets the sign. */
 static void add_magnitudes(const struct mlrt_exact *first, const struct mlrt_exact *second, struct mlrt_exact *result)
 {
     int32_t start = first->position < second->position ? first->position : second->position;
@@ -119,7 +119,7 @@ static void add_magnitudes(const struct mlrt_exact *first, const struct mlrt_exa
     }
 }
 
-/* |larger| - |smaller|, which is positive; neither is 0. */
+/* |larger| - |smaller|, which is not negative; neither operand is 0. The caller sets the sign. */
 static void subtract_magnitudes(const struct mlrt_exact *larger, const struct mlrt_exact *smaller,
                                 struct mlrt_exact *result)
 {
@@ -204,8 +204,8 @@ void mlrt_exact_multiply(const struct mlrt_exact *first, const struct mlrt_exact
 
 double mlrt_exact_to_double(const struct mlrt_exact *number)
 {
-    // The three highest limbs are 65 bits or more; what is below them is less than 2^-64 of the number. The limbs and
-    // the first sum, of two limbs in 64 bits, are rounded at most once each, and the power of two is exact.
+    // The three highest limbs have 65 bits or more, and the limbs below them are less than 2^-64 of the number. Limbs
+    // are exact as doubles, both sums are rounded once each, and the power of two is exact.
     int32_t end = end_position(number);
     double low = limb_at(number, end - 3);
     double high = 4294967296.0 * limb_at(number, end - 1) + limb_at(number, end - 2);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Coordinates as 64-bit integers, determinants of them in 192 bits.
+ * Coordinates as 64-bit integers, and their determinants in 192 bits.
  *
- * A float is a multiple of 2^(e - 23), where 2^e is the highest power of two not above it (e = -126 for denormals).
- * With the least and the greatest e of the coordinates at hand, all are integers below 2^(greatest - least + 24) in
- * units of 2^(least - 23). If that is at most 2^61, differences are at most 2^62, components of a cross product of two
- * such vectors at most 2^125, and determinants of three at most 3 * 2^187 < 2^189: a sign and three words of 64 bits.
- * The products of two determinants in the order test take six words. Signs do not depend on the unit; the direction, on
- * which every quantity is linear, can have one of its own.
+ * A float is a multiple of 2^(e - 23), where 2^e is the highest power of two not above its magnitude (e = -126 for
+ * denormals). Let `least` and `greatest` be the extremes of e over the coordinates: then all are integers below
+ * 2^(greatest - least + 24) in units of 2^(least - 23). If that bound is at most 2^61, differences are at most 2^62,
+ * components of a cross product of two such vectors at most 2^125, and determinants of three at most 3 * 2^187 < 2^189:
+ * a sign and three words of 64 bits. The products of two determinants in the order test take six words. Signs do not
+ * depend on the unit. Every quantity is linear in the direction, so the direction has a unit of its own.
  */
 #include "exact/grid.h"
 
@@ -28,7 +28,7 @@ struct determinant {
     uint64_t word[3];
 };
 
-/* The exponents of the numbers that share a grid. */
+/* The least and the greatest exponent of the numbers that share a grid, biased by 127, without zeros. */
 struct extent {
     int least;
     int greatest;
@@ -46,12 +46,12 @@ static void extend(struct extent *extent, const float v[3])
     }
 }
 
-static const struct extent nothing = {255, 0};
+static const struct extent empty_extent = {255, 0};
 
-/* The factor that makes integers of all numbers, in *scale; 0 if they are too large. */
+/* Sets *scale to the factor that makes all numbers integers. Returns 0 if the integers would exceed 61 bits. */
 static int find_grid(const struct extent *extent, double *scale)
 {
-    /* Exponents here are biased by 127, denormals have 0 and count as 1. */
+    /* Denormals have exponent 0 but the spacing of exponent 1. */
     const int least = extent->least > 0 ? extent->least : 1;
     if (extent->greatest - least + 24 > GRID_BITS) return 0;
     const uint64_t bits = (uint64_t)(1023 + 127 + 23 - least) << 52;
@@ -69,7 +69,7 @@ static uint64_t magnitude_of(int64_t a)
     return a < 0 ? 0 - (uint64_t)a : (uint64_t)a;
 }
 
-/* sum += a * b in two's complement of 192 bits. */
+/* sum += a * b, in two's complement of 192 bits. */
 static void add_product(int128 a, int64_t b, uint64_t sum[3])
 {
     const int negative = (a < 0) != (b < 0);
@@ -150,7 +150,7 @@ static int sign_of_difference(const struct determinant *a, const struct determin
 
 static int direction_on_grid(const float d[3], int64_t direction[3], double *scale)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     extend(&extent, d);
     if (!find_grid(&extent, scale)) return 0;
     for (int k = 0; k < 3; ++k) direction[k] = (int64_t)(d[k] * *scale);
@@ -162,7 +162,7 @@ static void extend_by_triangle(struct extent *extent, const struct mlrt_triangle
     for (int i = 0; i < 3; ++i) extend(extent, triangle->v[i]);
 }
 
-/* Is the cross product 0? */
+/* 1 if all components are 0. */
 static int is_zero(const int128 cross[3])
 {
     return cross[0] == 0 && cross[1] == 0 && cross[2] == 0;
@@ -174,7 +174,7 @@ static int is_zero(const int128 cross[3])
  */
 int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3], vertex[3][3];
     int128 moment[3][3];
@@ -195,7 +195,7 @@ int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_t
 
 int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[3], int *meets)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3], to_point[3];
     int128 moment[3];
@@ -210,7 +210,7 @@ int mlrt_grid_meets_point(const struct mlrt_ray_segment *ray, const float point[
 
 int mlrt_grid_distance_sign(const struct mlrt_triangle *triangle, const float point[3], int *sign)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale;
     int64_t ab[3], ac[3], to_a[3];
     extend(&extent, point);
@@ -223,7 +223,7 @@ int mlrt_grid_distance_sign(const struct mlrt_triangle *triangle, const float po
     return 1;
 }
 
-/* D and N */
+/* D and N of the triangle's plane. */
 struct crossing {
     struct determinant d, n;
 };
@@ -241,7 +241,7 @@ static struct crossing cross_plane(const float origin[3], const int64_t directio
 int mlrt_grid_order(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                     const struct mlrt_triangle *second, int *sign)
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3];
     extend(&extent, ray->origin);
@@ -254,7 +254,7 @@ int mlrt_grid_order(const struct mlrt_ray_segment *ray, const struct mlrt_triang
     return 1;
 }
 
-/* The magnitude: three conversions and two sums are off by less than 2^-51 of it. */
+/* The magnitude, with a relative error below 2^-51 from three conversions and two sums. */
 static double size_of(const struct determinant *determinant)
 {
     return ((double)determinant->word[2] * 0x1p64 + (double)determinant->word[1]) * 0x1p64 +
@@ -263,7 +263,7 @@ static double size_of(const struct determinant *determinant)
 
 int mlrt_grid_quotients(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, double quotient[3])
 {
-    struct extent extent = nothing;
+    struct extent extent = empty_extent;
     double scale, direction_scale;
     int64_t direction[3], ab[3], ca[3], to_a[3], to_c[3];
     extend(&extent, ray->origin);

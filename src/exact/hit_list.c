@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Gathering and ordering the hits of one ray. A triangle lies in several leaves and comes once from each; whenever the
- * list is full, repetitions are taken out before it grows, so it stays within twice the number of different hits.
+ * Gathers and orders all hits of one ray. A triangle can lie in several leaves and is then gathered from each. When the
+ * list is full, repetitions are removed first, and it grows only if half of it or more remains: so its capacity stays
+ * within four times the number of different hits, or FIRST_CAPACITY.
  */
 #include "exact/hit_list.h"
 
@@ -24,7 +25,7 @@ static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
     *b = kept;
 }
 
-/* What hits are compared with: the ray, and where its counts go. */
+/* The arguments of comparisons: the triangles, the ray, and its counters. */
 struct order {
     const struct mlrt_triangle *triangles;
     const struct mlrt_ray_segment *ray;
@@ -51,8 +52,8 @@ static int has_greater_number(const struct order *order, const struct mlrt_neare
 typedef int comparison(const struct order *order, const struct mlrt_nearest *first, const struct mlrt_nearest *second);
 
 /*
- * In a heap each hit comes before its two children, 2 i + 1 and 2 i + 2. Lets hit i of `count` sink to its place.
- * Heaps are sorted in place: qsort may take memory that is not the host's.
+ * Lets hit i of `count` sink to its place in a heap, where each hit comes before its two children, 2 i + 1 and 2 i + 2.
+ * No qsort: it may take memory that is not the host's.
  */
 MLRT_INLINE void sink(comparison *is_first, const struct order *order, struct mlrt_nearest *heap, uint32_t i,
                       uint32_t count)
@@ -67,8 +68,8 @@ MLRT_INLINE void sink(comparison *is_first, const struct order *order, struct ml
 }
 
 /*
- * Makes a heap of `count` hits and moves the first `wanted` of it, one after the other, to its end: what came first is
- * last then.
+ * Makes a heap of `count` hits and moves the first `wanted` hits, one after the other, to the end of the array: the
+ * very first hit becomes the last element.
  */
 MLRT_INLINE void move_to_end(comparison *is_first, const struct order *order, uint32_t wanted,
                              struct mlrt_nearest *heap, uint32_t count)
@@ -96,7 +97,7 @@ void mlrt_remove_repetitions(struct mlrt_hit_list *list)
     list->count = kept;
 }
 
-/* Room for one more hit: 0 if there is none. */
+/* Makes room for one more hit. Returns 0 if there is no memory for it. */
 static int make_room(struct mlrt_hit_list *list)
 {
     if (list->count < list->capacity) return 1;

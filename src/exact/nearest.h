@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The hit rule as traversal uses it: what the nearest hit so far becomes when a triangle is offered. The decisions are predicate.h's; what is here saves most of them by floats around t.
+ * The hit rule as traversal uses it: how a triangle that is offered changes the nearest hit so far (R2, R3).
+ * predicate.h decides; the floats around t that are kept here save most comparisons.
  */
 #ifndef MLRT_EXACT_NEAREST_H
 #define MLRT_EXACT_NEAREST_H
@@ -9,14 +10,17 @@
 
 #include "exact/predicate.h"
 
-/* The nearest hit so far: before the first, lo = hi = t_max. */
+/* The nearest hit so far. Before the first hit, lo = hi = t_max. */
 struct mlrt_nearest {
     uint32_t triangle; /* its number, or MLRT_NONE */
     float lo;          /* lo <= t <= hi */
     float hi;
 };
 
-/* Offers one of the triangles to a ray: 1 if it is hit and comes before *nearest, which it then becomes (rules R2, R3). */
+/*
+ * Offers triangle `number` to a ray (rules R2, R3). If the ray hits it before *nearest, sets *nearest to it and returns
+ * 1; else returns 0.
+ */
 static inline int mlrt_offer_triangle(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray,
                                       uint32_t number, struct mlrt_nearest *nearest, mlrt_counters *counters)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points just off a triangle: the point on it is computed in double, moved along the normal, rounded to float component
- * by component in the direction of the move, and then the exact side is looked up (predicate.h). If it is the wrong
- * one, the move is doubled. So the distance is about the spacing of floats there, and the side is a fact.
+ * Points just off a triangle. The point on the triangle is computed in double and moved along the normal; each
+ * component is rounded to float in the direction of the move; then predicate.h tells the exact side. While that is the
+ * wrong side, the move is doubled. So the distance is about the spacing of floats there, and the side is exact.
  */
 #include "exact/offset.h"
 
@@ -12,7 +12,10 @@
 #include "exact/predicate.h"
 #include "exact/rounding.h"
 
-/* base moved by `step` along `direction`, rounded on in the same direction. 0 if that leaves the range of float. */
+/*
+ * Sets `point` to `base` + step * direction, each component rounded in the direction of the move. Returns 0 if that
+ * leaves the range of float.
+ */
 static int move_point(const double base[3], const double direction[3], double step, float point[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -23,12 +26,15 @@ static int move_point(const double base[3], const double direction[3], double st
     return 1;
 }
 
-/* The point is relative to `from`. Without it that is 0. */
+/*
+ * Doubles the step along `direction` until the point is on the wanted side. With `from`, base and point are relative to
+ * it; without (NULL), to 0. Returns 0 if the point would leave the range of float.
+ */
 static int search_along(const struct mlrt_triangle *triangle, const double base[3], const double direction[3], int side,
                         const float *from, float point[3])
 {
     const double size = fmax(fabs(base[0]), fmax(fabs(base[1]), fabs(base[2])));
-    /* From one spacing of floats on: closer points lie in the plane too often, which takes exact arithmetic to see. */
+    /* Starts at one spacing of floats: closer points often lie in the plane, and then each takes exact arithmetic. */
     double step = fmax(size * 0x1p-24, 0x1p-149);
     do {
         if (!move_point(base, direction, step, point)) return 0;
@@ -37,17 +43,17 @@ static int search_along(const struct mlrt_triangle *triangle, const double base[
     return 1;
 }
 
-/* The signs of the normal, exactly: which side a vertex is on once it is moved along one axis. */
+/* The exact signs of side * normal, one component each: on which side of the plane a vertex lies when it is moved. */
 static void find_normal_signs(const struct mlrt_triangle *triangle, int side, double direction[3])
 {
     for (int k = 0; k < 3; ++k) {
         float probe[3] = {triangle->v[0][0], triangle->v[0][1], triangle->v[0][2]};
-        probe[k] = mlrt_next_down(probe[k]); /* the range of float may end above, as it may below: then it is -inf */
+        probe[k] = mlrt_next_down(probe[k]); /* -inf below the range of float: that component counts as 0 */
         direction[k] = isfinite(probe[k]) ? -side * mlrt_side_of_plane(triangle, probe) : 0;
     }
 }
 
-/* The normal in double, its largest component 1; 0 if it is lost in rounding. */
+/* side * normal in double, scaled so that its largest component is +-1. Returns 0 if all components round to 0. */
 static int find_normal(const struct mlrt_triangle *triangle, int side, double direction[3])
 {
     double edge[2][3], largest = 0;

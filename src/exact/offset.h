@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points just off a triangle, on a side that is certain.
+ * Points just off a triangle, on a given side.
  */
 #ifndef MLRT_EXACT_OFFSET_H
 #define MLRT_EXACT_OFFSET_H
@@ -8,12 +8,13 @@
 #include "exact/triangle.h"
 
 /*
- * A point near (1 - u - v) a + u b + v c, strictly on the side of the normal (side = +1) or the other (-1). 0 if there
- * is none in the range of float, if u or v is not finite, or if the triangle has no plane.
+ * Sets `point` to a point near (1 - u - v) a + u b + v c, strictly on the side of the normal (side = +1) or on the
+ * other (-1). Returns 0 if none is found in the range of float, if u or v is not finite, or if the triangle is not
+ * finite or has no area.
  */
 int mlrt_find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int side, float point[3]);
 
-/* Likewise such a point as seen from `from`: what has to be added to that, without rounding, to come to it. */
+/* The same relative to `from`: the point is `from` + `by`, a sum that is not rounded. */
 int mlrt_find_offset_from(const struct mlrt_triangle *triangle, float u, float v, int side, const float from[3],
                           float by[3]);
 

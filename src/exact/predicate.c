@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The judge of every hit: signs and quotients of the hit rule, first in double with a bound on the error, then exactly.
+ * The judge of every hit: signs and quotients of the hit rule, in double with a bound on the error; exactly where that
+ * is not certain.
  *
  * Based on: Jonathan Richard Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
  * Predicates", 1997 (filter, then exact); Tomas Moeller, Ben Trumbore, "Fast, Minimum Storage Ray/Triangle
@@ -9,7 +10,7 @@
  * WHAT IS COMPUTED
  *
  * With p = a - o, and because a triple product with two equal vectors is 0, every quantity of the rule is a determinant
- * [x y z] = (x cross y) . z of three vectors that are at hand, and small where the triangle is small:
+ * [x y z] = (x cross y) . z of d and differences of two points, and such a determinant is small for small triangles:
  *
  *     e_ab = [d p b-a]     e_ca = -[d p c-a]     D = [b-a c-a d]     N = [b-a c-a p]     e_bc = D - e_ab - e_ca
  *
@@ -17,13 +18,15 @@
  *
  * Let u = 2^-53 and gamma_k = k u / (1 - k u). A sum of terms, each with at most k factors (1 + delta), |delta| <= u,
  * is off by at most gamma_k times the sum of the terms' magnitudes. A difference of two vertices, or of vertex and
- * origin, has 1 factor (in double it is not exact in general), d has none. A determinant consists of six products of
- * three components; each has the factors of its components, one product and one difference from the cross product, one
- * product and at most two sums from the dot product. So e_ab, e_ca and D have 2 + 5 = 7 factors, N has 3 + 5 = 8.
+ * origin, has 1 factor (in double it is not exact in general), and d has none. A determinant consists of six products
+ * of three components. Each has the factors of its components, those of one product and one difference in the cross
+ * product, and those of one product and at most two sums in the dot product. So e_ab, e_ca and D have 2 + 5 = 7
+ * factors, and N has 3 + 5 = 8.
  *
- * The magnitudes of the six terms sum to no more than the product of the sizes of the vectors, where the size of x is
- * |x_0| + |x_1| + |x_2|: that product has these six terms and 21 others. As computed it has at most 3 * 3 + 2 = 11
- * factors, on positive terms, so it is at least (1 - u)^11 of the true one. In units of the computed size then:
+ * Let the size of x be |x_0| + |x_1| + |x_2|. The magnitudes of the six terms sum to at most the product of the sizes
+ * of the three vectors, which has these six terms and 21 others. As computed, that product has at most 3 * 3 + 2 = 11
+ * factors on positive terms, so it is at least (1 - u)^11 of the true one. In units of the computed size, the errors
+ * are then:
  *
  *     a determinant     8 factors, size 11:   gamma_8  / (1 - u)^11  <   8.001 u
  *     e_bc              9 factors, size 13:   gamma_9  / (1 - u)^13  <   9.001 u     size: the sum of the three
@@ -35,7 +38,7 @@
  * RANGE
  *
  * Rounding is relative to the result only if nothing overflows or falls below 2^-1022. Floats are multiples of 2^-149
- * below 2^128, and what is a multiple of 2^k stays one when it is rounded. So, in double as in real arithmetic,
+ * below 2^128, and rounding leaves a multiple of 2^k a multiple of 2^k. So, in double as in real arithmetic,
  *
  *     a difference of two floats is     0 or within  2^-149 .. 2^129
  *     a component of a cross product                 2^-298 .. 2^260
@@ -44,8 +47,8 @@
  *     N1 D2 - N2 D1, and its size                    2^-894 .. 2^785
  *     a quotient                                     2^-839 .. 2^839
  *
- * and so is every partial sum on the way. Times SIGN_ERROR, ORDER_ERROR or one of the constants of the quotients, which
- * are above 2^-50, all of them are normal doubles or 0.
+ * and so is every partial sum on the way. SIGN_ERROR, ORDER_ERROR and the constants of the quotients are above 2^-50:
+ * so these values times such a constant are normal doubles or 0 as well.
  */
 #include "exact/predicate.h"
 
@@ -69,7 +72,7 @@ struct vector {
     double x, y, z;
 };
 
-/* A value as computed and the size that its error is relative to. */
+/* A computed value, and the size that its error is relative to. */
 struct measured {
     double value;
     double size;
@@ -100,7 +103,7 @@ MLRT_INLINE double size_of(struct vector v)
     return fabs(v.x) + fabs(v.y) + fabs(v.z);
 }
 
-/* The sign of a value whose error is at most error * size; 0 = undecided, which a true zero always is. */
+/* The sign of a value whose error is at most error * size. 0: not certain, as for every value that is truly 0. */
 MLRT_INLINE int certain_sign(struct measured measured, double error)
 {
     double bound = error * measured.size;
@@ -108,7 +111,7 @@ MLRT_INLINE int certain_sign(struct measured measured, double error)
     return (measured.value > bound) - (measured.value < -bound);
 }
 
-/* The vectors whose determinants the hit rule consists of, and their sizes. */
+/* The vectors of the determinants of the hit rule, and their sizes. */
 struct operands {
     struct vector ab, ac, direction, to_a;
     double ab_size, ac_size, direction_size, to_a_size;
@@ -156,7 +159,7 @@ MLRT_INLINE struct crossing measure_crossing(const struct operands *operands)
                              {dot(operands->to_a, normal), operands->to_a_size * normal_size}};
 }
 
-/* The same of a ray and a triangle. Not inlined: that takes 2 kB, and no time that shows. */
+/* D and N of a ray and a triangle. Not inlined: that would take 2 kB and gain no time that can be measured. */
 static MLRT_NOINLINE struct crossing cross_plane(const float origin[3], const float direction[3],
                                                  const struct mlrt_triangle *triangle)
 {
@@ -236,7 +239,7 @@ static void exact_edge(const struct mlrt_ray_segment *ray, const float vertex_i[
     exact_dot(&moment, &edge, result);
 }
 
-/* The signs of e_ab, e_bc, e_ca: fills in those that are 0. */
+/* The signs of e_ab, e_bc, e_ca in sign[]: an entry that is not 0 on entry is known and stays. */
 static void exact_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3])
 {
     if (MLRT_LIKELY(mlrt_grid_edge_signs(ray, triangle, sign))) return;
@@ -299,9 +302,9 @@ int mlrt_triangle_has_area(const struct mlrt_triangle *triangle)
     struct vector ab = subtract(vector_of(triangle->v[1]), a);
     struct vector ac = subtract(vector_of(triangle->v[2]), a);
     struct vector normal = cross(ab, ac);
-    // 4 factors in each component, 7 in the size. A size of 0 is exact: two vertices are one.
+    // Components have 4 factors, the size has 7. A size of 0 is exact: two vertices are equal.
     double size = size_of(ab) * size_of(ac);
-    if (size_of(normal) > 3 * SIGN_ERROR * size) return 1; // so one of the three is above SIGN_ERROR * size
+    if (size_of(normal) > 3 * SIGN_ERROR * size) return 1; // one of the three components is above SIGN_ERROR * size
     return size > 0 && has_area_exactly(triangle);
 }
 
@@ -322,7 +325,7 @@ static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *trian
     return -n.sign;
 }
 
-/* The sign of v . n as far as double can tell. */
+/* The sign of v . n; 0 if double cannot tell. */
 static int certain_side(const struct mlrt_triangle *triangle, struct vector v)
 {
     struct vector a = vector_of(triangle->v[0]);
@@ -360,7 +363,7 @@ int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], 
     const struct vector to_from = subtract(vector_of(from), a), ab = subtract(vector_of(triangle->v[1]), a);
     const struct vector ac = subtract(vector_of(triangle->v[2]), a);
     const struct vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
-    // A component of v has 2 factors, so there are 9, relative to the sizes of what is added.
+    // A component of v has 2 factors, so the determinant has 9, relative to the sizes of the two summands of v.
     const struct measured height = {dot(v, cross(ab, ac)),
                                     (size_of(to_from) + size_of(step)) * size_of(ab) * size_of(ac)};
     const int side = certain_sign(height, SIGN_ERROR);
@@ -382,7 +385,7 @@ int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
     int sign = certain_side(triangle, vector_of(direction));
     if (sign != 0) return sign;
     for (int axis = 0; axis < 3; ++axis) {
-        if (direction[axis] == 0 && is_across(triangle, axis)) return 0; /* a wall in the light from above */
+        if (direction[axis] == 0 && is_across(triangle, axis)) return 0; /* such as a wall under vertical light */
     }
     return facing_of_normal_exactly(triangle, direction);
 }
@@ -392,8 +395,9 @@ int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * The sign that no edge contradicts, which is that of D; 0 = there is none, a miss. `known` holds the signs of e_ab,
- * e_bc, e_ca as far as they are known, else 0. D is their sum: it needs no arithmetic of its own.
+ * The sign of D if the ray's line meets the closed triangle, 0 for a miss. `known` holds the signs of e_ab, e_bc, e_ca,
+ * or 0 where they are not known. A hit has no two edge functions of opposite signs, and D is their sum: so it has the
+ * sign of those that are not 0.
  */
 static MLRT_NOINLINE int facing_exactly(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                                         const int known[3], mlrt_counters *counters)
@@ -428,8 +432,9 @@ static MLRT_NOINLINE int sign_beyond_exactly(const struct mlrt_ray_segment *ray,
 }
 
 /*
- * The sign of (a - o) - t d. t d has 48 bits and is exact. Rounding keeps the order, so a difference that is not t d
- * after its rounding is on the same side of it before; and the rest that the rounding left is a double.
+ * The sign of (a - o) - t d. The product t d has 48 bits and is exact. Rounding keeps the order: so if the rounded
+ * difference is not t d, the true one lies on the same side of it. If it is, the sign is that of the rounding error,
+ * which is a double.
  *
  * Based on: Donald E. Knuth, "The Art of Computer Programming", volume 2, section 4.2.2 (the error of a sum).
  */
@@ -453,7 +458,7 @@ int mlrt_reaches_flat(const struct mlrt_ray_segment *ray, const struct mlrt_tria
     return 0;
 }
 
-/* The sign of N - t D in signs that make D positive; `facing` is that of D. */
+/* The sign of (N - t D) / D: +1 where the ray meets the plane beyond t. `facing` is the sign of D. */
 MLRT_INLINE int sign_beyond(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                             const struct crossing *crossing, float t, int facing, mlrt_counters *counters)
 {
@@ -467,7 +472,7 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
 {
     struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     struct crossing crossing = measure_crossing(&operands);
-    /* Many rays that come here start beside a surface, and leave it. */
+    /* First, since many rays that are judged start beside a surface and leave it. */
     if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0) {
         return 0;
     }
@@ -489,8 +494,9 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
 }
 
 /*
- * An edge function moves with the origin by -((v_j - v_i) x d) . (e, e^2, e^3): where it is 0, the first component
- * that is not decides its sign. All 0 = the ray is along the edge, D is 0, and the triangle was not hit.
+ * The sign of an edge function that is 0, when the origin has moved. The move changes it by
+ * -((v_j - v_i) x d) . (e, e^2, e^3), so the first component that is not 0 decides. If all are 0, the ray is parallel
+ * to the edge and D is 0: then the ray did not hit the triangle.
  */
 static int perturbed_edge_sign(const struct mlrt_ray_segment *ray, const float vertex_i[3], const float vertex_j[3])
 {
@@ -530,7 +536,7 @@ int mlrt_crosses_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_
  * Nearer
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* 1 if the vertices are the same three points, in any order; then so are the planes. */
+/* 1 if the triangles have the same three vertices, in any order: then they share their plane. */
 static int same_vertices(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
     for (int start = 0; start < 3; ++start) {
@@ -562,7 +568,7 @@ static MLRT_NOINLINE int compare_distance_exactly(const struct mlrt_ray_segment 
     return d1.sign * d2.sign * exact_sign_of_difference(&n1, &d2, &n2, &d1);
 }
 
-/* 1 if the ray goes through a corner that both triangles have: then it meets both planes there. */
+/* 1 if the ray goes through a common corner of the triangles: then it meets both planes there. */
 static int meet_at_corner(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                           const struct mlrt_triangle *second)
 {
@@ -578,10 +584,10 @@ static int meet_at_corner(const struct mlrt_ray_segment *ray, const struct mlrt_
 }
 
 /*
- * What double cannot tell apart is mostly not merely close but equal, and of kinds that need little arithmetic: a
- * triangle that is in the input twice, triangles with a common corner that the ray goes through, and walls that share a
- * plane across an axis. For these t = (w - o_k) / d_k,
- * so planes w1, w2 across the same axis compare as sgn(d_k) (w1 - w2).
+ * Distances that double cannot tell apart are mostly equal, in three cases that take little arithmetic: a triangle that
+ * the input has twice, triangles with a common corner that the ray goes through, and walls in the same plane across an
+ * axis. For a plane x_k = w, t = (w - o_k) / d_k, so planes w1 and w2 across the same axis compare as
+ * sgn(d_k) (w1 - w2).
  */
 static MLRT_NOINLINE int compare_close_distance(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *first,
                                                 const struct mlrt_triangle *second, mlrt_counters *counters)
@@ -609,8 +615,8 @@ int mlrt_compare_distance(const struct mlrt_ray_segment *ray, const struct mlrt_
 }
 
 /*
- * Where all corners of the first are on one side of the plane of the second, so are all its points: those that rays hit
- * from the other side are behind the plane, and those that they hit from the same side are before it.
+ * If all corners of the first triangle lie on one side of the plane of the second, so do all its points. If `from` lies
+ * on the other side, a ray meets the plane before it hits the first triangle; if on the same side, after.
  */
 int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
@@ -645,24 +651,24 @@ int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triang
 /* ------------------------------------------------------------------------------------------------------------------
  * Quotients
  *
- * X and D are determinants as computed, x and d the true ones, s(X) and s(D) their sizes: |X - x| <= 8.001 u s(X) and
+ * X and D are computed determinants, x and d the true ones, s(X) and s(D) their sizes: |X - x| <= 8.001 u s(X) and
  * |D - d| <= 8.001 u s(D), see the head of this file. Let |D| > 2^-44 s(D). Then |D - d| < 1.01 * 2^-6 |D| and, since
  * 1 / (1 - 1.01 * 2^-6) < 1.017,
  *
  *     |x / d - X / D| = |(x - X) D - X (d - D)| / |d D| <= 1.017 * 8.001 u (s(X) + |X / D| s(D)) / |D|.
  *
  * The quotient q = X * (1 / D) is rounded twice more, and then q - w and q + w once each: 3.001 u |X / D| in all, which
- * is at most 3.01 u s(X) / |D| because |X| <= (1 + 20 u) s(X). The sum is below (11.2 s(X) + 8.2 |q| s(D)) u / |D|;
- * with 12 and 9, which are in predicate.h, there is room for the roundings of w itself.
+ * is at most 3.01 u s(X) / |D| because |X| <= (1 + 20 u) s(X). The sum is below (11.2 s(X) + 8.2 |q| s(D)) u / |D|. The
+ * constants in predicate.h are 12 and 9, which leaves room for the roundings of the half-width w itself.
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* 1 / D, and what the error of D adds to a quotient relative to it. */
+/* 1 / D, and the error of a quotient by D that comes from D, relative to the quotient. */
 struct denominator {
     double inverse;
     double error;
 };
 
-/* Ends so that low <= x / d <= high. */
+/* low <= x / d <= high, for the true determinants. */
 struct enclosure {
     double low, high;
 };
@@ -704,8 +710,8 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
     const struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     const struct crossing crossing = measure_crossing(&operands);
     const int facing = certain_sign(crossing.d, SIGN_ERROR);
-    const int begun = facing * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR);
-    if (begun < 0) return 0; /* most rays that come here start beside a surface, and leave it */
+    const int beyond_t_min = facing * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR);
+    if (beyond_t_min < 0) return 0; /* most rays that are offered here start beside a surface and leave it */
     if (facing == 0 || !is_safe_denominator(crossing.d)) return -1;
     if (!is_inside) {
         const struct two_edges edges = measure_edges(&operands);
@@ -716,7 +722,7 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
     }
     const struct enclosure t = enclose_quotient(crossing.n, invert(crossing.d));
     if (t.low > *hi) return 0;
-    if (!is_inside || begun == 0) return -1;
+    if (!is_inside || beyond_t_min == 0) return -1;
     if (!(t.high < *lo)) {
         if (!other) return -1;
         const struct crossing crossing_2 = cross_plane(ray->origin, ray->direction, other);
@@ -729,17 +735,17 @@ int mlrt_offer_in_double(const struct mlrt_ray_segment *ray, const struct mlrt_t
     return 1;
 }
 
-/* The float nearest to x / d, which is not negative. */
+/* The float nearest to x / d. The quotient is not negative. */
 static float round_quotient_exactly(const struct mlrt_exact *x, const struct mlrt_exact *d)
 {
     if (x->sign == 0) return 0;
-    // Each conversion is off by 2^-51 at most, the division by u: a true quotient is within 2^-49 of this one.
+    // The relative errors are 2^-51 at most for each conversion and u for the division: below 2^-49 together.
     double quotient = fabs(mlrt_exact_to_double(x) / mlrt_exact_to_double(d));
     float low = (float)(quotient * (1 - 0x1p-49));
     float high = (float)(quotient * (1 + 0x1p-49));
     if (low == high) return low;
 
-    // Neighbours. What rounds to inf begins midway between FLT_MAX and 2^128, as if that were the next float.
+    // Neighbours. Quotients round to inf from midway between FLT_MAX and 2^128 on, as if 2^128 were the next float.
     double midpoint = 0.5 * ((double)low + (high > FLT_MAX ? 0x1p128 : (double)high));
     struct mlrt_exact exact_midpoint, threshold;
     mlrt_exact_from_double(midpoint, &exact_midpoint);
@@ -751,14 +757,14 @@ static float round_quotient_exactly(const struct mlrt_exact *x, const struct mlr
     return low_bits % 2 == 0 ? low : high;
 }
 
-/* The float that all within 2^-49 of a quotient round to; 0 if there is none. */
+/* Sets *result to the float that all numbers within 2^-49 of the quotient round to. Returns 0 if there is none. */
 static int round_close_quotient(double quotient, float *result)
 {
     *result = (float)(quotient * (1 + 0x1p-48));
     return (float)(quotient * (1 - 0x1p-48)) == *result;
 }
 
-/* Takes the outputs that it can settle out of the set given. */
+/* Sets those of the outputs that grid.h determines. Returns the others. */
 static uint32_t report_hit_on_grid(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle,
                                    uint32_t outputs, struct mlrt_hit_report *report)
 {
@@ -796,7 +802,7 @@ static MLRT_NOINLINE void report_hit_exactly(const struct mlrt_ray_segment *ray,
     }
 }
 
-/* The float that every number of the enclosure rounds to; 0 if there is none. A quotient of a hit is not negative. */
+/* Sets *result to the float that every number of the enclosure rounds to. Returns 0 if there is none. */
 MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
 {
     *result = (float)enclosure.high;
@@ -804,11 +810,12 @@ MLRT_INLINE int round_enclosure(struct enclosure enclosure, float *result)
 }
 
 /*
- * t of a triangle that lies in a plane across an axis is (a - o) / d there. A camera that looks down an axis has d = 1
- * for all its rays, and if a - o is midway between two floats, it is so for all that they hit of a wall. Let a - o be
- * exact, and q the quotient, rounded. What is midway between floats is a double, so q is on the same side of it as the
- * true quotient, unless q is midway itself. Then it has 25 bits, and q d is exact: if that is a - o, so is q. Returns 0
- * where this does not say what t rounds to.
+ * Sets *t to the rounded (a - o) / d of a triangle in a plane across an axis. This case is frequent: a camera that
+ * looks along an axis has d = 1 for all rays, and if a - o lies midway between two floats, all of a wall is undecided.
+ *
+ * Let a - o be exact in double, and q the rounded quotient. A number midway between two floats is a double, so q lies
+ * on the same side of it as the true quotient, unless q is the midway number. Then q has 25 bits and q d is exact: if
+ * it equals a - o, q is the true quotient. Returns 0 if that does not determine *t.
  */
 static int round_flat_quotient(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, float *t)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where one ray crosses planes, in double: what single rays test nodes with (mlrta/ray.c, bvh/ray.c).
+ * The t at which one ray crosses planes, in double: single rays test nodes with it (mlrta/ray.c, bvh/ray.c).
  *
- * In double no finite float overflows or underflows here: with x = fl(c - o) and r = fl(1 / d), the distance to a plane
- * is x r with a relative error under 3 * 2^-53 (1 + 2^-50), so [x r (1 - 2^-50), x r (1 + 2^-50)] contains it, and a
- * node is left out only if its interval is surely empty or surely behind the nearest hit.
+ * For finite floats nothing overflows or underflows in double here. With x = fl(c - o) and r = fl(1 / d), the distance
+ * to a plane is x r with a relative error below 3 * 2^-53 (1 + 2^-50), so [x r (1 - 2^-50), x r (1 + 2^-50)] contains
+ * it. A node is left out only if its interval is certainly empty or certainly behind the nearest hit.
  */
 #ifndef MLRT_EXACT_RAY_INTERVAL_H
 #define MLRT_EXACT_RAY_INTERVAL_H
@@ -21,13 +21,13 @@ struct mlrt_interval {
     double exit;
 };
 
-/* 1 / d_k, or 0 where d_k is 0: such an axis takes part in no product. */
+/* 1 / d_k. 0 where d_k is 0: along such an axis there is no distance to a plane, and callers compare coordinates. */
 MLRT_INLINE void mlrt_reciprocal_direction(const struct mlrt_ray_segment *ray, double reciprocal[3])
 {
     for (int k = 0; k < 3; ++k) reciprocal[k] = ray->direction[k] == 0 ? 0 : 1.0 / ray->direction[k];
 }
 
-/* Distances at which the ray can cross the plane x_k = c; d_k is not 0. */
+/* An interval that contains the t at which the ray crosses the plane x_k = c; d_k is not 0. */
 MLRT_INLINE struct mlrt_interval mlrt_plane_distance(double c, double origin, double reciprocal)
 {
     const double t = (c - origin) * reciprocal;

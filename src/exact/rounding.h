@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Doubles rounded to floats in a known direction: how bounds stay bounds.
+ * Rounding from double to float, up or down, so that bounds remain bounds.
  */
 #ifndef MLRT_EXACT_ROUNDING_H
 #define MLRT_EXACT_ROUNDING_H
@@ -12,7 +12,7 @@
 
 #include "mlrt.h"
 
-/* The largest float below a. a may be infinite; -inf stays. */
+/* The largest float below `a`, which may be infinite. -inf stays. */
 static inline float mlrt_next_down(float a)
 {
     uint32_t bits;
@@ -28,14 +28,14 @@ static inline float mlrt_next_down(float a)
     return a;
 }
 
-/* The largest float <= a. Not for NaN. */
+/* The largest float <= a. `a` is not a NaN. */
 static inline float mlrt_float_down(double a)
 {
     float nearest = a > FLT_MAX ? (isinf(a) ? (float)a : FLT_MAX) : (float)a;
     return nearest > a ? mlrt_next_down(nearest) : nearest;
 }
 
-/* The smallest float >= a. Not for NaN. */
+/* The smallest float >= a. `a` is not a NaN. */
 static inline float mlrt_float_up(double a)
 {
     return -mlrt_float_down(-a);

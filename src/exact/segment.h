@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A ray as the hit rule has it, and which rays can hit at all (rule R1).
+ * A ray as the hit rule takes it, and which rays can hit anything (rule R1).
  */
 #ifndef MLRT_EXACT_SEGMENT_H
 #define MLRT_EXACT_SEGMENT_H
@@ -17,9 +17,10 @@ struct mlrt_ray_segment {
     uint32_t mask; /* scene/masks.h */
 };
 
+/* Of a ray that sees all triangles. */
 #define MLRT_MASK_ALL 0xFFFFFFFFu
 
-/* Rule R1: makes a segment of the numbers given. 0 if the ray can hit nothing. */
+/* Rule R1: sets *ray. Returns 0 if the ray can hit nothing. */
 static inline int mlrt_make_segment(const float origin[3], const float direction[3], float t_min, float t_max,
                                     struct mlrt_ray_segment *ray)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Triangles and boxes of floats, and the floats that filters carry.
+ * Triangles and boxes of floats, and the range of floats that the filters of traversal can compute with.
  */
 #ifndef MLRT_EXACT_TRIANGLE_H
 #define MLRT_EXACT_TRIANGLE_H
@@ -17,7 +17,7 @@ struct mlrt_box {
     float hi[3];
 };
 
-/* Magnitudes that float arithmetic in traversal carries without overflow or loss: these, and 0. */
+/* Magnitudes with which float arithmetic in traversal neither overflows nor underflows: these, and 0. */
 #define MLRT_SAFE_MIN 0x1p-60f
 #define MLRT_SAFE_MAX 0x1p60f
 

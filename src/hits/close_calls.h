@@ -119,9 +119,9 @@ static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const 
     bounds->greatest_d = d_add(size, d_error);
 }
 
-/* Of DW lanes, where D has a certain sign: those that are surely inside the triangle's edges, and surely outside. */
-MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct close_bounds *bounds,
-                            const struct mlrt_packet *packet, uint32_t lane, uint32_t *inside, uint32_t *outside)
+/* The negative edge functions of DW lanes, in D's sign, so that the greatest counts, and their bounds. */
+MLRT_INLINE void bound_edges(const struct close_triangle *triangle, const struct close_bounds *bounds,
+                             const struct mlrt_packet *packet, uint32_t lane, vd edge[3], vd bound[3])
 {
     const vd direction[3] = {d_load(packet->direction[0] + lane), d_load(packet->direction[1] + lane),
                              d_load(packet->direction[2] + lane)};
@@ -129,15 +129,23 @@ MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct 
     vd moment[3], moment_size[3];
     cross_product_of_doubles(triangle->to_a, direction, moment);
     cross_product_of_sizes(triangle->to_a, direction, moment_size);
-    /* The negative edge functions, so that the greatest counts. */
     const vd ab = dot_product_of_doubles(triangle->ab, moment);
     const vd ca = d_sub(zero, dot_product_of_doubles(triangle->ac, moment));
     const vd bc = d_sub(zero, d_add(d_add(bounds->d, ab), ca));
     const vd ab_size = dot_product_of_sizes(triangle->ab, moment_size);
     const vd ca_size = dot_product_of_sizes(triangle->ac, moment_size);
     const vd bc_size = d_add(d_add(bounds->d_size, ab_size), ca_size);
-    const vd edge[3] = {d_flip(ab, bounds->d), d_flip(bc, bounds->d), d_flip(ca, bounds->d)};
-    const vd bound[3] = {d_mul(error, ab_size), d_mul(error, bc_size), d_mul(error, ca_size)};
+    edge[0] = d_flip(ab, bounds->d), edge[1] = d_flip(bc, bounds->d), edge[2] = d_flip(ca, bounds->d);
+    bound[0] = d_mul(error, ab_size), bound[1] = d_mul(error, bc_size), bound[2] = d_mul(error, ca_size);
+}
+
+/* Of DW lanes, where D has a certain sign: those that are surely inside the triangle's edges, and surely outside. */
+MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct close_bounds *bounds,
+                            const struct mlrt_packet *packet, uint32_t lane, uint32_t *inside, uint32_t *outside)
+{
+    const vd zero = d_set1(0);
+    vd edge[3], bound[3];
+    bound_edges(triangle, bounds, packet, lane, edge, bound);
     const vd least = d_max(d_max(d_sub(edge[0], bound[0]), d_sub(edge[1], bound[1])), d_sub(edge[2], bound[2]));
     const vd greatest = d_max(d_max(d_add(edge[0], bound[0]), d_add(edge[1], bound[1])), d_add(edge[2], bound[2]));
     *outside = d_gt(least, zero);

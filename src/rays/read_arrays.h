@@ -33,6 +33,7 @@ struct array_reader {
     struct array_layout skip;
     int points_have_t_min; /* as the word behind them */
     int directions_have_t_max;
+    int are_structs; /* directions follow the word behind the points */
 };
 
 static void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t row_length, struct array_layout *layout)
@@ -74,6 +75,9 @@ static int begin_reading(const struct mlrt_source *source, struct array_reader *
     reader->directions.has_word =
         reader->directions_have_t_max || is_followed_by(&reader->directions, &reader->t_min) ||
         is_followed_by(&reader->directions, &reader->points) || is_followed_by(&reader->directions, &reader->skip);
+    reader->are_structs = reader->points.has_word && reader->directions.has_word &&
+                          reader->directions.data == reader->points.data + 16 &&
+                          reader->directions.step == reader->points.step;
     return 1;
 }
 
@@ -103,6 +107,27 @@ static MLRT_NOINLINE void read_vectors_apart(const struct array_layout *layout, 
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) v_store(rows[k] + v, from ? v_sub(words[k], v_set1(from[k])) : words[k]);
         if (fourth) v_store(fourth + v, words[3]);
+    }
+}
+
+/* Reads structs of origin, a word, direction and another one. The words go where limits do: who has them elsewhere reads
+ * these later. */
+static MLRT_NOINLINE void read_structs(const struct array_layout *points, const unsigned char *first,
+                                       struct mlrt_packet *packet)
+{
+    const size_t step = points->step, row_step = points->row_step;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const unsigned char *at = first + offset_of_lane(points, v);
+        vf origin[4], direction[4];
+        v_quads_at(at, step, row_step, origin);
+        v_quads_at(at + 16, step, row_step, direction);
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            v_store(packet->origin[k] + v, origin[k]);
+            v_store(packet->direction[k] + v, direction[k]);
+        }
+        v_store(packet->t_min + v, origin[3]);
+        v_store(packet->t_max + v, direction[3]);
     }
 }
 
@@ -180,6 +205,8 @@ static void read_whole_block(const struct array_reader *reader, uint32_t x, uint
     if (packet->has_apex) {
         read_vectors(&reader->points, points, source->light, packet->direction, t_min);
         memcpy(packet->apex, source->light, sizeof packet->apex);
+    } else if (reader->are_structs) {
+        read_structs(&reader->points, points, packet);
     } else {
         read_vectors(&reader->points, points, NULL, packet->origin, t_min);
         read_vectors(&reader->directions, directions, NULL, packet->direction, t_max);

@@ -1,37 +1,38 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bounds of a triangle clipped to a box: the planes of the box, moved outward by a margin, cut the triangle one after
- * the other in double arithmetic; the bounds of what is left are widened by the same margin.
+ * Bounds of a triangle clipped to a box. The planes of the box, moved outward by a margin, cut the triangle one after
+ * the other in double arithmetic. The bounds of the polygon that remains are widened by the same margin.
  *
  * Based on: Ivan Sutherland, Gary Hodgman, "Reentrant Polygon Clipping", 1974. Vlastimil Havran, Jiri Bittner, "On
  * Improving KD-Trees for Ray Shooting", 2002. The proof is our own.
  *
- * Why no point is lost. Let T be the triangle, M_k the largest |coordinate| of its vertices along axis k, u = 2^-53.
- * A cut replaces vertices that are outside by points on edges (p inside, q outside),
+ * Why the bounds hold every common point. Let T be the triangle, M_k the largest |coordinate| of its vertices along
+ * axis k, and u = 2^-53. A cut replaces the vertices outside its plane by points on edges (p inside, q outside),
  *
  *     x_k = fl(p_k + fl(t fl(q_k - p_k))),      t = fl(d_p / fl(d_p - d_q)) in [0, 1],
  *
- * where d is the distance from the plane. Besides each computed vertex x think of a true point w of T: w = x for the
- * vertices of T, and w = (1 - t) w_p + t w_q for new ones, exactly, with the t that was computed.
+ * where d is the distance from the plane. To each computed vertex x belongs a true point w of T: w = x for the vertices
+ * of T, and w = (1 - t) w_p + t w_q, exactly, for a new vertex with the computed t.
  *
  * (a) |x_k - w_k| <= 5.01 u M_k after the first cut: the difference and the product are off by 2 u of
- *     t |q_k - p_k| <= 2 M_k, the sum by u M_k. The errors of p and q pass into those of x with weights that add up
- *     to 1, so after s cuts |x_k - w_k| <= 5.01 s u M_k. Underflow adds at most 2^-1074 (1 + 2 M_k), which is nothing
+ *     t |q_k - p_k| <= 2 M_k, and the sum by u M_k. The errors of p and q enter that of x with weights that add up to
+ *     1, so after s cuts |x_k - w_k| <= 5.01 s u M_k. Underflow adds at most 2^-1074 (1 + 2 M_k), which is negligible
  *     beside u M_k >= 2^-202.
  *
- * (b) The points w, in their order, are a convex polygon W: new ones lie exactly on edges of the polygon before.
+ * (b) The points w, in their order, form a convex polygon W, because each new w lies exactly on an edge of the polygon
+ *     before the cut.
  *
- * (c) What a cut removes of W is, for each run of outside vertices, the hull of these and the two new ones. Along the
- *     axis of the cut, the x of outside vertices are beyond the plane, and their w at most 5.01 * 6 u M_k before it.
- *     The t of new vertices is off by 4.01 u t, which moves them by 4.01 u |d_p| <= 8.03 u M_k. So no w of the removed
- *     part is more than (5.01 * 6 + 8.03) u M_k < 39 u M_k before the plane.
+ * (c) For each run of outside vertices, a cut removes from W the hull of their w and the two new w. Along the axis of
+ *     the cut, the x of outside vertices are beyond the plane, so their w are at most 5.01 * 6 u M_k before it. The t
+ *     of a new vertex is off by 4.01 u t, which moves the vertex by 4.01 u |d_p| <= 8.03 u M_k. So no point of the
+ *     removed part is more than (5.01 * 6 + 8.03) u M_k < 39 u M_k before the plane.
  *
- * (d) There are at most seven cuts: six by the box and one that halves it. The planes lie MARGIN * M_k outside of the
- *     box, within 2 u M_k from rounding (a plane farther out than 2 M_k cuts nothing, or everything and rightly so). A
- *     MARGIN of 41 u is therefore enough for the removed parts to have no point in the box: every point that T and the
- *     box share is in W to the end. W is at most 7 * 5.01 u M_k < 36 u M_k outside of the bounds of the computed x.
+ * (d) There are at most seven cuts: six by the box and one that halves it. The planes lie MARGIN * M_k outside the box,
+ *     up to rounding of 2 u M_k. (A plane at more than 2 M_k from the origin cuts off nothing, or rightly all of T.) So
+ *     with a MARGIN of 41 u the removed parts have no point in the box, and every point that T and the box share is in
+ *     the last W. That W reaches at most 7 * 5.01 u M_k < 36 u M_k outside the bounds of the computed x.
  *
- * MARGIN = 64 u serves for both. Vertices of T are exact, and the bounds are not widened for them.
+ * MARGIN = 64 u is enough for (c), (d) and the widening. Vertices of T are exact: bounds are not widened for them.
  */
 #include "scene/clip.h"
 
@@ -44,15 +45,15 @@
 #define MARGIN 0x1p-47
 
 /*
- * A cut of n vertices leaves at most floor(3 n / 2): rounded polygons need not be convex, so every second vertex might
- * be outside. 3, 4, 6, 9, 13, 19, 28.
+ * A cut turns n vertices into at most floor(3 n / 2), since every second vertex of a polygon that rounding has made
+ * concave can be outside. The triangle and six cuts: 3, 4, 6, 9, 13, 19, 28.
  */
 #define VERTEX_LIMIT 28
 
 struct polygon {
     int vertex_count;
     double vertex[VERTEX_LIMIT][3];
-    unsigned char computed[VERTEX_LIMIT]; /* 0 = a vertex of the triangle */
+    unsigned char computed[VERTEX_LIMIT]; /* 1 = a computed vertex, 0 = a vertex of the triangle */
 };
 
 struct bounds {
@@ -60,18 +61,20 @@ struct bounds {
     double hi[3];
 };
 
-/* How far vertices are inside of a plane. */
+/* A plane across an axis. The inside is above it (sign +1) or below it (sign -1). */
 struct plane {
     uint32_t axis;
-    double sign; /* +1 = above the plane is inside, -1 = below it is */
+    double sign;
     double position;
 };
 
+/* The distance from the plane; negative outside. */
 MLRT_INLINE double distance_inside(const struct plane *plane, const double point[3])
 {
     return plane->sign * (point[plane->axis] - plane->position);
 }
 
+/* The point where the edge from `inner` to `outer` meets the plane. */
 static void cut_edge(const double inner[3], double inner_distance, const double outer[3], double outer_distance,
                      double point[3])
 {
@@ -85,7 +88,7 @@ static void add_vertex(struct polygon *polygon, const double point[3], int compu
     polygon->computed[polygon->vertex_count++] = (unsigned char)computed;
 }
 
-/* The edges that meet the plane in an inner vertex (distance 0) need no new one. */
+/* Sets *result to the part of the polygon inside the plane. A vertex in the plane stays, and its edges are not cut. */
 static void cut_polygon(const struct polygon *polygon, const struct plane *plane, struct polygon *result)
 {
     result->vertex_count = 0;
@@ -131,7 +134,9 @@ static void copy_triangle(const struct mlrt_triangle *triangle, struct polygon *
     }
 }
 
-/* Cuts with those planes of the box that the triangle reaches beyond. Returns which of the two polygons is the result.
+/*
+ * Cuts polygon[0] by those planes of the box that the triangle reaches beyond. polygon[1] is used in turn; returns the
+ * index of the result.
  */
 static int cut_by_box(const struct bounds *whole, const double margin[3], const struct mlrt_box *box,
                       struct polygon polygon[2])
@@ -161,11 +166,14 @@ MLRT_INLINE void extend(struct bounds *bounds, const double point[3], const doub
     }
 }
 
-/* The bounds of what a cut would leave of a polygon, widened. They stay inverted if nothing is left. */
+/*
+ * The bounds of the part of a polygon inside a plane, widened for computed vertices. If there is no such part, they are
+ * inverted: lo > hi.
+ */
 static void bound_inside(const struct polygon *polygon, const struct plane *plane, const double margin[3],
                          struct bounds *bounds)
 {
-    static const double nothing[3];
+    static const double no_margin[3];
     int last = polygon->vertex_count - 1;
     double last_distance = last < 0 ? 0 : distance_inside(plane, polygon->vertex[last]);
     for (int k = 0; k < 3; k++) {
@@ -182,13 +190,13 @@ static void bound_inside(const struct polygon *polygon, const struct plane *plan
             cut_edge(polygon->vertex[i], distance, polygon->vertex[last], last_distance, point);
             extend(bounds, point, margin);
         }
-        if (distance >= 0) extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : nothing);
+        if (distance >= 0) extend(bounds, polygon->vertex[i], polygon->computed[i] ? margin : no_margin);
         last = i;
         last_distance = distance;
     }
 }
 
-/* The largest float <= x that is allowed, +0 instead of -0. */
+/* The largest float <= x that is 0 or at least `tiny` in magnitude. 0 is +0. */
 MLRT_INLINE float round_down(double x, float tiny)
 {
     if (x > -tiny && x < tiny) return x < 0 ? -tiny : 0.0f;
@@ -200,7 +208,7 @@ static float round_up(double x, float tiny)
     return 0.0f - round_down(-x, tiny);
 }
 
-/* Rounds outward and keeps what is in the box. Returns 0 if nothing is. */
+/* Intersects the box with the bounds, rounded outward. Returns 0 if they are disjoint; then the box is undefined. */
 static int intersect_bounds(const struct bounds *bounds, float tiny, struct mlrt_box *box)
 {
     for (int k = 0; k < 3; k++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Masks: see masks.h.
+ * Masks of many triangles or of many rays: see masks.h.
  */
 #include "scene/masks.h"
 

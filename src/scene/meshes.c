@@ -11,7 +11,7 @@
 #include "base/structs.h"
 #include "scene/masks.h"
 
-/* Triangles that are copied between two looks at whether the call goes on: less than a millisecond. */
+/* Triangles copied between two calls of mlrt_advance: less than a millisecond. */
 #define CHUNK_SIZE 8192
 
 #define FIRST_SIZE MLRT_SIZE_UP_TO(mlrt_mesh, mask)
@@ -70,7 +70,7 @@ int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *
     return MLRT_OK;
 }
 
-/* Vertex number `corner` of a triangle. */
+/* The index of vertex `corner` of a triangle. */
 static uint64_t vertex_index(const mlrt_mesh *mesh, size_t triangle, int corner)
 {
     if (!mesh->indices) return (uint64_t)triangle * 3 + (uint64_t)corner;
@@ -91,7 +91,10 @@ int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_trian
 
 /* ---- ids ---- */
 
-/* In a heap of positions with the greatest id on top. (Here, too: qsort may take memory that is not the host's.) */
+/*
+ * Lets position i of `count` sink to its place in a heap of positions with the greatest id on top. No qsort: it may
+ * take memory that is not the host's.
+ */
 static void sink(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count)
 {
     const uint32_t sinking = heap[i];
@@ -103,7 +106,7 @@ static void sink(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count
     heap[i] = sinking;
 }
 
-/* Not MLRT_NONE, and each once. Sorting by id makes equal ones neighbours. */
+/* Sorts positions by id, which makes equal ids neighbours. Ids must be distinct and not MLRT_NONE. Returns a status. */
 static int32_t sort_mesh_ids(struct mlrt_tree *tree)
 {
     const uint32_t *ids = tree->mesh_ids, count = tree->mesh_count;
@@ -122,7 +125,7 @@ static int32_t sort_mesh_ids(struct mlrt_tree *tree)
     return MLRT_OK;
 }
 
-/* Ids as given, or positions if all are 0. */
+/* Sets the ids as given, or to positions if all are 0. Returns a status. */
 static int32_t set_mesh_ids(const mlrt_mesh *meshes, struct mlrt_tree *tree)
 {
     uint32_t any = 0;
@@ -158,7 +161,7 @@ int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count)
     return common != MLRT_MASK_ALL;
 }
 
-/* A word for each triangle, if some mesh has a mask. */
+/* Sets the mask of each triangle, if a mesh has a mask. Returns a status. */
 static int32_t set_masks(const mlrt_mesh *meshes, struct mlrt_tree *tree)
 {
     if (!mlrt_have_masks(meshes, tree->mesh_count)) return MLRT_OK;

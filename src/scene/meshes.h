@@ -11,24 +11,27 @@
 
 #define MLRT_TRIANGLE_LIMIT ((1u << 30) - 1) /* leaves count in 30 bits */
 
-/* Checks an array of meshes, and counts their triangles. Returns a status. */
+/* Checks a caller's array of meshes, and counts their triangles. Returns a status. */
 int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *triangle_count);
 
-/* A mesh of an array that was checked, with defaults resolved: strides, index_size, mask. */
+/* Mesh i of an array that was checked, with defaults resolved: strides, index_size, mask. */
 mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i);
 
-/* Does one of these meshes have a mask, other than all bits? */
+/* 1 if one of these meshes has a mask other than MLRT_MASK_ALL. */
 int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count);
 
-/* Copies a triangle of such a mesh: 0 if one of its vertices does not exist, whose index then is *index. */
+/*
+ * Copies a triangle of a mesh of mlrt_mesh_at. Returns 0 if the index of a vertex is out of range; then *index is that
+ * index.
+ */
 int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_triangle *copy, uint64_t *index);
 
-/* What progress counts a mesh's triangle as, which is copied. */
+/* The work of copying a triangle: the unit of a build's progress. */
 #define MLRT_COPY_WORK 1.0
 
 /*
- * Sets what a tree holds of meshes that were checked, tree->triangle_count among it: triangles, and the tables of ids
- * and masks, which mlrt_free_meshes frees. On error some of that may be there.
+ * Copies meshes that were checked into a tree: its triangles, and its tables of ids and masks. tree->triangle_count is
+ * the count of mlrt_check_meshes. Returns a status. mlrt_free_meshes frees the arrays, also after an error.
  */
 int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, const struct mlrt_voice *voice,
                          struct mlrt_progress *progress, struct mlrt_tree *tree);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which triangles the structures of a tree leave out, and whether float carries its bounds.
+ * Facts about a tree that both structures use: whether its bounds are float-safe, and which triangles are left out.
  */
 #include "scene/tree.h"
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The tree as a whole: the scene's triangles, and the structure over them, a hierarchy of boxes (bvh/node.h) or a kd-tree
- * (mlrta/kdtree.h).
+ * The tree as a whole: the triangles of the scene, and the structure over them, a hierarchy of boxes (bvh/node.h) or a
+ * kd-tree (mlrta/kdtree.h).
  *
  * Triangles keep the order of the input: triangle i of mesh m has the number mesh_first[m] + i everywhere in the
- * library, so comparing numbers is the tie order of the hit rule. Triangles that were left out are stored too, but no
- * leaf names them.
+ * library, so the order of numbers is the order of ties in the hit rule. Triangles that are left out (not finite, or
+ * without area) are stored too, but no leaf holds them.
  */
 #ifndef MLRT_SCENE_TREE_H
 #define MLRT_SCENE_TREE_H
@@ -20,16 +20,16 @@ struct mlrt_bvh_node;
 /* mlrta/kdtree.h */
 struct mlrt_node;
 
-/* The hierarchy of boxes: what its arrays hold is said there. */
+/* The hierarchy of boxes. bvh/node.h describes its arrays. */
 struct mlrt_bvh {
     struct mlrt_bvh_node *nodes;
     uint32_t node_count;
     uint32_t quad_count;
     float *corners;        /* 36 * quad_count + 16 */
     uint32_t *numbers;     /* 4 * quad_count + 16 */
-    float unit;            /* what coordinates of boxes and corners were multiplied with: unit.h */
-    struct mlrt_box whole; /* of all triangles, in units */
-    struct mlrt_box core;  /* where most are, as a guess: no answer depends on it */
+    float unit;            /* the factor of the coordinates of boxes and corners: bvh/unit.h */
+    struct mlrt_box whole; /* bounds of all triangles that leaves hold, in units */
+    struct mlrt_box core;  /* estimated bounds of most of them, in units: no answer depends on it */
 };
 
 struct mlrt_tree {
@@ -37,26 +37,27 @@ struct mlrt_tree {
     struct mlrt_triangle *triangles;
     uint32_t triangle_count;
     uint32_t mesh_count;
-    uint32_t *mesh_ids;   /* mesh_count: as reported */
+    uint32_t *mesh_ids;   /* mesh_count: the ids that results report */
     uint32_t *mesh_first; /* mesh_count + 1: number of the first triangle of each mesh, ascending */
-    uint32_t *mesh_by_id; /* mesh_count: positions in the order of their ids */
-    uint32_t *masks;      /* triangle_count: that of each one's mesh; NULL if all of them have all bits */
-    int borrowed;         /* 1 = all arrays are someone else's, and stay: save.c */
+    uint32_t *mesh_by_id; /* mesh_count: positions of the meshes in the order of their ids */
+    uint32_t *masks;      /* triangle_count: the mask of each triangle's mesh; NULL = all are MLRT_MASK_ALL */
+    int borrowed;         /* 1 = all arrays lie in the caller's memory and are not freed (api/save.c) */
+    /* The kd-tree: nodes is NULL, and the counts are 0, in a hierarchy of boxes */
     struct mlrt_node *nodes;
-    uint32_t node_count; /* of a kd-tree, where it is at least 1; else 0 */
+    uint32_t node_count; /* at least 1 in a kd-tree */
     uint32_t *references;
     uint32_t reference_count;
-    struct mlrt_box bounds; /* of all triangles in the tree: exact, nothing is rounded. All 0 if there is none */
-    struct mlrt_bvh bvh;    /* node_count 0 in a kd-tree, or without triangles */
+    struct mlrt_box bounds; /* of all triangles not left out, not rounded; all 0 if there are none */
+    struct mlrt_bvh bvh;    /* node_count is 0 in a kd-tree, and without triangles */
     uint32_t structure;     /* MLRT_STRUCTURE_* */
     int float_safe;         /* 1 = every split plane and every bound is mlrt_is_float_safe */
     mlrt_tree_info info;
 };
 
-/* Can float carry the bounds? */
+/* 1 if all bounds of the tree are mlrt_is_float_safe. */
 int mlrt_has_safe_bounds(const struct mlrt_tree *tree);
 
-/* 1 if no leaf may name the triangle. The counts of those left out, in tree->info, must be right. */
+/* 1 if the triangle is left out: no leaf may hold it. tree->info must have the counts of triangles left out. */
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
 
 #endif

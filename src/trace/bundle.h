@@ -180,8 +180,7 @@ enum mlrt_pair_kind { MLRT_NO_LINE, MLRT_LINE, MLRT_ONE_PLANE };
 
 /*
  * The line that the planes of two triangles have in common, as an edge function: of a ray that meets both, its sign times
- * those of both D is that of t(first) - t(second); if D of the second is taken from `normal`, of rays that hit the second
- * (pair_line.c).
+ * those of both D is that of t(first) - t(second) (pair_line.c). `normal` is that of the second.
  */
 struct mlrt_pair_line {
     uint32_t first;
@@ -191,7 +190,7 @@ struct mlrt_pair_line {
     float constant;
     float coefficient[MLRT_RAY_TERMS];
     float normal[3];
-    float error;     /* relative to R; as EDGE_ERROR. 0: of rays that hit the second only, known without them */
+    float error;     /* relative to R; as EDGE_ERROR */
     float steepness; /* as that of a leaf */
 };
 

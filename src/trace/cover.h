@@ -8,8 +8,9 @@
  * the same doubled bounds. At depth z = N / D a ray at x + s z meets the plane, N = n . (a - w) - n_j x_j - n_l x_l. A place
  * as computed is off by no more than blur (hulls.h), and |n_j|, |n_l| <= 2 in units of its size: so N over the hull is off
  * by DISTANCE_ERROR F + 4 blur, and twice that is taken, which pays for the roundings of middle and radius. D has W as
- * there. z lies between the least and the greatest of the quotients of these ends, whatever their signs; each quotient has
- * one rounding, and is moved by SLOPE_SLACK of itself.
+ * there. Where D has one certain sign, which is made 1, z lies between the quotients of the ends of N, each by that end of D
+ * which makes it the least or the greatest, as the sign of N says; each quotient has one rounding, and is moved by SLOPE_SLACK
+ * of itself.
  *
  * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
  * first, the line of their planes does (pair_line.c): an edge function, which is bounded over the hull as those of
@@ -17,8 +18,9 @@
  *
  * BEGINS AND ENDS. Rays begin on surfaces, and end on them. Where D has one certain sign over the hull, say 1, a ray does not
  * hit the triangle if N < 0, as t < 0, or if N > t_max D. Both are told in double, lane by lane, with the determinants and
- * sizes of close_calls.h. N - t_max D has one rounding more for the product and one for the difference: with those of N and
- * D no more than 10.01 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is told.
+ * sizes of close_calls.h. N - t_max D has no more than 9 roundings: 8 of N, or 7 of D and that of the product, and the
+ * difference. So it is off by 9.001 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite neither is
+ * told.
  *
  * Rays that a light's cell stands for end before the plane of the triangle that they pass, S, on the light's side (shadow_ray.h).
  * The hull has the direction to a point of S, and D of S one sign over it (find_order), so all rays go towards S, and end at a
@@ -50,7 +52,9 @@ struct triangle_of_packets {
     vm inside;   /* all rays pass inside its edges */
     vm sure;     /* D has one sign: */
     vm backward; /* -1 */
-    vf near;     /* where `sure`: depths between which the rays cross its plane */
+    vf least_d;
+    vf greatest_d;
+    vf near; /* where `sure`: depths between which the rays cross its plane */
     vf far;
 };
 
@@ -72,9 +76,9 @@ MLRT_INLINE void bound_over_packets(const struct mlrt_hulls *hulls, int v, float
 
 /* N over the hulls, and from it the depths. */
 MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
-                              int v, int has_places, vm backward, vf least_d, vf greatest_d,
-                              struct triangle_of_packets *of)
+                              int v, int has_places, struct triangle_of_packets *of)
 {
+    const vm backward = of->backward;
     vf middle = v_set1(leaf->distance[triangle]), radius = v_set1(0), error = v_set1(0);
     if (!MLRT_GUESS) {
         error = v_set1(2 * DISTANCE_ERROR * leaf->away[triangle] + 2 * DISTANCE_FLOOR);
@@ -89,10 +93,10 @@ MLRT_INLINE void bound_depths(const struct mlrt_hulls *hulls, const struct mlrt_
     const vf width = v_mul(v_load(hulls->reach + v), v_set1(PLANE_BOUND)), zero = v_set1(0);
     const vf n = v_select(backward, v_sub(zero, middle), middle), room = v_add(radius, error);
     const vf least_n = v_sub(n, room), greatest_n = v_add(n, room);
-    const vf from = v_sub(v_select(backward, v_sub(zero, greatest_d), least_d), width);
-    const vf to = v_add(v_select(backward, v_sub(zero, least_d), greatest_d), width);
-    const vf near = v_min(v_div(least_n, from), v_div(least_n, to));
-    const vf far = v_max(v_div(greatest_n, from), v_div(greatest_n, to));
+    const vf from = v_sub(v_select(backward, v_sub(zero, of->greatest_d), of->least_d), width);
+    const vf to = v_add(v_select(backward, v_sub(zero, of->least_d), of->greatest_d), width);
+    const vf near = v_div(least_n, v_select(v_gt(least_n, zero), to, from));
+    const vf far = v_div(greatest_n, v_select(v_gt(greatest_n, zero), from, to));
     const vf slack = v_set1(SLOPE_SLACK), floor = v_set1(HULL_FLOOR);
     of->near = v_sub(near, v_mul_add(v_abs(near), slack, floor));
     of->far = v_add(far, v_mul_add(v_abs(far), slack, floor));
@@ -127,7 +131,8 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
     if (has_places) of->inside = m_or(of->inside, m_and(backward, v_lt(inner_high, v_sub(zero, bound))));
     of->sure = m_or(forward, backward);
     of->backward = backward;
-    bound_depths(hulls, leaf, triangle, v, has_places, backward, least, greatest, of);
+    of->least_d = least;
+    of->greatest_d = greatest;
 }
 
 /*
@@ -308,6 +313,42 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
     return settled;
 }
 
+/* A number of DW lanes, and what its error is relative to. */
+struct measured_lanes {
+    vd value;
+    vd size;
+};
+
+/* N of a plane. */
+MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                           struct measured_lanes *n)
+{
+    n->value = n->size = d_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        const vd to = d_sub(d_set1(plane->point[k]), origin);
+        n->value = d_add(n->value, d_mul(to, d_set1(plane->normal[k])));
+        n->size = d_add(n->size, d_mul(d_abs(to), d_set1(plane->size[k])));
+    }
+}
+
+/* N - t_max D. */
+MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                             const struct measured_lanes *n, struct measured_lanes *height)
+{
+    const vd t_max = d_load(packet->t_max + lane);
+    vd d = d_set1(0), d_size = d;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd direction = d_load(packet->direction[k] + lane);
+        d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
+        d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
+    }
+    height->value = d_sub(n->value, d_mul(t_max, d));
+    height->size = d_add(n->size, d_mul(t_max, d_size));
+}
+
 /*
  * Rays of a packet that surely do not come to a plane, by the sign of N - t D where they begin, at t = 0, or end, in
  * double: those that leave it, or end before it. `sign` is that of D.
@@ -316,33 +357,13 @@ MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlr
                                 double sign)
 {
     const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
-    vd n = d_set1(0), n_size = n;
+    struct measured_lanes n;
     uint32_t apart = 0;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        if (lane == 0 || !packet->has_apex) {
-            n = n_size = d_set1(0);
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-                const vd to = d_sub(d_set1(plane->point[k]), origin);
-                n = d_add(n, d_mul(to, d_set1(plane->normal[k])));
-                n_size = d_add(n_size, d_mul(d_abs(to), d_set1(plane->size[k])));
-            }
-        }
-        vd height = n, size = n_size;
-        if (at_end) {
-            const vd t_max = d_load(packet->t_max + lane);
-            vd d = d_set1(0), d_size = d;
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) {
-                const vd direction = d_load(packet->direction[k] + lane);
-                d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
-                d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
-            }
-            height = d_sub(n, d_mul(t_max, d));
-            size = d_add(n_size, d_mul(t_max, d_size));
-        }
-        apart |= d_gt(d_flip(height, signs), d_mul(size, error)) << lane;
+        if (lane == 0 || !packet->has_apex) measure_n(plane, packet, lane, &n);
+        struct measured_lanes height = n;
+        if (at_end) measure_end(plane, packet, lane, &n, &height);
+        apart |= d_gt(d_flip(height.value, signs), d_mul(height.size, error)) << lane;
     }
     return apart;
 }
@@ -375,8 +396,7 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 
 /*
  * Packets without rays that end before the triangle that they pass (shadow_cells.c), and so before another one that they
- * come to later, or that lies in its plane. They may come to that plane beside the triangle: what a line without an error
- * says, of rays that hit it, does not hold for them.
+ * come to later, or that lies in its plane.
  */
 static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                   struct mlrt_bundle *bundle, uint32_t number, uint32_t places, int v,
@@ -393,7 +413,7 @@ static MLRT_NOINLINE uint32_t find_packets_behind(const struct mlrt_job *job, st
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, skip, worker, bundle->cache);
         if (line->kind == MLRT_ONE_PLANE) {
             behind |= same;
-        } else if (line->kind == MLRT_LINE && line->error > 0) {
+        } else if (line->kind == MLRT_LINE) {
             struct order_of_packets order;
             find_order(hulls, line, v, of, &order);
             behind |= same & m_bits(order.farther);
@@ -415,8 +435,16 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
     uint32_t may = 0, covered = 0, left_alone = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         if (!((among | bundle->riding) >> v & ALL_LANES)) continue;
+        /* With places what they are compared with costs about as much as edges do. */
+        const uint32_t seeing = among >> v & (has_places ? ALL_LANES : packets_seeing(bundle, leaf, triangle, v));
+        if (!seeing && !(bundle->riding >> v & ALL_LANES)) continue;
         struct triangle_of_packets of;
         see_triangle_of_packets(hulls, leaf, triangle, v, has_places, &of);
+        if (!((seeing & ~m_bits(of.out) & bundle->closed >> v) | (bundle->riding >> v & ALL_LANES))) {
+            may |= (seeing & ~m_bits(of.out)) << v;
+            continue;
+        }
+        bound_depths(hulls, leaf, triangle, v, has_places, &of);
         if (leaf->flipped >> triangle & 1) of.backward = m_andnot(of.sure, of.backward); /* of D as it is */
         const vf last = v_load(hulls->last + v), cover_near = v_load(hulls->cover_near + v);
         const vm beside = m_or(v_gt(of.near, last), v_lt(of.far, v_load(hulls->first + v))),
@@ -425,7 +453,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
         if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
-        uint32_t met = among >> v & ~m_bits(m_or(of.out, passed)) & ALL_LANES, passing = 0;
+        uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), passing = 0;
         if (met & bundle->closed >> v) {
             const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
             const vf core_last = v_load(hulls->core_last + v), ends = v_sub(last, core_last);

@@ -380,8 +380,8 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
         cache->children[place] = child;
     }
     struct hull_outline whole;
-    outline_whole(bundle, has_places, &whole);
-    *seen = triangles_met(leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
+    outline_whole(bundle, &whole);
+    *seen = triangles_met(bundle, leaf, &whole, has_places, has_places ? leaf->there : leaf->from_waist);
     if (*seen & ~leaf->ready) set_up_triangles(job->tree, &bundle->waist, *seen & ~leaf->ready, leaf);
     if (MLRT_UNLIKELY(leaf->doubtful != 0) && !has_places) {
         settle_signs(job->tree, &bundle->waist, leaf);
@@ -474,8 +474,8 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
 struct edge_values {
     MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT];
-    uint32_t of_vector[PACKET_VECTORS]; /* triangles that some ray of each is not surely outside of */
+    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* without places the first is that of all */
+    uint32_t of_vector[PACKET_VECTORS];                /* triangles that some ray of each is not surely outside of */
 };
 
 /*
@@ -487,7 +487,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
                                   struct edge_values *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
-    vf term[PACKET_VECTORS][MLRT_RAY_TERMS];
+    vf term[PACKET_VECTORS][MLRT_RAY_TERMS], bound = v_set1(of->bound[0]);
     uint32_t met[PACKET_VECTORS] = {0};
     MLRT_UNROLL
     for (int n = 0; n < count; ++n) {
@@ -497,7 +497,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
         for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
     }
     for (; triangles; triangles &= triangles - 1) {
-        const uint32_t triangle = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
+        const uint32_t triangle = mlrt_lowest_bit(triangles);
         vf least[PACKET_VECTORS], greatest[PACKET_VECTORS];
         MLRT_UNROLL
         for (int edge = 0; edge < 3; ++edge) {
@@ -516,7 +516,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
                 if (has_places) greatest[n] = edge ? v_max(e[n], greatest[n]) : e[n];
             }
         }
-        const vf bound = v_set1(of->bound[triangle]);
+        if (has_places) bound = v_set1(of->bound[triangle]);
         MLRT_UNROLL
         for (int n = 0; n < count; ++n) {
             const int v = VW * (first + n);
@@ -525,23 +525,37 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
             /* Lanes that are not active have NaN, of which no comparison is true. */
             vm may = v_ge(least[n], v_sub(v_set1(0), bound));
             if (has_places) may = m_or(may, v_le(greatest[n], bound));
-            met[n] |= m_bits(may) ? bit : 0;
+            met[n] |= (uint32_t)(m_bits(may) != 0) << triangle;
         }
     }
     MLRT_UNROLL
     for (int n = 0; n < count; ++n) of->of_vector[first + n] = met[n];
 }
 
-/* A vector of a packet's rays as triangles of a leaf pass by: bounds of the nearest hit as quotients. */
-struct bundle_vector {
-    vf slope[2];
-    vf to_waist[3];
+/* The nearest hits of a vector of rays, bounds of tau as quotients. */
+struct nearest_hits {
     vf least_n;
     vf greatest_n;
     vf least_d;
     vf greatest_d;
     vi triangle;
 };
+
+/* A vector of a packet's rays as triangles of a leaf pass by. */
+struct bundle_vector {
+    vf slope[2];
+    vf to_waist[3];
+    struct nearest_hits nearest;
+};
+
+MLRT_INLINE void load_nearest_hits(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet, int v,
+                                   struct nearest_hits *nearest)
+{
+    nearest->least_n = v_load(rays->lo + v);
+    nearest->greatest_n = v_load(rays->hi + v);
+    nearest->least_d = nearest->greatest_d = v_set1(1);
+    nearest->triangle = i_load(packet->triangle + v);
+}
 
 MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const struct mlrt_packet *packet,
                                     int has_places, int v, struct bundle_vector *of)
@@ -550,10 +564,7 @@ MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const s
     for (int i = 0; i < 2; ++i) of->slope[i] = v_load(rays->term[i] + v);
     MLRT_UNROLL
     for (int i = 0; i < 3; ++i) of->to_waist[i] = has_places ? v_load(rays->to_waist[i] + v) : v_set1(0);
-    of->least_n = v_load(rays->lo + v);
-    of->greatest_n = v_load(rays->hi + v);
-    of->least_d = of->greatest_d = v_set1(1);
-    of->triangle = i_load(packet->triangle + v);
+    load_nearest_hits(rays, packet, v, &of->nearest);
 }
 
 /* Bounds of tau from those of N and D. */
@@ -565,17 +576,17 @@ MLRT_INLINE void find_quotients(vf least_n, vf greatest_n, vf least_d, vf greate
 }
 
 /* Stores the nearest hits of the lanes where they changed, and returns these. */
-MLRT_INLINE uint32_t store_bundle_vector(const struct bundle_vector *of, int v, struct mlrt_bundle_rays *rays,
-                                         struct mlrt_packet *packet)
+MLRT_INLINE uint32_t store_nearest_hits(const struct nearest_hits *nearest, int v, struct mlrt_bundle_rays *rays,
+                                        struct mlrt_packet *packet)
 {
-    const vm same = i_eq(of->triangle, i_load(packet->triangle + v));
+    const vm same = i_eq(nearest->triangle, i_load(packet->triangle + v));
     const uint32_t changed = ~m_bits(same) & ALL_LANES;
     if (!changed) return 0;
     vf lo, hi;
-    find_quotients(of->least_n, of->greatest_n, of->least_d, of->greatest_d, &lo, &hi);
+    find_quotients(nearest->least_n, nearest->greatest_n, nearest->least_d, nearest->greatest_d, &lo, &hi);
     v_store(rays->lo + v, v_select(same, v_load(rays->lo + v), lo));
     v_store(rays->hi + v, v_select(same, v_load(rays->hi + v), hi));
-    i_store(packet->triangle + v, of->triangle);
+    i_store(packet->triangle + v, nearest->triangle);
     return changed << v;
 }
 
@@ -632,6 +643,16 @@ struct plane_of_rays {
     vm begun;    /* after the ray begins */
 };
 
+/* Makes a triangle the nearest hit of lanes. */
+MLRT_INLINE void keep_plane(const struct plane_of_rays *plane, uint32_t number, vm hit, struct nearest_hits *nearest)
+{
+    nearest->least_n = v_select(hit, plane->least_n, nearest->least_n);
+    nearest->greatest_n = v_select(hit, plane->greatest_n, nearest->greatest_n);
+    nearest->least_d = v_select(hit, plane->least_d, nearest->least_d);
+    nearest->greatest_d = v_select(hit, plane->greatest_d, nearest->greatest_d);
+    nearest->triangle = i_select(hit, i_set1(number), nearest->triangle);
+}
+
 /*
  * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
  * returns the lanes that are left undecided. Quotients of bounds are compared as products: rounding is monotone, so that if one
@@ -654,8 +675,8 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     plane->greatest_n = v_add(distance, v_set1(error));
     plane->certain = m_and(candidates, v_gt(plane->least_d, width));
     plane->backward = v_lt(d, v_set1(0));
-    vm farther = v_gt(v_mul(plane->least_n, of->least_d), v_mul(of->greatest_n, plane->greatest_d));
-    const vm nearer = v_lt(v_mul(plane->greatest_n, of->greatest_d), v_mul(of->least_n, plane->least_d));
+    vm farther = v_gt(v_mul(plane->least_n, of->nearest.least_d), v_mul(of->nearest.greatest_n, plane->greatest_d));
+    const vm nearer = v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
     if (MLRT_UNLIKELY(bounds->has_begins)) {
         const vf from = v_load(begin);
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
@@ -669,29 +690,37 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     if (!has_places) open = m_andnot(open, v_lt(plane->greatest_d, v_set1(0)));
     uint32_t undecided = m_bits(open);
     if (MLRT_GUESS) hit = m_and(m_and(candidates, m_and(nearer, plane->begun)), v_gt(size, v_set1(0))), undecided = 0;
-    of->least_n = v_select(hit, plane->least_n, of->least_n);
-    of->greatest_n = v_select(hit, plane->greatest_n, of->greatest_n);
-    of->least_d = v_select(hit, plane->least_d, of->least_d);
-    of->greatest_d = v_select(hit, plane->greatest_d, of->greatest_d);
-    of->triangle = i_select(hit, i_set1(leaf->numbers[triangle]), of->triangle);
+    keep_plane(plane, leaf->numbers[triangle], hit, &of->nearest);
     return undecided;
 }
 
-/* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle (pair_line.c). */
+/* F of a vector of rays (pair_line.c), and in *bound what it may be off by. */
+MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
+                                int v, vf *bound)
+{
+    const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
+    const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
+    vf f = v_set1(line->constant);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
+    for (int i = 2; bundle->has_places && i < MLRT_RAY_TERMS; ++i) {
+        f = v_mul_add(v_set1(line->coefficient[i]), v_load(rays->term[i] + v), f);
+    }
+    *bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
+    return f;
+}
+
+/* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle. */
 MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
                                  int v, vm *above, vm *below)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const float reach = bundle->hulls.reach[place], blur = bundle->has_places ? bundle->hulls.blur[place] : 0;
-    const vf bound = v_set1((line->error + line->steepness * blur) * reach * (1 + SLOPE_SLACK));
-    vf f = v_set1(line->constant), d = v_set1(line->normal[0]);
-    for (int i = 0; i < (bundle->has_places ? MLRT_RAY_TERMS : 2); ++i) {
-        const vf term = v_load(rays->term[i] + v);
-        f = v_mul_add(v_set1(line->coefficient[i]), term, f);
-        if (i < 2) d = v_mul_add(v_set1(line->normal[1 + i]), term, d);
-    }
+    vf bound, d = v_set1(line->normal[0]);
+    const vf f = find_line_values(line, bundle, place, v, &bound);
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) d = v_mul_add(v_set1(line->normal[1 + i]), v_load(rays->term[i] + v), d);
     const vf signed_f = v_flip(f, d);
-    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * reach));
+    const vm sure = v_gt(v_abs(d), v_set1(PLANE_BOUND * bundle->hulls.reach[place]));
     *above = m_and(sure, v_gt(signed_f, bound));
     *below = m_and(sure, v_lt(signed_f, v_sub(v_set1(0), bound)));
 }
@@ -702,22 +731,25 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
  */
 static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                            struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
-                                           vm inside, const struct plane_of_rays *plane, int v)
+                                           vm inside, const struct plane_of_rays *plane, int v,
+                                           struct nearest_hits *hits)
 {
-    struct mlrt_packet *packet = &bundle->tile->packets[place];
+    MLRT_ALIGNED(64) uint32_t nearest_of[VW];
+    const vi found = hits->triangle;
     uint32_t left = lanes;
     if (mlrt_is_stopped_in_step(worker)) return 0;
+    i_store(nearest_of, found);
     while (lanes) {
-        const uint32_t nearest = packet->triangle[(uint32_t)v + mlrt_lowest_bit(lanes)];
-        const vi triangle = i_load(packet->triangle + v);
-        const uint32_t same = lanes & m_bits(i_eq(triangle, i_set1(nearest)));
+        const uint32_t nearest = nearest_of[mlrt_lowest_bit(lanes)];
+        const uint32_t same = lanes & m_bits(i_eq(found, i_set1(nearest)));
         lanes &= ~same;
         if (nearest == MLRT_NONE) continue;
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
-        if (line->kind == MLRT_ONE_PLANE) {
-            left &= ~(mlrt_settle_tie(number, nearest, same << v, m_bits(inside) << v, packet) >> v);
+        if (line->kind == MLRT_ONE_PLANE) { /* as mlrt_settle_tie */
+            const uint32_t tied = number > nearest ? same : same & m_bits(inside);
+            if (number < nearest) hits->triangle = i_select(m_from_bits(tied), i_set1(number), hits->triangle);
+            left &= ~tied;
         } else if (line->kind == MLRT_LINE) {
-            struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
             vm above, below;
             find_line_sides(line, bundle, place, v, &above, &below);
             const vm these = m_and(m_from_bits(same), plane->certain), backward = m_and(these, plane->backward);
@@ -725,44 +757,37 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
             const vm farther = m_or(m_and(above, forward), m_and(below, backward));
             const vm before = m_or(m_and(below, forward), m_and(above, backward));
             const vm nearer = m_and(before, m_and(inside, plane->begun));
-            vf lo, hi;
-            find_quotients(plane->least_n, plane->greatest_n, plane->least_d, plane->greatest_d, &lo, &hi);
-            v_store(rays->lo + v, v_select(nearer, lo, v_load(rays->lo + v)));
-            v_store(rays->hi + v, v_select(nearer, hi, v_load(rays->hi + v)));
-            i_store(packet->triangle + v, i_select(nearer, i_set1(number), triangle));
+            keep_plane(plane, number, nearer, hits);
             left &= ~m_bits(m_or(farther, nearer));
         }
     }
     return left;
 }
 
-/* Hands lanes of a vector to who knows: the line of two planes, then undecided.h. Returns those that are hit nearer than
- * before. */
+/* Hands lanes of a vector to who knows (undecided.h), with the nearest hits so far. Returns those that have another one than
+ * the packet knew of. */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                   struct mlrt_bundle *bundle, uint32_t place, uint32_t number,
-                                                  uint32_t lanes, vm inside, const struct plane_of_rays *plane, int v)
+                                                  uint32_t lanes, vm inside, int v, struct nearest_hits *nearest)
 {
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     struct mlrt_packet *packet = &bundle->tile->packets[place];
-    uint32_t left = lanes, changed = 0;
+    const uint32_t changed = store_nearest_hits(nearest, v, rays, packet);
     if (job->any) { /* of lanes without a hit */
         for (int i = 0; i < MLRT_PACKET_RAYS; i += VW) {
             v_store(packet->lo + i, v_load(packet->t_max + i));
             v_store(packet->hi + i, v_load(packet->t_max + i));
         }
     } else {
-        const vi before = i_load(packet->triangle + v);
-        left = settle_lanes(job, worker, bundle, place, number, lanes, inside, plane, v);
-        changed = (~m_bits(i_eq(before, i_load(packet->triangle + v))) & ALL_LANES) << v;
-        if (!left) return changed;
         set_packet_distances(rays, packet);
     }
-    const uint32_t nearer =
-        decide_lanes(job->tree, number, left << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
-    for (uint32_t those = job->any ? 0 : nearer; those; those &= those - 1) {
+    const uint32_t hit =
+        decide_lanes(job->tree, number, lanes << v, m_bits(inside) << v, packet, worker, COUNTERS(worker));
+    for (uint32_t those = job->any ? 0 : hit; those; those &= those - 1) {
         set_lane_depths(packet, mlrt_lowest_bit(those), rays);
     }
-    return changed | nearer;
+    load_nearest_hits(rays, packet, v, nearest);
+    return changed | hit;
 }
 
 /* Tests a vector of a packet's rays against triangles of a leaf, by their edge functions. Returns the lanes whose nearest
@@ -778,13 +803,14 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
                                         bundle->has_begins};
     const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
     uint32_t decided = 0;
+    vf bound = v_set1(edges->bound[0]);
     struct bundle_vector of;
     load_bundle_vector(rays, packet, has_places, v, &of);
     for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
-        const vf bound = v_set1(edges->bound[triangle]), below = v_sub(v_set1(0), bound);
-        const vf least = v_load(edges->least[triangle] + v);
-        const vm known = m_or(i_eq(of.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
+        if (has_places) bound = v_set1(edges->bound[triangle]);
+        const vf least = v_load(edges->least[triangle] + v), below = v_sub(v_set1(0), bound);
+        const vm known = m_or(i_eq(of.nearest.triangle, i_set1(number)), i_eq(skip, i_set1(number)));
         vm inside = v_gt(least, bound), may = v_ge(least, below);
         if (has_places) {
             const vf greatest = v_load(edges->greatest[triangle] + v);
@@ -792,7 +818,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
             may = m_or(may, v_le(greatest, bound));
         }
         may = m_andnot(may, known);
-        if (job->any) may = m_and(may, i_eq(of.triangle, i_set1(MLRT_NONE)));
+        if (job->any) may = m_and(may, i_eq(of.nearest.triangle, i_set1(MLRT_NONE)));
         if (MLRT_UNLIKELY(packet->has_masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
         }
@@ -800,13 +826,15 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
-        struct plane_of_rays where = plane; /* a copy, so that it may stay in registers */
+        struct plane_of_rays where = plane; /* copies, so that the others may stay in registers */
+        struct nearest_hits now = of.nearest;
         if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
-        decided |= store_bundle_vector(&of, v, rays, packet);
-        decided |= decide_bundle_lanes(job, worker, bundle, place, number, undecided, inside, &where, v);
-        load_bundle_vector(rays, packet, has_places, v, &of);
+        uint32_t left = undecided;
+        if (!job->any) left = settle_lanes(job, worker, bundle, place, number, left, inside, &where, v, &now);
+        if (left) decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, inside, v, &now);
+        of.nearest = now;
     }
-    return decided | store_bundle_vector(&of, v, rays, packet);
+    return decided | store_nearest_hits(&of.nearest, v, rays, packet);
 }
 
 /* Vectors whose edge functions are found at once: of rays from anywhere, more have no room in registers. */
@@ -823,7 +851,7 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
     uint32_t changed = 0, met = 0;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(active));
-    for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
+    for (int v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
         v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
     }
     if (has_places) {

@@ -55,19 +55,6 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
 }
 
 /*
- * Has a row of rays of the next tile brought into the cache. Rows of a picture lie too far apart for the processor to
- * foresee, and it has few misses under way at once: so they come one by one, while results are written. Lists are read in
- * order.
- */
-static void prefetch_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t row)
-{
-    uint32_t x, y;
-    if (is_list(source)) return;
-    find_next_tile(source, tile, &x, &y);
-    mlrt_prefetch_row(source, x, y + row);
-}
-
-/*
  * Has the triangles that a packet hits brought into the cache: who works out t needs their corners as they were given,
  * which the hierarchy does not. Where all lanes hit one, that is soon there by itself. Always inlined: to the compiler
  * a function that only prefetches does nothing, and a call of it is dropped.
@@ -99,15 +86,22 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     bundle->closed = 0;
 }
 
-/* Writes the results of the packets of a tile. */
+/*
+ * Writes the results of the packets of a tile, and has the rays of the next one brought into the cache. Their rows lie too
+ * far apart for the processor to foresee, and it has few misses under way at once: so they come one by one. Lists are read
+ * in order.
+ */
 static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                           const struct mlrt_bundle *bundle)
 {
     const int has_numbers = (job->frame.numbers | worker->tile.numbers) != 0;
+    const int has_rows = !is_list(&job->source);
     const uint32_t open = tile->blocks & ~bundle->closed;
+    uint32_t next_x, next_y;
+    find_next_tile(&job->source, &tile->area, &next_x, &next_y);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), ahead = place + 2;
-        prefetch_next_tile(&job->source, &tile->area, place);
+        if (has_rows) mlrt_prefetch_row(&job->source, next_x, next_y + place);
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
         if (bundle->closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);

@@ -40,22 +40,22 @@ struct hull_outline {
     float last;
     float slope_lo[2], slope_hi[2];
     float place_lo[2], place_hi[2];
-    float aside[2]; /* the greatest |x| */
-    float turn[2];  /* the greatest |s - t| */
 };
 
-MLRT_INLINE void finish_hull_outline(const struct mlrt_waist *waist, int has_places, struct hull_outline *of)
+/* The greatest |x|, and |s - t|, of a hull. */
+MLRT_INLINE vf greatest_place(vf lo, vf hi)
 {
-    MLRT_UNROLL
-    for (int i = 0; i < 2; ++i) {
-        of->aside[i] = has_places ? larger_of(fabsf(of->place_lo[i]), fabsf(of->place_hi[i])) : 0;
-        of->turn[i] = larger_of(fabsf(of->slope_lo[i] - waist->slope[i]), fabsf(of->slope_hi[i] - waist->slope[i])) *
-                      (1 + SLOPE_SLACK);
-    }
+    return v_max(v_abs(lo), v_abs(hi));
+}
+
+MLRT_INLINE vf greatest_turn(const struct mlrt_waist *waist, int side, vf lo, vf hi)
+{
+    const vf slope = v_set1(waist->slope[side]);
+    return v_mul(v_max(v_abs(v_sub(lo, slope)), v_abs(v_sub(hi, slope))), v_set1(1 + SLOPE_SLACK));
 }
 
 /* The hull of all packets that go. */
-MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, int has_places, struct hull_outline *of)
+MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, struct hull_outline *of)
 {
     const struct mlrt_hull *whole = &bundle->whole;
     of->first = whole->first;
@@ -65,12 +65,10 @@ MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, int has_places,
         of->slope_lo[i] = whole->slope_lo[i], of->slope_hi[i] = whole->slope_hi[i];
         of->place_lo[i] = whole->place_lo[i], of->place_hi[i] = whole->place_hi[i];
     }
-    finish_hull_outline(&bundle->waist, has_places, of);
 }
 
 /* That of one packet. */
-MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place, int has_places,
-                                struct hull_outline *of)
+MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place, struct hull_outline *of)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     of->first = hulls->first[place];
@@ -80,7 +78,6 @@ MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place
         of->slope_lo[i] = hulls->slope[i].lo[place], of->slope_hi[i] = hulls->slope[i].hi[place];
         of->place_lo[i] = hulls->place[i].lo[place], of->place_hi[i] = hulls->place[i].hi[place];
     }
-    finish_hull_outline(&bundle->waist, has_places, of);
 }
 
 /* Sets where a vector of triangles is seen, from their corners relative to the waist. */
@@ -124,42 +121,69 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
     leaf->fans |= m_bits(is_fan) << v;
 }
 
-/*
- * Triangles of a leaf that rays of a hull may hit, by where they are seen. Fans from the waist have nothing to be added;
- * mostly there are only fans.
- */
-MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle_leaf *leaf, const struct hull_outline *hull, int has_places,
-                                   uint32_t among)
+/* Between which slopes, or places, rays of a hull see triangles: fans from the waist have nothing to be added. */
+MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf weight, vm is_fan, int are_fans,
+                                   const vf slope[2], const vf place[2], int has_places, vf ends[2])
 {
+    vf reach = v_set1(0);
+    ends[0] = slope[0], ends[1] = slope[1];
+    if (has_places) reach = greatest_place(place[0], place[1]);
+    if (MLRT_UNLIKELY(!are_fans)) {
+        ends[0] = v_select(is_fan, ends[0], has_places ? place[0] : v_set1(0));
+        ends[1] = v_select(is_fan, ends[1], has_places ? place[1] : v_set1(0));
+        reach = v_select(is_fan, reach, greatest_turn(waist, side, slope[0], slope[1]));
+    }
+    if (has_places || !are_fans) {
+        const vf room = v_mul(reach, weight);
+        ends[0] = v_sub(ends[0], room);
+        ends[1] = v_add(ends[1], room);
+    }
+}
+
+/* Triangles of a leaf that rays of a hull may hit, by where they are seen. Mostly there are only fans. */
+MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                   const struct hull_outline *hull, int has_places, uint32_t among)
+{
+    const int are_fans = !(among & ~leaf->fans);
     uint32_t met = 0;
     for (int v = 0; v < MLRT_BVH_LEAF_LIMIT; v += VW) {
         if (!(among >> v & ALL_LANES)) continue;
-        const int are_fans = !(among & ~leaf->fans);
+        const vm is_fan = m_from_bits(leaf->fans >> v);
         vm may =
             m_and(v_le(v_load(leaf->near + v), v_set1(hull->last)), v_ge(v_load(leaf->far + v), v_set1(hull->first)));
         MLRT_UNROLL
         for (int i = 0; i < 2; ++i) {
-            vf upper = v_set1(hull->slope_hi[i]), lower = v_set1(hull->slope_lo[i]), reach = v_set1(0);
-            if (has_places) reach = v_set1(hull->aside[i]);
-            if (MLRT_UNLIKELY(!are_fans)) {
-                const vm is_fan = m_from_bits(leaf->fans >> v);
-                const float place_lo = has_places ? hull->place_lo[i] : 0,
-                            place_hi = has_places ? hull->place_hi[i] : 0;
-                upper = v_select(is_fan, upper, v_set1(place_hi));
-                lower = v_select(is_fan, lower, v_set1(place_lo));
-                reach = v_select(is_fan, reach, v_set1(hull->turn[i]));
-            }
-            if (has_places || !are_fans) {
-                const vf room = v_mul(reach, v_load(leaf->weight + v));
-                upper = v_add(upper, room);
-                lower = v_sub(lower, room);
-            }
-            may = m_and(
-                may, m_and(v_le(v_load(leaf->outline_lo[i] + v), upper), v_ge(v_load(leaf->outline_hi[i] + v), lower)));
+            const vf slope[2] = {v_set1(hull->slope_lo[i]), v_set1(hull->slope_hi[i])};
+            const vf place[2] = {v_set1(hull->place_lo[i]), v_set1(hull->place_hi[i])};
+            vf ends[2];
+            find_outline_ends(&bundle->waist, i, v_load(leaf->weight + v), is_fan, are_fans, slope, place, has_places,
+                              ends);
+            may = m_and(may, m_and(v_le(v_load(leaf->outline_lo[i] + v), ends[1]),
+                                   v_ge(v_load(leaf->outline_hi[i] + v), ends[0])));
         }
         met |= m_bits(may) << v;
     }
     return met & among;
+}
+
+/* Of a vector of packets whose rays begin at the waist, those that may hit a triangle, likewise. */
+MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                    uint32_t triangle, int v)
+{
+    const struct mlrt_hulls *hulls = &bundle->hulls;
+    const int is_fan = leaf->fans >> triangle & 1;
+    vm may = m_and(v_le(v_set1(leaf->near[triangle]), v_load(hulls->last + v)),
+                   v_ge(v_set1(leaf->far[triangle]), v_load(hulls->first + v)));
+    MLRT_UNROLL
+    for (int i = 0; i < 2; ++i) {
+        const vf slope[2] = {v_load(hulls->slope[i].lo + v), v_load(hulls->slope[i].hi + v)};
+        vf ends[2];
+        find_outline_ends(&bundle->waist, i, v_set1(leaf->weight[triangle]), m_from_bits(0), is_fan, slope, slope, 0,
+                          ends);
+        may = m_and(may, m_and(v_le(v_set1(leaf->outline_lo[i][triangle]), ends[1]),
+                               v_ge(v_set1(leaf->outline_hi[i][triangle]), ends[0])));
+    }
+    return m_bits(may);
 }
 
 #endif

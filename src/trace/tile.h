@@ -181,8 +181,8 @@ MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const st
                                       uint32_t place, int has_places, uint32_t seen)
 {
     struct hull_outline hull;
-    outline_packet(bundle, place, has_places, &hull);
-    const uint32_t met = triangles_met(leaf, &hull, has_places, seen);
+    outline_packet(bundle, place, &hull);
+    const uint32_t met = triangles_met(bundle, leaf, &hull, has_places, seen);
     return met ? triangles_within_edges(bundle, leaf, place, has_places, met) : 0;
 }
 
@@ -212,23 +212,18 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     uint32_t seen;
     const struct mlrt_bundle_leaf *leaf = find_bundle_leaf(job, bundle, has_places, child, worker, &seen);
     if (!seen) return;
-    if (met & bundle->closed || mlrt_count_bits(seen) <= mlrt_count_bits(met)) {
-        uint32_t lists[MLRT_BUNDLE_PACKETS] = {0}, listed = 0;
-        for (uint32_t left = seen; left && met; left &= left - 1) {
-            const uint32_t among = met & bundle->going, bit = left & (0u - left);
-            uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(left), among);
-            for (listed |= may; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= bit;
-        }
-        for (; listed; listed &= listed - 1) {
-            const uint32_t place = mlrt_lowest_bit(listed);
-            visit_by_packet(job, worker, bundle, leaf, lists[place], place);
-        }
-    } else {
-        for (; met; met &= met - 1) {
-            const uint32_t place = mlrt_lowest_bit(met);
-            const uint32_t triangles = cut_triangles(bundle, leaf, place, seen);
-            if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
-        }
+    uint32_t lists[MLRT_BUNDLE_PACKETS] = {0};
+    for (; seen; seen &= seen - 1) {
+        const uint32_t among = met & bundle->going;
+        if (!among) break;
+        if (!(among & bundle->closed) && mlrt_count_bits(seen) > mlrt_count_bits(among)) break;
+        uint32_t may = offer_to_packets(job, worker, bundle, leaf, mlrt_lowest_bit(seen), among);
+        for (; may; may &= may - 1) lists[mlrt_lowest_bit(may)] |= seen & (0u - seen);
+    }
+    for (met &= bundle->going; met; met &= met - 1) {
+        const uint32_t place = mlrt_lowest_bit(met);
+        const uint32_t triangles = lists[place] | (seen ? cut_triangles(bundle, leaf, place, seen) : 0);
+        if (triangles) visit_by_packet(job, worker, bundle, leaf, triangles, place);
     }
     settle_bundle(bundle);
 }
