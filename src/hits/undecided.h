@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is left of close calls: exact ties in one plane, and then the judge, ray by ray (exact/nearest.h). Compiled once, for all
+ * What is left of close calls: exact ties in one plane, and then the judge, ray by ray (nearest.h). Compiled once, for all
  * instruction sets: `counters` are NULL but for kernels that count. close_calls.h decides what it can before.
  */
 #ifndef MLRT_HITS_UNDECIDED_H
