@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * mlrt.h - where do rays hit triangles: exact answers behind a C ABI, by tiles of rays that go through a tree together
+ * mlrt.h - finds where rays hit triangles: exact answers behind a C ABI, from tiles of rays that are traced together
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005. Ingo
  * Wald, Solomon Boulos, Peter Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
@@ -26,7 +26,7 @@
  * RULES OF THE WHOLE INTERFACE
  *
  * Answers. Every hit-or-miss and which-is-nearer decision equals exact arithmetic on the float numbers given: the same
- * bits from one ray, a packet or a tile, from every method, instruction set and number of threads. The rule, in real
+ * bits from one ray, a packet or a tile, with every method, instruction set and number of threads. The rule, in real
  * arithmetic, for a ray o + t d and a triangle a b c with normal n = (b - a) x (c - a):
  *
  *   - Never hit: a triangle with a vertex that is not finite, or with n exactly 0. Hits nothing: a ray with a NaN, with
@@ -34,42 +34,44 @@
  *   - e_ij = d . ((v_i - o) x (v_j - o)), D = d . n = e_ab + e_bc + e_ca, N = (a - o) . n. The ray hits if D is not
  *     0, no D e_ij is negative, and t_min < N / D <= t_max. So triangles are closed and two-sided, the interval is half
  *     open, and a ray in the plane of a triangle misses it.
- *   - The closest hit has the smallest N / D; of equal ones the first in the input wins (mesh by position, then
- *     triangle).
+ *   - The closest hit has the smallest N / D. Where several have the same, it is the first of them in the input (mesh
+ *     by position, then triangle).
  *   - Any-hit says yes exactly if there is a closest hit.
  *   - Reported are t = N / D, u = e_ca / D (the weight of b), v = e_ab / D (the weight of c), correctly rounded, and
  *     facing = the sign of D: +1 where the ray travels along n, -1 against it. A miss has t = inf, u = v = 0, mesh =
- *     triangle = MLRT_NONE, facing = 0. The t of a hit can round to inf too, if N / D is beyond the range of float and
- *     t_max = inf, and to t_min, so to 0. Mesh, triangle and facing tell hits from misses.
+ *     triangle = MLRT_NONE, facing = 0. A hit's t can also round to inf (if N / D is beyond the range of float and
+ *     t_max = inf) or to t_min, which may be 0. So mesh, triangle and facing tell hits from misses; t does not.
  *
  * Numbers. Lengths are in the units of the mesh, t in units of the length of d, which may be any finite length.
- * Denormals count as what they are. The floating-point environment (rounding, flush-to-zero, exception masks) may be
- * anything: each call sets what it needs and restores what it found.
+ * Denormals are numbers like others, not 0. A call may be made in any floating-point environment (rounding,
+ * flush-to-zero, exception masks): it sets the one that it needs, and restores the caller's.
  *
- * Structs start with `struct_size`, which the caller sets to sizeof; the rest zero means default. Later versions append
- * fields, in multiples of 4 bytes, and never change the meaning or the place of those that are here. So header and
- * library may be of different versions: fields that the caller's struct is too short for count as 0 and are not
- * written; those that the library does not know must be 0, and if they are for results, they are set to 0. Otherwise,
- * and for a size that no version has (less than in 0.1, say, or far more than the library's), the answer is
- * MLRT_ERROR_STRUCT_SIZE. In an array of structs all have the struct_size of the first. mlrt_array and mlrt_const_array
- * have no struct_size and never grow. That of mlrt_tile is set by the library.
+ * Structs start with `struct_size`, which the caller sets to the struct's sizeof; the rest zero means default. Later
+ * versions append fields, in multiples of 4 bytes, and never change the meaning or the place of a field that is here.
+ * So header and library may be of different versions. A field that the caller's struct is too short for counts as 0; if
+ * it is a result, it is not written. A field that the library does not know must be 0; if the struct is for results,
+ * the library sets it to 0. MLRT_ERROR_STRUCT_SIZE is the answer if such a field is not 0, or if no version has a
+ * struct of that size (it is less than in version 0.1, for example, or far more than the library's). In an array of
+ * structs all have the struct_size of the first. mlrt_array and mlrt_const_array have no struct_size and never grow. In
+ * mlrt_tile the library sets it.
  *
- * Arrays are a pointer and a byte stride; stride 0 means packed, and MLRT_STRIDE_ALL that one element serves all rays
- * (input arrays of rays and points only). Addresses and strides must be multiples of 4 (of 2 for 2-byte indices, of 1
- * for uint8_t), and strides, of rows too, at most 2^31, or the answer is MLRT_ERROR_ARGUMENT. No byte outside the
- * elements is read or written.
+ * Arrays are a pointer and a byte stride. Stride 0 means packed; MLRT_STRIDE_ALL means that one element serves all rays
+ * (only in input arrays of rays and points). Addresses and strides must be multiples of 4 (of 2 for 2-byte indices, of
+ * 1 for uint8_t), and strides, those of rows too, at most 2^31; otherwise the answer is MLRT_ERROR_ARGUMENT. No byte
+ * outside the elements is read or written.
  *
- * Ownership. Arguments are borrowed for the length of the call; a tree or pool keeps the allocator of the host it was
- * made with, a pool also its hooks, and a tree loaded with MLRT_LOAD_IN_PLACE its data. Only mlrt_create_*,
- * mlrt_build_* and mlrt_load_* hand something out, and it goes to mlrt_destroy_tree or mlrt_destroy_pool. Destroying
- * NULL does nothing.
+ * Ownership. The library uses arguments only until the call returns, with three exceptions: a tree or a pool keeps the
+ * allocator of the host that it was made with, a pool also keeps its hooks, and a tree loaded with MLRT_LOAD_IN_PLACE
+ * keeps its data. Only mlrt_create_*, mlrt_build_* and mlrt_load_* make objects, which the caller frees with
+ * mlrt_destroy_pool or mlrt_destroy_tree. Destroying NULL does nothing.
  *
- * Errors. Functions that can fail return an int32_t status, MLRT_OK = 0 or one of MLRT_ERROR_*; new codes may be added.
- * After an error nothing is leaked and outputs given by handle are NULL. The library never prints, exits or aborts.
+ * Errors. Functions that can fail return an int32_t status: MLRT_OK = 0, or one of MLRT_ERROR_*. New codes may be
+ * added. After an error nothing is leaked, and a tree or pool that was to be made is NULL. The library never prints,
+ * exits or aborts.
  *
- * Threads. There are no threads unless the caller made a pool, and no global state. A tree never changes after it is
- * built: any number of threads may trace it at once. A pool of threads serves one call at a time; calls that share one
- * wait for each other (not so with mlrt_pool_options.enqueue).
+ * Threads. The library starts no threads unless the caller makes a pool, and it has no global state. A tree never
+ * changes after it is built: any number of threads may trace it at once. A pool with threads of its own serves one call
+ * at a time, and calls that share it wait for each other. A pool with mlrt_pool_options.enqueue serves several at once.
  */
 #ifndef MLRT_H
 #define MLRT_H
@@ -81,7 +83,7 @@
 extern "C" {
 #endif
 
-/* Windows: MLRT_BUILD_DLL where the library is compiled as a DLL; who calls a DLL may define MLRT_USE_DLL. */
+/* Windows: define MLRT_BUILD_DLL to compile the library as a DLL. Programs that call a DLL may define MLRT_USE_DLL. */
 #ifndef MLRT_API
 #if defined(_WIN32) && defined(MLRT_BUILD_DLL)
 #define MLRT_API __declspec(dllexport)
@@ -96,9 +98,9 @@ extern "C" {
 
 #ifdef MLRT_PREFIX
 /*
- * With MLRT_PREFIX defined, functions are named MLRT_PREFIX... in place of mlrt_...: compiled with -DMLRT_PREFIX=game_,
- * the library has game_trace_ray, and so has every program that includes this header with the same definition. It goes
- * on writing mlrt_trace_ray. For a copy of the library within another one; types and constants keep their names.
+ * MLRT_PREFIX renames the functions, for a copy of the library within another library. Compiled with
+ * -DMLRT_PREFIX=game_, the library exports game_trace_ray in place of mlrt_trace_ray. A program that includes this
+ * header with the same definition calls it by writing mlrt_trace_ray, as always. Types and constants keep their names.
  */
 #define MLRT_JOIN(prefix, name)       prefix##name
 #define MLRT_EXPAND(prefix, name)     MLRT_JOIN(prefix, name)
@@ -133,48 +135,48 @@ extern "C" {
  * Versions and codes
  * ------------------------------------------------------------------------------------------------------------------ */
 
-#define MLRT_VERSION_MAJOR  0       /* of this header; mlrt_version tells the library's */
-#define MLRT_VERSION_MINOR  1       /* likewise */
-#define MLRT_VERSION_PATCH  0       /* likewise */
-#define MLRT_VERSION_STRING "0.1.0" /* the three of them */
+#define MLRT_VERSION_MAJOR  0       /* of this header; mlrt_version returns the library's */
+#define MLRT_VERSION_MINOR  1       /* of this header */
+#define MLRT_VERSION_PATCH  0       /* of this header */
+#define MLRT_VERSION_STRING "0.1.0" /* the three numbers */
 
-/* What functions that can fail return. New codes may be added. */
+/* Status codes, which functions that can fail return. New ones may be added. */
 enum {
-    MLRT_OK = 0,                  /* it worked */
-    MLRT_ERROR_ARGUMENT = 1,      /* a pointer is NULL that must not be, or a value is out of its range */
+    MLRT_OK = 0,                  /* success */
+    MLRT_ERROR_ARGUMENT = 1,      /* a pointer that must not be NULL is, or a value is out of its range */
     MLRT_ERROR_STRUCT_SIZE = 2,   /* a struct_size is not set, or not of any version */
-    MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist; mlrt_tree_options.message */
+    MLRT_ERROR_INDEX_RANGE = 3,   /* a triangle names a vertex that does not exist: see mlrt_tree_options.message */
     MLRT_ERROR_OUT_OF_MEMORY = 4, /* an allocation failed, or a memory_limit was reached; nothing was kept */
     MLRT_ERROR_TOO_LARGE = 5,     /* more triangles, rays or pixels than 32-bit counts allow */
-    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside of it, numbers not finite, dx and dy parallel */
-    MLRT_ERROR_UNSUPPORTED = 7,   /* an instruction set that is not in this machine or build, or a method that goes
-                                     through the other structure (MLRT_STRUCTURE_*) */
+    MLRT_ERROR_CAMERA = 6,        /* camera of size zero, crop outside it, numbers not finite, or dx and dy parallel */
+    MLRT_ERROR_UNSUPPORTED = 7,   /* an instruction set that this machine or build does not have, or a method of the
+                                     other structure (MLRT_STRUCTURE_*) */
     MLRT_ERROR_THREAD = 8,        /* the system would not start a thread */
     MLRT_ERROR_CANCELLED = 9,     /* a tile callback or a host's progress function asked to stop */
-    MLRT_ERROR_DATA = 10 /* not a saved tree, or one that is damaged, of another version, or of other triangles */
+    MLRT_ERROR_DATA = 10          /* no saved tree, or one that is damaged, of another version, or of other triangles */
 };
 
-/* The id reported for a miss; also what a `skip` entry holds to skip nothing. */
+/* The id that is reported for a miss. In a `skip` element it means that nothing is skipped. */
 #define MLRT_NONE 0xFFFFFFFFu
 
-/* The library's version as MAJOR * 10000 + MINOR * 100 + PATCH, which can differ from the header's. */
+/* Returns the library's version, MAJOR * 10000 + MINOR * 100 + PATCH, which can differ from the header's. */
 MLRT_API uint32_t mlrt_version(void);
 
-/* What a status code means, as one English phrase. Never NULL: an unknown code has a text too. The string is static. */
+/* Returns what a status code means: an English phrase, never NULL, also for unknown codes. The string is static. */
 MLRT_API const char *mlrt_status_string(int32_t status);
 
-/* What mlrt_capabilities tells, or-ed together. New ones may be added. */
+/* What mlrt_capabilities returns, or-ed together. New ones may be added. */
 enum {
-    MLRT_CAN_SSE = 1,   /* MLRT_ISA_SSE works: in this build, on this machine */
-    MLRT_CAN_AVX2 = 2,  /* MLRT_ISA_AVX2 */
-    MLRT_CAN_AVX512 = 4 /* MLRT_ISA_AVX512 */
+    MLRT_CAN_SSE = 1,   /* this build has MLRT_ISA_SSE, and this machine can run it */
+    MLRT_CAN_AVX2 = 2,  /* the same of MLRT_ISA_AVX2 */
+    MLRT_CAN_AVX512 = 4 /* the same of MLRT_ISA_AVX512 */
 };
 
-/* What this library can do on this machine: MLRT_CAN_*. May be called before anything else. */
+/* Returns what this library can do on this machine: MLRT_CAN_*. May be called before anything else. */
 MLRT_API uint64_t mlrt_capabilities(void);
 
 /*
- * The structs of this header, in the order of mlrt_struct_sizes. New ones are added at the end.
+ * The structs of this header: indices of the array of mlrt_struct_sizes. New ones are added at the end.
  */
 enum {
     MLRT_STRUCT_HOST = 0,            /* mlrt_host */
@@ -198,13 +200,14 @@ enum {
     MLRT_STRUCT_LIGHT = 18,          /* mlrt_light */
     MLRT_STRUCT_POINTS = 19,         /* mlrt_points */
     MLRT_STRUCT_KDTREE_OPTIONS = 20, /* mlrt_kdtree_options */
-    MLRT_STRUCT_COUNT = 21           /* how many this header has */
+    MLRT_STRUCT_COUNT = 21           /* the number of structs in this header */
 };
 
 /*
- * Writes sizeof each struct, as this library was compiled, to sizes[0 .. count - 1]: element MLRT_STRUCT_MESH is that
- * of mlrt_mesh. Elements that this library has no struct for become 0. For bindings that write layouts by hand: one
- * that differs from theirs is of another version, or wrong. May be called before anything else.
+ * Writes the size of each struct in this library to sizes[0 .. count - 1]: element MLRT_STRUCT_MESH is that of
+ * mlrt_mesh, and so on. Elements for which this library has no struct become 0. For bindings whose layouts are written
+ * by hand: a size that differs from theirs is that of another version, or their layout is wrong. May be called before
+ * anything else.
  */
 MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count);
 
@@ -212,47 +215,49 @@ MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count);
  * The host: memory, messages, progress
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* Returns `size` bytes (not 0), aligned to `alignment` (a power of two, 64 at most), or NULL if there are none. */
+/* Returns `size` bytes (never 0), aligned to `alignment` (a power of two, 64 at most); NULL if there is no memory. */
 typedef void *(*mlrt_allocate_callback)(void *user, size_t size, size_t alignment);
 
-/* Takes back a block (not NULL), with the size and alignment that it was asked for with. */
+/* Frees a block (never NULL); `size` and `alignment` are those with which it was allocated. */
 typedef void (*mlrt_free_callback)(void *user, void *block, size_t size, size_t alignment);
 
-/* What a message is: the `level` of mlrt_log_callback */
+/* The kinds of messages: `level` of mlrt_log_callback */
 enum {
     MLRT_LOG_ERROR = 0,   /* why a call fails, in words */
     MLRT_LOG_WARNING = 1, /* something was left out */
     MLRT_LOG_INFO = 2     /* what was built, and how long it took */
 };
 
-/* Receives one line (UTF-8, no newline, 255 bytes at most), valid for the length of the call. */
+/* Receives one line (UTF-8, no newline, 255 bytes at most). `message` is valid until the function returns. */
 typedef void (*mlrt_log_callback)(void *user, int32_t level, const char *message);
 
 /*
- * Told how much of a call is done, 0..1 and never less than before: every few milliseconds, and 1 at the end if it went
- * well. Return 0 to go on; anything else (but for the answer to 1) ends the call within some milliseconds, and it
- * returns MLRT_ERROR_CANCELLED. The builder and the methods of kd-trees look less often, and a system that takes back
- * much memory takes its time.
+ * Receives the part of a call that is done, 0..1 and never less than before: every few milliseconds, and 1 at the end
+ * of a call that succeeds. Return 0 to go on. Any other result ends the call within some milliseconds, with
+ * MLRT_ERROR_CANCELLED; after the 1 the result is ignored. The builder and the methods of kd-trees call it less often,
+ * and the system can take longer to free much memory.
  */
 typedef int32_t (*mlrt_progress_callback)(void *user, double fraction);
 
 /*
- * What the program around the library provides: options that have a `host` may point to one. Any function may be NULL.
+ * Functions that the program around the library provides. Options with a field `host` may point to one of these; each
+ * function may be NULL.
  *
- * `allocate` and `free` are given both or neither; neither means malloc and free. A call with a host takes all its
- * memory from it, and a tree or a pool that it makes keeps both functions and `user` until it is destroyed. They are
- * called from the thread of the call only, and so is `log`; but mlrt_trace_all_hits calls them from the threads of its
- * pool too, several at a time. `progress` may come from any of these threads, but never twice at a time. None of them
- * may jump out of the library, or use the pool of the call that calls it, unless that pool has tasks.
+ * Give both `allocate` and `free`, or neither: then malloc and free are used. A call with a host takes all its memory
+ * from it, and a tree or a pool that the call makes keeps both functions and `user` until it is destroyed. The library
+ * calls `allocate`, `free` and `log` from the thread of the call only, except that mlrt_trace_all_hits calls `allocate`
+ * and `free` from the threads of its pool too, several at a time. It calls `progress` from any of these threads, but
+ * from one at a time. None of the functions may jump out of the library. None may use the pool of the call that it is
+ * called from, unless that pool has tasks (mlrt_pool_options.enqueue).
  */
 typedef struct mlrt_host {
     uint32_t struct_size;            /* sizeof(mlrt_host) */
     uint32_t reserved;               /* must be 0 */
-    void *user;                      /* handed to all of them */
+    void *user;                      /* the first argument of all four */
     mlrt_allocate_callback allocate; /* NULL = malloc */
     mlrt_free_callback free;         /* NULL = free */
-    mlrt_log_callback log;           /* NULL = silence */
-    mlrt_progress_callback progress; /* NULL = calls run to their end */
+    mlrt_log_callback log;           /* NULL = no messages */
+    mlrt_progress_callback progress; /* NULL = no call is cancelled */
 } mlrt_host;
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -260,82 +265,83 @@ typedef struct mlrt_host {
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * A tree: the triangles of any number of meshes, and what finds them (MLRT_STRUCTURE_*). Immutable. All functions take
- * every tree, and how it was built never changes an answer.
+ * A tree: the triangles of any number of meshes, and the structure that finds them (MLRT_STRUCTURE_*). It is immutable.
+ * All functions take trees of either structure, and how a tree was built never changes an answer.
  */
 typedef struct mlrt_tree mlrt_tree;
 
 /*
  * An indexed triangle mesh in the caller's memory.
  *
- * Vertices are three floats each. Indices are three unsigned integers per triangle, of 2 or 4 bytes; with
- * `indices` = NULL, triangle i consists of the vertices 3i, 3i + 1, 3i + 2. Elements may not overlap.
+ * A vertex is three floats. A triangle is three indices of vertices, unsigned integers of 2 or 4 bytes; with `indices`
+ * = NULL, triangle i has the vertices 3i, 3i + 1, 3i + 2. Elements of an array may not overlap.
  */
 typedef struct mlrt_mesh {
     uint32_t struct_size; /* sizeof(mlrt_mesh) */
     uint32_t id; /* reported with hits. Ids must differ and not be MLRT_NONE; if all are 0, they are 0, 1, 2, ... */
     const void *vertices;   /* float[3] each, aligned to 4 bytes */
-    size_t vertex_count;    /* indices are less than this */
+    size_t vertex_count;    /* every index must be less */
     size_t vertex_stride;   /* bytes from one vertex to the next, a multiple of 4; 0 = 12 */
     const void *indices;    /* NULL = consecutive vertices */
     size_t triangle_count;  /* 0 is allowed */
     size_t triangle_stride; /* bytes from one index triple to the next, a multiple of index_size; 0 = 3 * index_size */
     uint32_t index_size;    /* 2 or 4; 0 = 4 */
-    uint32_t mask;          /* seen by rays whose mask has a bit in common; 0 = all bits */
+    uint32_t mask;          /* rays see the mesh if their mask has a bit in common with it; 0 = all bits */
 } mlrt_mesh;
 
 /*
- * What a tree finds triangles by: mlrt_tree_info.structure. Each has a builder and methods of its own, one of which is
- * the default there (MLRT_METHOD_*). The answers are the same.
+ * The structures by which trees find triangles: mlrt_tree_info.structure. Each has a builder and methods of its own,
+ * one of them its default (MLRT_METHOD_*). The answers are the same.
  */
 enum {
-    MLRT_STRUCTURE_KDTREE = 1, /* the paper's kd-tree, of mlrt_build_kdtree: for study and for the paper's tables */
-    MLRT_STRUCTURE_BVH = 2     /* boxes, 16 a node, up to 16 triangles a leaf, of mlrt_build_tree: for all else */
+    MLRT_STRUCTURE_KDTREE = 1, /* the paper's kd-tree, by mlrt_build_kdtree: for study, and for the paper's tables */
+    MLRT_STRUCTURE_BVH = 2     /* a hierarchy of boxes, by mlrt_build_tree: for all else. 16 boxes a node, up to 16
+                                  triangles a leaf */
 };
 
 /*
- * What boxes to build: mlrt_tree_options.preset
+ * Presets of mlrt_build_tree: mlrt_tree_options.preset
  *
- * FAST refers to each triangle once. Where large triangles lie among small ones the others cut them in two: DEFAULT
- * makes up to 1.15 references per triangle and takes about twice as long to build, BEST up to 1.5 and about twice as
- * long again.
+ * FAST puts each triangle into one leaf. DEFAULT and BEST cut large triangles that lie among small ones in two, so that
+ * a triangle can be in several leaves: DEFAULT makes up to 1.15 references (leaf entries) per triangle and takes about
+ * twice as long to build, BEST makes up to 1.5 and takes about twice as long again.
  */
 enum {
-    MLRT_TREE_DEFAULT = 0, /* the tree that renders fastest here, but for BEST */
+    MLRT_TREE_DEFAULT = 0, /* faster to render than FAST, slower than BEST */
     MLRT_TREE_FAST = 1,    /* built fastest, for scenes that change */
-    MLRT_TREE_BEST = 2     /* for many pictures of one scene, if it takes memory and time to build does not matter */
+    MLRT_TREE_BEST = 2     /* renders fastest, for many pictures of one scene: takes more memory and time to build */
 };
 
-/* How to build boxes: mlrt_build_tree. NULL or all zero but struct_size = defaults. */
+/* How to build a hierarchy of boxes: mlrt_build_tree. NULL, or all zero but struct_size: defaults. */
 typedef struct mlrt_tree_options {
     uint32_t struct_size;    /* sizeof(mlrt_tree_options) */
     int32_t preset;          /* MLRT_TREE_* */
-    float traversal_cost;    /* of a node, 0..1e6, in units of a leaf; 0 = 1 */
+    float traversal_cost;    /* of a node, 0..1e6, in units of a leaf's cost; 0 = 1 */
     float intersection_cost; /* of a triangle in a leaf, 0..1e6, in the same units; 0 = a small share of the leaf's */
-    char *message;           /* NULL, or a buffer for what went wrong, in words (UTF-8, terminated), or "" */
-    size_t message_size;     /* its size in bytes */
-    const mlrt_host *host;   /* NULL = malloc and silence */
-    uint64_t memory_limit;   /* bytes held at one time at most, or MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
-    struct mlrt_pool *pool;  /* who builds; NULL = the calling thread alone. The tree is the same */
+    char *message;           /* NULL, or a buffer for the reason of an error, in words (UTF-8, terminated); else "" */
+    size_t message_size;     /* size of the buffer in bytes */
+    const mlrt_host *host;   /* NULL = malloc, and no messages */
+    uint64_t memory_limit;   /* most bytes held at one time; beyond: MLRT_ERROR_OUT_OF_MEMORY; 0 = no limit */
+    struct mlrt_pool *pool;  /* whose threads build; NULL = the calling thread alone. The tree is the same */
 } mlrt_tree_options;
 
 /*
- * Builds the best tree there is over the triangles of `meshes`: a hierarchy of boxes.
+ * Builds the best tree that the library has over the triangles of `meshes`: a hierarchy of boxes.
  *
  *   meshes      array of mesh_count structs, all of the struct_size of the first. The mesh data may be freed on return.
- *   mesh_count  0 is allowed, as is a mesh without triangles: the tree is empty and every ray misses.
+ *   mesh_count  0 is allowed, as is a mesh without triangles: in an empty tree every ray misses.
  *   options     NULL = defaults.
  *   tree        receives the tree, or NULL after an error. Free it with mlrt_destroy_tree.
  *
  * Triangles that can never be hit (a vertex that is not finite, an area of exactly zero) are left out of the tree and
- * counted in mlrt_tree_info; the numbers of the others do not change. The same input gives the same tree, always.
- * An index out of range is MLRT_ERROR_INDEX_RANGE, and options->message names mesh (by position), triangle and index.
- * It names the option, too, that is out of its range (MLRT_ERROR_ARGUMENT). At most 2^30 - 1 triangles in all, or
- * MLRT_ERROR_TOO_LARGE.
+ * counted in mlrt_tree_info; the numbers of the others do not change. The same input always gives the same tree.
+ * MLRT_ERROR_INDEX_RANGE: an index is out of range; options->message names mesh (by position), triangle and index.
+ * MLRT_ERROR_ARGUMENT: an option is out of its range; options->message names the option. MLRT_ERROR_TOO_LARGE: more
+ * than 2^30 - 1 triangles in all.
  *
- * Memory, the triangles' 36 bytes included: some 83 to 92 bytes per triangle, at most 129 while it is built (FAST: 83
- * to 85 and 117, BEST: 85 to 101 and 150). Meshes of a few triangles take more, and masks 4 bytes per triangle.
- * mlrt_tree_info says how much it was.
+ * Memory per triangle, its own 36 bytes included: 83 to 92 bytes, and at most 129 while the tree is built (FAST: 83 to
+ * 85 and 117, BEST: 85 to 101 and 150). Meshes of a few triangles take more, and masks take 4 bytes per triangle.
+ * mlrt_tree_info tells how much a tree took.
  *
  * Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
  * in Bounding Volume Hierarchies", 2009), and the best way to put sixteen boxes into a node (H. Ylitie, T. Karras, S.
@@ -344,43 +350,42 @@ typedef struct mlrt_tree_options {
 MLRT_API int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                  mlrt_tree **tree);
 
-/* What kd-tree to build: mlrt_kdtree_options.preset */
+/* Presets of mlrt_build_kdtree: mlrt_kdtree_options.preset */
 enum {
-    MLRT_KDTREE_PAPER = 0, /* as in the paper, as far as it says. It stays as it is, for comparisons */
-    MLRT_KDTREE_TUNED = 1  /* larger leaves, smaller cells: renders faster here, takes longer to build */
+    MLRT_KDTREE_PAPER = 0, /* the paper's, as far as the paper tells. It stays as it is, for comparisons */
+    MLRT_KDTREE_TUNED = 1  /* larger leaves, smaller cells: renders faster, takes longer to build */
 };
 
 /* Rules of the kd-tree's builder that can be switched off to measure their effect: mlrt_kdtree_options.rules_off */
 enum {
     MLRT_RULE_EMPTY_SPACE = 1,  /* an empty side of more than 10 % of a cell is cut off first */
-    MLRT_RULE_COPLANAR = 2,     /* a plane wholly covered by triangles in it is a split, they go to the smaller side */
+    MLRT_RULE_COPLANAR = 2,     /* a plane that triangles in it cover wholly is a split; they go to the smaller side */
     MLRT_RULE_MINIMUM_CELL = 4, /* cells under a minimum size are not split */
-    MLRT_RULE_CLIPPED_SPLITS =
-        8,                    /* candidates come from triangles clipped to the cell, not from their bounding boxes */
-    MLRT_RULE_RETRACTION = 16 /* a subtree that costs more than a leaf becomes a leaf */
+    MLRT_RULE_CLIPPED_SPLITS = 8, /* candidates come from triangles clipped to the cell, not from bounding boxes */
+    MLRT_RULE_RETRACTION = 16     /* a subtree that costs more than a leaf becomes a leaf */
 };
 
-/* How to build a kd-tree: mlrt_build_kdtree. NULL or all zero but struct_size = defaults. */
+/* How to build a kd-tree: mlrt_build_kdtree. NULL, or all zero but struct_size: defaults. */
 typedef struct mlrt_kdtree_options {
     uint32_t struct_size;    /* sizeof(mlrt_kdtree_options) */
     int32_t preset;          /* MLRT_KDTREE_* */
     float traversal_cost;    /* of one node step, 0..1e6, relative to intersection_cost; 0 = the preset's */
     float intersection_cost; /* of one triangle, 0..1e6; 0 = the preset's */
-    char *message;           /* as in mlrt_tree_options, as are the next three */
-    size_t message_size;     /* its size in bytes */
-    const mlrt_host *host;   /* NULL = malloc and silence */
-    uint64_t memory_limit;   /* bytes held at one time at most; 0 = no limit */
-    uint64_t max_references; /* leaf entries at most, bounding its memory; 0 = 8 per triangle + 1024 */
-    uint32_t max_depth;      /* inner nodes above a leaf at most, 1..60; 0 = by the number of triangles */
-    uint32_t rules_off;      /* MLRT_RULE_* or-ed together; 0 = every rule is on */
+    char *message;           /* this and the next three are as in mlrt_tree_options */
+    size_t message_size;     /* size of the buffer in bytes */
+    const mlrt_host *host;   /* NULL = malloc, and no messages */
+    uint64_t memory_limit;   /* most bytes held at one time; 0 = no limit */
+    uint64_t max_references; /* most leaf entries, which limits the memory; 0 = 8 per triangle + 1024 */
+    uint32_t max_depth;      /* most inner nodes above a leaf, 1..60; 0 = by the number of triangles */
+    uint32_t rules_off;      /* MLRT_RULE_* or-ed together: rules to do without; 0 = all rules are on */
 } mlrt_kdtree_options;
 
 /*
- * Builds the paper's kd-tree, whose rays the paper's method (MLRT_METHOD_MULTILEVEL) traces if no other is named.
- * Arguments, errors and what is left out are as in mlrt_build_tree. The calling thread builds it alone.
+ * Builds the paper's kd-tree. In it the default method is the paper's (MLRT_METHOD_MULTILEVEL). Arguments, errors and
+ * the triangles that are left out are as in mlrt_build_tree. The calling thread builds alone.
  *
- * It is slower to build and to trace than what mlrt_build_tree makes. Memory, the triangles' 36 bytes included: 60 to
- * 90 bytes per triangle, and twice that while it is built.
+ * It is slower to build and to trace than the tree of mlrt_build_tree. Memory per triangle, its own 36 bytes included:
+ * 60 to 90 bytes, and twice that while the tree is built.
  *
  * Method: surface area heuristic over clipped split candidates (V. Havran, J. Bittner, "On improving kd-trees for ray
  * shooting", 2002) with the three rules of the paper (section 3.1).
@@ -388,28 +393,28 @@ typedef struct mlrt_kdtree_options {
 MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                    mlrt_tree **tree);
 
-/* How much memory a builder takes, foreseen: mlrt_estimate_tree, mlrt_estimate_kdtree. */
+/* An estimate of the memory that a builder takes: mlrt_estimate_tree, mlrt_estimate_kdtree. */
 typedef struct mlrt_memory_estimate {
     uint32_t struct_size;      /* sizeof(mlrt_memory_estimate) */
     uint32_t reserved;         /* set to 0 */
     uint64_t memory_size;      /* bytes held by the tree */
-    uint64_t peak_memory_size; /* bytes held at most at one time while building */
+    uint64_t peak_memory_size; /* most bytes held at one time while building */
 } mlrt_memory_estimate;
 
 /*
- * Foresees the memory of mlrt_build_tree with the same arguments, from numbers of triangles alone.
+ * Estimates the memory of mlrt_build_tree with the same arguments, from the numbers of triangles alone.
  *
  *   meshes      as for mlrt_build_tree; of each, struct_size and triangle_count are enough.
- *   mesh_count  how many there are.
+ *   mesh_count  the number of meshes.
  *   options     NULL = defaults.
- *   estimate    receives the answer (struct_size must be set).
+ *   estimate    receives the estimate (struct_size must be set).
  *
- * Scenes of more than a few thousand triangles take 80 to 110 % of what is said. What holds is a memory_limit.
+ * Scenes of more than a few thousand triangles take 80 to 110 % of it. Only a memory_limit is sure to hold.
  */
 MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                     mlrt_memory_estimate *estimate);
 
-/* Foresees the memory of mlrt_build_kdtree, likewise: a guess, which can be off by two. */
+/* Estimates the memory of mlrt_build_kdtree from the same arguments: a guess, which can be off by a factor of two. */
 MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                       mlrt_memory_estimate *estimate);
 
@@ -417,33 +422,33 @@ MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count
 MLRT_API void mlrt_destroy_tree(mlrt_tree *tree);
 
 /*
- * The build report. Counts are of the finished tree. A tree that was loaded has no build_seconds, and its bytes are
- * those that loading took.
+ * The build report. Counts are those of the finished tree. In the report of a loaded tree build_seconds is 0, and the
+ * sizes in bytes are those of loading it.
  */
 typedef struct mlrt_tree_info {
     uint32_t struct_size;      /* sizeof(mlrt_tree_info) */
     uint32_t depth;            /* inner nodes above the deepest leaf */
-    uint64_t triangle_count;   /* as given, left-out ones included */
+    uint64_t triangle_count;   /* as given, with those that were left out */
     uint64_t non_finite_count; /* left out: a vertex is NaN or infinite */
     uint64_t zero_area_count;  /* left out: the area is exactly zero */
-    uint64_t node_count;       /* inner nodes and leaves; of boxes: nodes, which are all inner ones */
-    uint64_t leaf_count;       /* empty ones included */
-    uint64_t empty_leaf_count; /* of boxes: 0 */
+    uint64_t node_count;       /* kd-tree: inner nodes and leaves; boxes: inner nodes, as leaves are not nodes */
+    uint64_t leaf_count;       /* with the empty ones */
+    uint64_t empty_leaf_count; /* boxes: 0 */
     uint64_t reference_count;  /* entries of all leaves together: a triangle can be in several */
-    uint64_t retracted_count;  /* subtrees turned back into leaves; of boxes: 0 */
+    uint64_t retracted_count;  /* subtrees turned back into leaves; boxes: 0 */
     uint64_t memory_size;      /* bytes held by the tree */
-    uint64_t peak_memory_size; /* bytes held at most at one time while building */
+    uint64_t peak_memory_size; /* most bytes held at one time while building */
     uint64_t tree_hash;        /* over nodes and leaf entries: equal trees have equal hashes */
-    double sah_cost;           /* expected cost of a random ray through the scene box, in intersection_cost = 1; of
-                                  boxes: in units of a node's */
-    double build_seconds;      /* of the whole call, by the clock on the wall */
+    double sah_cost;           /* expected cost of a random ray through the scene's box, in units of a triangle's cost
+                                  (kd-tree) or of a node's (boxes) */
+    double build_seconds;      /* time that passed during the whole call */
     float bounds_min[3];       /* the least coordinates of triangles in the tree; all 0 if there is none */
-    float bounds_max[3];       /* the greatest, likewise */
-    uint32_t structure;        /* MLRT_STRUCTURE_*: what the tree is, however it came here */
+    float bounds_max[3];       /* the greatest coordinates; all 0 if there is no triangle */
+    uint32_t structure;        /* MLRT_STRUCTURE_*: that of the tree, built or loaded */
     uint32_t reserved;         /* set to 0 */
 } mlrt_tree_info;
 
-/* Fills *info (struct_size must be set). */
+/* Writes the build report of a tree to *info (struct_size must be set). */
 MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info);
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -451,54 +456,54 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * Writes a tree of either structure, triangles and all, to memory, for mlrt_load_tree.
+ * Writes a tree of either structure to memory, with its triangles, for mlrt_load_tree.
  *
  *   tree      the tree, which stays as it is.
  *   buffer    where to write; NULL = nowhere, to learn the size.
- *   capacity  bytes that `buffer` has room for. Less than it takes is MLRT_ERROR_ARGUMENT, and nothing is written.
- *   size      receives how many bytes it takes.
+ *   capacity  size of `buffer` in bytes. If it is too small, nothing is written: MLRT_ERROR_ARGUMENT.
+ *   size      receives the number of bytes that the saved tree takes.
  */
 MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size);
 
-/* How to load: mlrt_load_options.flags, or-ed together */
+/* Flags of mlrt_load_tree: mlrt_load_options.flags, or-ed together */
 enum {
-    MLRT_LOAD_IN_PLACE = 1 /* use the data where it lies: it must stay, unchanged, as long as the tree */
+    MLRT_LOAD_IN_PLACE = 1 /* use the data where it lies: it must stay unchanged until the tree is destroyed */
 };
 
-/* How to load: mlrt_load_tree. NULL or all zero but struct_size = defaults. */
+/* How to load: mlrt_load_tree. NULL, or all zero but struct_size: defaults. */
 typedef struct mlrt_load_options {
     uint32_t struct_size;   /* sizeof(mlrt_load_options) */
     uint32_t flags;         /* MLRT_LOAD_* */
-    uint64_t geometry_hash; /* what mlrt_hash_geometry says the triangles are; others are MLRT_ERROR_DATA. 0 = any */
+    uint64_t geometry_hash; /* the triangles' mlrt_hash_geometry; others are MLRT_ERROR_DATA. 0 = any triangles */
     uint64_t memory_limit;  /* as in mlrt_tree_options */
     char *message;          /* NULL, or a buffer that receives details of an error (UTF-8, terminated) */
-    size_t message_size;    /* its size in bytes */
-    const mlrt_host *host;  /* NULL = malloc and silence */
+    size_t message_size;    /* size of the buffer in bytes */
+    const mlrt_host *host;  /* NULL = malloc, and no messages */
 } mlrt_load_options;
 
 /*
- * Makes a tree of what mlrt_save_tree wrote: the same tree, of the same structure, with the same answers.
+ * Makes a tree from the bytes that mlrt_save_tree wrote: the same tree, of the same structure, with the same answers.
  *
- *   data     what was saved, at any address. A file mapped into memory will do. With MLRT_LOAD_IN_PLACE it is used
- *            where it lies, if the address is a multiple of 64 (else it is copied), and the tree takes next to no
- *            memory of its own.
- *   size     bytes of data.
+ *   data     the bytes, at any address, also of a file mapped into memory. With MLRT_LOAD_IN_PLACE, if the address is a
+ *            multiple of 64, they are used where they lie, and the tree takes next to no memory of its own; at other
+ *            addresses they are copied.
+ *   size     the number of bytes.
  *   options  NULL = defaults.
  *   tree     receives the tree, or NULL after an error.
  *
- * All of it is checked: any bytes give a tree that is safe to use, or MLRT_ERROR_DATA. A hash over everything tells
- * damage by chance. It does not tell forgery: a file made to look whole can give wrong answers, but do no other harm.
- * A file is of one version of the format and of one byte order, and others are MLRT_ERROR_DATA: keep the meshes, and
- * build again. The host's `progress` is not called.
+ * All of it is checked: any bytes give a tree that is safe to use, or MLRT_ERROR_DATA. A hash over everything detects
+ * accidental damage, but no forgery: a forged file can give wrong answers, but do no other harm. MLRT_ERROR_DATA also
+ * means another version of the format, or another byte order: so keep the meshes, to build the tree again. The host's
+ * `progress` is not called.
  */
 MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree);
 
 /*
- * A hash of meshes: of ids, masks, and the corners of all triangles in order. It is the same however they are indexed
- * and laid out in memory, and on every machine. Is a saved tree still that of my meshes?
+ * Computes a hash of meshes: of their ids, masks, and the corners of all triangles in order. It tells whether a saved
+ * tree is still that of the caller's meshes. It does not depend on indices, on the layout in memory, or on the machine.
  *
  *   meshes      as for mlrt_build_tree.
- *   mesh_count  how many there are.
+ *   mesh_count  the number of meshes.
  *   hash        receives the hash.
  */
 MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, uint64_t *hash);
@@ -507,44 +512,44 @@ MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, 
  * Threads
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* A pool: threads, its own or those of the host's job system, among which calls share out their work. */
+/* A pool: the threads that share the work of a call, its own or those of the host's job system. */
 typedef struct mlrt_pool mlrt_pool;
 
 /*
- * Creates a pool for `thread_count` threads at work, 1..1024, the calling one included: thread_count - 1 threads are
- * started, and sleep between calls. 0 = one per processor that is online. Free it with mlrt_destroy_pool.
+ * Creates a pool of `thread_count` threads, 1..1024, of which the calling thread is one: thread_count - 1 threads are
+ * started, and sleep between calls. 0 = one per processor that is online. Free the pool with mlrt_destroy_pool.
  */
 MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool);
 
-/* What the host's job system runs: once, with the argument given along. */
+/* A task for the host's job system, which calls it once, with the argument that `enqueue` received. */
 typedef void (*mlrt_task_function)(void *argument);
 
 /*
- * Hands a task to the host's job system: function(argument) is to be run, on any thread, now or later. Returns what
- * `finish` is to wait for. It may also run the task at once, before it returns, and then return NULL.
+ * Hands a task to the host's job system, which calls function(argument) once, on any thread, now or later. Returns a
+ * handle for `finish`, or NULL if it has already run the task.
  */
 typedef void *(*mlrt_enqueue_callback)(void *user, mlrt_task_function function, void *argument);
 
-/* Waits until a task (not NULL) that `enqueue` returned has been run; it may run it, or others, meanwhile. */
+/* Waits until a task has run, whose handle (not NULL) `enqueue` returned. It may run this and other tasks meanwhile. */
 typedef void (*mlrt_finish_callback)(void *user, void *task);
 
-/* What pool to make: mlrt_create_pool_with_options. All zero but struct_size = as of mlrt_create_pool with 0. */
+/* How to make a pool: mlrt_create_pool_with_options. All zero but struct_size: that of mlrt_create_pool with 0. */
 typedef struct mlrt_pool_options {
     uint32_t struct_size;  /* sizeof(mlrt_pool_options) */
-    uint32_t thread_count; /* as in mlrt_create_pool; with `enqueue`, at most so many tasks at once, the caller's too */
+    uint32_t thread_count; /* as in mlrt_create_pool; with `enqueue`: most tasks at once, the calling thread included */
     const mlrt_host *host; /* NULL = malloc */
-    void *user;            /* handed to `enqueue` and `finish` */
+    void *user;            /* the first argument of `enqueue` and `finish` */
     mlrt_enqueue_callback enqueue; /* NULL = the pool starts threads of its own */
-    mlrt_finish_callback finish;   /* given if `enqueue` is, and only then */
+    mlrt_finish_callback finish;   /* must be given with `enqueue`, and must be NULL without */
 } mlrt_pool_options;
 
 /*
- * Creates a pool with options: above all one that starts no threads but shares work through the host's job system.
+ * Creates a pool with options, for example one that starts no threads, but shares work through the host's job system.
  *
- * A call with such a pool enqueues thread_count - 1 tasks at most at a time, works on the same items itself, and before
- * it returns finishes every task whose `enqueue` did not return NULL. Nothing is lost if a task starts late, or only
- * in `finish`: the others do its work. A call waits for nothing else, so it may be made from within a job, and several
- * may use such a pool at once, without waiting for each other. (E. Catto's Box2D 3 has hooks like these.)
+ * A call with such a pool enqueues at most thread_count - 1 tasks at a time and works on the same items itself. Before
+ * it returns, it calls `finish` for every task whose `enqueue` did not return NULL. A task may start late, or only in
+ * `finish`: the others do its work. A call waits for nothing else. So it may be made from within a job, and several
+ * calls may use such a pool at once, without waiting for each other. (E. Catto's Box2D 3 has hooks like these.)
  */
 MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool);
 
@@ -556,39 +561,40 @@ MLRT_API void mlrt_destroy_pool(mlrt_pool *pool);
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * How to trace: mlrt_trace_options.method. The answers are the same from each. All but RAY go through one structure,
- * and are MLRT_ERROR_UNSUPPORTED in a tree of the other.
+ * Methods: mlrt_trace_options.method. The answers are the same from each. RAY traces trees of both structures, each
+ * other one trees of one structure; in trees of the other it is MLRT_ERROR_UNSUPPORTED.
  */
 enum {
-    MLRT_METHOD_DEFAULT = 0, /* boxes: tile. Kd-tree: multilevel, the paper's; in mlrt_trace_ray, ray */
+    MLRT_METHOD_DEFAULT = 0, /* boxes: TILE; kd-tree: MULTILEVEL, the paper's. In mlrt_trace_ray the ray goes alone */
     MLRT_METHOD_RAY = 1,     /* one ray at a time in double, plain C: the reference */
     MLRT_METHOD_PACKET2 = 2, /* kd-tree: 2x2 rays with masks (I. Wald et al., "Interactive Rendering with Coherent Ray
                                 Tracing", 2001) */
     MLRT_METHOD_PACKET4 = 3, /* kd-tree: 4x4 rays by interval traversal from the root (the paper, section 4.3) */
     MLRT_METHOD_MULTILEVEL = 4, /* kd-tree: the same from entry points of beams (the paper, sections 3.3 to 4.2) */
-    MLRT_METHOD_TILE = 5 /* boxes: 16 packets of 4x4 rays together; of a camera first 16 tiles of them, without rays.
-                            Rays that have no origin or no way in common go alone */
+    MLRT_METHOD_TILE = 5 /* boxes: a tile of 16 packets of 16 rays goes down together, as a bundle; a pinhole camera's
+                            squares of 16 tiles do so first, without rays. Packets too wide for a bundle go lane by
+                            lane; where only few rays meet a box, each goes alone */
 };
 
 /*
- * Instruction sets: mlrt_trace_options.isa. The answers are the same from each. One that is not in this machine or
- * build is MLRT_ERROR_UNSUPPORTED.
+ * Instruction sets: mlrt_trace_options.isa. The answers are the same from each. One that this machine or build does not
+ * have is MLRT_ERROR_UNSUPPORTED.
  *
- * All of them are there for method tile. The methods of the kd-tree take SSE2 where there is SSE2, whatever is asked
- * for, method ray is plain C, and so is method tile with counters.
+ * Method tile has kernels for all of them, but counts (mlrt_trace_options.counters) in plain C. Whichever is asked for,
+ * the methods of the kd-tree use SSE2 where the build has it, and method ray is plain C.
  */
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
     MLRT_ISA_SCALAR = 1, /* plain C, always there */
-    MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 boxes, triangles, packets or rays at a time */
+    MLRT_ISA_SSE = 2,    /* SSE2, on every x86-64: 4 boxes, packets, triangles or rays at a time */
     MLRT_ISA_AVX2 = 3,   /* AVX2 and FMA: 8 at a time */
     MLRT_ISA_AVX512 = 4  /* AVX-512 F and DQ: 16 at a time */
 };
 
-/* What to ask: mlrt_trace_options.query */
+/* Queries: mlrt_trace_options.query */
 enum {
-    MLRT_QUERY_CLOSEST = 0, /* the closest hit: of mlrt_hits all but `occluded` */
-    MLRT_QUERY_ANY = 1      /* is there a hit at all: only mlrt_hits.occluded is written */
+    MLRT_QUERY_CLOSEST = 0, /* the closest hit: writes all of mlrt_hits but `occluded` */
+    MLRT_QUERY_ANY = 1      /* whether there is a hit: writes only mlrt_hits.occluded */
 };
 
 /* Method multilevel: how a beam is tested against a cell (the paper, section 3.3), mlrt_trace_options.culling */
@@ -598,57 +604,58 @@ enum {
 };
 
 /*
- * What the multi-level method does beyond the paper. Each can be switched off to measure its effect, and the paper's
- * algorithm is what remains without all of them: mlrt_trace_options.shortcuts_off
+ * Shortcuts that method multilevel takes beyond the paper: mlrt_trace_options.shortcuts_off. Each can be switched off,
+ * to measure its effect; without all of them the paper's algorithm remains.
  */
 enum {
-    MLRT_SHORTCUT_WHOLE_TILES = 1, /* a tile that one triangle provably covers, in front of all else, is done at once */
+    MLRT_SHORTCUT_WHOLE_TILES = 1, /* a tile that one triangle provably covers, nearer than all else, is done at once */
     MLRT_SHORTCUT_ENTRY_LISTS = 2, /* packets start at a list of leaves, not at the one node above them all */
-    MLRT_SHORTCUT_SHARED_SETUPS = 4 /* what depends on a triangle and the origin only is kept for the next packets */
+    MLRT_SHORTCUT_SHARED_SETUPS = 4 /* terms of a triangle and an origin are kept for the packets that follow */
 };
 
-/* Results a tile callback receives: mlrt_trace_options.outputs */
+/* Results that a tile callback receives: mlrt_trace_options.outputs */
 enum {
     MLRT_OUTPUT_T = 1,         /* t */
     MLRT_OUTPUT_UV = 2,        /* u and v */
     MLRT_OUTPUT_IDS = 4,       /* mesh and triangle */
     MLRT_OUTPUT_FACING = 8,    /* facing */
-    MLRT_OUTPUT_TRIANGLE = 16, /* the triangle without its mesh: half as much to write, where there is one mesh only */
+    MLRT_OUTPUT_TRIANGLE = 16, /* triangle without mesh, half as much to write: for trees of one mesh */
     MLRT_OUTPUT_OCCLUDED = 32  /* with `lights`: occluded */
 };
 
 /*
- * What traversal did, of the kd-tree in units of 4x4 packets: the columns of the paper's table 2. Numbers are added to
- * what is there, so that one struct can collect several calls, one at a time; they can differ between methods and
- * machines. Counting takes time: that of method tile is done in plain C.
+ * Counts of the work of tracing. Those of the kd-tree are in units of 4x4 packets, as the columns of the paper's table
+ * 2. Counts are added to those in the struct, so that one struct can collect several calls, one at a time. They can
+ * differ between methods and machines. Counting takes time: with counters, method tile runs in plain C.
  *
- * Method tile looks at sixteen packets, or at sixteen tiles of them, at once. So cells and tests are shared by up to
- * 256 or 4096 rays, and are not to be compared with those of the kd-tree. It has no beams and entry points: these
- * counters stay as they are. Shadow rays of a picture's lights are counted as rays that went alone, though without
- * counters they do not.
+ * Method tile traces sixteen packets, or sixteen tiles of them, together. So up to 256 or 4096 rays share a cell or a
+ * test, and its counts cannot be compared with those of the kd-tree. It has no beams and no entry points: their
+ * counters do not change. With counters, shadow rays of a picture's lights go alone, and are counted so; without, they
+ * go together.
  */
 typedef struct mlrt_counters {
     uint32_t struct_size;  /* sizeof(mlrt_counters) */
     uint32_t reserved;     /* must be 0 */
     uint64_t ray_count;    /* rays traced */
-    uint64_t packet_count; /* groups of rays traced together: packets, or less where directions differ; rays
-                            * that went alone. Of method tile only the latter, each time
-                            * that one did */
+    uint64_t packet_count; /* kd-tree: groups of rays traced together (packets, or less where directions differ), and
+                              rays that went alone. Method tile: packets that went lane by lane, and rays that went
+                              alone, counted each time */
     uint64_t beam_count;   /* beams for which an entry point was searched */
-    uint64_t cell_count;   /* nodes, inner or leaf, descended into or popped; those of the entry-point search included.
-                            * Method tile: nodes opened and leaves looked at by a tile or by a ray that went alone */
+    uint64_t cell_count;   /* kd-tree: inner nodes and leaves descended into or popped, with those of the entry-point
+                              search. Method tile: nodes and leaves that a bundle, a packet that went lane by lane, or a
+                              ray that went alone opened */
     uint64_t entry_point_cell_count;  /* of these, in the entry-point search */
-    uint64_t triangle_test_count;     /* (packet, triangle) tests with at least one ray taking part. Method tile: also
-                                       * tests of all closed cells of a tile against a triangle, and (ray, triangle) of
-                                       * rays that went alone */
+    uint64_t triangle_test_count;     /* (packet, triangle) tests that at least one ray takes part in. Method tile: also
+                                         (ray, triangle) tests of rays that went alone or, from one origin, lane by
+                                         lane */
     uint64_t judged_lane_count;       /* (ray, triangle) pairs that the float filter left to double arithmetic */
     uint64_t entry_point_count;       /* entry points from which packets were traced */
     uint64_t entry_point_depth_sum;   /* their depths below the root, added up */
-    uint64_t missed_beam_count;       /* beams that provably hit nothing: no ray of theirs was traced */
-    uint64_t covered_beam_count;      /* beams whose rays provably all hit one triangle first: none was traced */
+    uint64_t missed_beam_count;       /* beams that provably hit nothing: none of their rays was traced */
+    uint64_t covered_beam_count;      /* beams whose rays all provably hit one triangle first: none was traced */
     uint64_t undecided_cull_count;    /* inner nodes where the culling test could exclude no child */
     uint64_t undecided_checked_count; /* of these, still undecided after the extra check */
-    uint64_t lane_test_count;         /* (ray, triangle) pairs that the float filter looked at */
+    uint64_t lane_test_count;         /* (ray, triangle) pairs that the float filter tested */
     uint64_t undecided_test_count;    /* of triangle_test_count, those with a judged ray */
     uint64_t tie_lane_count;          /* (ray, triangle) pairs settled because the nearest hit lies in the same plane */
     uint64_t exact_edge_count;        /* decisions left to exact arithmetic: on which side of an edge a ray passes */
@@ -657,13 +664,13 @@ typedef struct mlrt_counters {
 } mlrt_counters;
 
 /*
- * How to trace. NULL or all zero but struct_size = defaults.
+ * How to trace. NULL, or all zero but struct_size: defaults.
  *
- * The picture is cut into squares of initial_tile_size, which are what threads claim and what a tile callback gets. For
- * method multilevel this and the next two are the tile sizes of the paper, section 4.2: a tile larger than
- * minimum_tile_size whose entry point is not a leaf is cut into split_factor pieces, and so on. Method tile has levels
- * of its own, of 64, 16 and 4 pixels, less where initial_tile_size is less; minimum_tile_size, split_factor, culling,
- * culling_check and shortcuts_off are checked, and do nothing there.
+ * A picture is cut into squares of initial_tile_size; threads claim them one by one, and a tile callback gets one at a
+ * time. In method multilevel, initial_tile_size, minimum_tile_size and split_factor are the tile sizes of the paper,
+ * section 4.2: a tile larger than minimum_tile_size whose entry point is not a leaf is cut into split_factor pieces,
+ * and so on. Method tile has levels of its own, of 64, 16 and 4 pixels, or less where initial_tile_size is less; it
+ * checks minimum_tile_size, split_factor, culling, culling_check and shortcuts_off, but does not use them.
  */
 typedef struct mlrt_trace_options {
     uint32_t struct_size;       /* sizeof(mlrt_trace_options) */
@@ -675,19 +682,19 @@ typedef struct mlrt_trace_options {
     uint32_t initial_tile_size; /* pixels, 4..1024, a power of two; 0 = default, by source and method */
     uint32_t minimum_tile_size; /* pixels, 4..initial_tile_size, a power of two; 0 = default */
     uint32_t split_factor;      /* 4 or 16; 0 = 16 */
-    uint32_t outputs;           /* MLRT_OUTPUT_* or-ed together: what a tile callback wants */
-    uint32_t shortcuts_off;     /* MLRT_SHORTCUT_* or-ed together: parts of multilevel to do without */
-    uint32_t mask;              /* rays see the meshes whose mask has a bit in common with this one; 0 = all bits */
-    mlrt_pool *pool;            /* NULL = the calling thread alone */
-    mlrt_counters *counters;    /* NULL = not counted, at no cost, but for the kd-tree, whose kernels always count */
-    const mlrt_host *host;      /* NULL = malloc and silence. Not used by mlrt_trace_ray */
-    const struct mlrt_light *lights; /* mlrt_render_tiles with MLRT_QUERY_CLOSEST: whose shadows are wanted in
-                                        `occluded`; NULL = none. Must be NULL elsewhere */
-    uint32_t light_count;            /* of lights, 0..8 */
+    uint32_t outputs;           /* MLRT_OUTPUT_* or-ed together: the results that a tile callback receives */
+    uint32_t shortcuts_off;     /* MLRT_SHORTCUT_* or-ed together: shortcuts of multilevel to do without */
+    uint32_t mask;              /* rays see the meshes whose mask has a bit in common with it; 0 = all bits */
+    mlrt_pool *pool;            /* whose threads trace; NULL = the calling thread alone */
+    mlrt_counters *counters;    /* NULL = nothing is counted, at no cost (but kernels of the kd-tree always count) */
+    const mlrt_host *host;      /* NULL = malloc, and no messages. mlrt_trace_ray does not use it */
+    const struct mlrt_light *lights; /* mlrt_render_tiles with MLRT_QUERY_CLOSEST: lights whose shadows `occluded`
+                                        receives; NULL = none. Must be NULL in all other calls */
+    uint32_t light_count;            /* number of lights, 0..8 */
     uint32_t reserved;               /* must be 0 */
 } mlrt_trace_options;
 
-/* An array of results. `data` = NULL: not wanted, and not computed. */
+/* An array of results. With `data` = NULL they are not wanted, and not computed. */
 typedef struct mlrt_array {
     void *data;        /* the first element; NULL = not wanted */
     size_t stride;     /* bytes from one element to the next; 0 = packed */
@@ -696,26 +703,26 @@ typedef struct mlrt_array {
 } mlrt_array;
 
 /*
- * Where results go. MLRT_QUERY_CLOSEST writes the first six, and with lights the last; MLRT_QUERY_ANY only the last. An
- * array that the query does not write must be NULL.
+ * The arrays that receive results. MLRT_QUERY_CLOSEST writes the first six, and with lights also the last;
+ * MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL.
  *
- * `mesh`, `triangle` and `facing` tell hits from misses. `t` does not always: a hit farther away than the greatest
- * float rounds to inf, as a miss has it, and one very close to 0, though 0 < t.
+ * `mesh`, `triangle` and `facing` tell hits from misses. `t` does not: the t of a hit farther away than the greatest
+ * float rounds to inf, which is that of a miss, and a very small one rounds to 0, though 0 < t.
  *
  * With lights, bit k of `occluded` is 1 if light k of the options does not reach the hit: something is in between, or
- * the light is on the other side of the surface, or so far away that no ray of floats leads to it ("Shadows of a
+ * the light is on the other side of the surface, or it is so far away that no ray of floats leads to it ("Shadows of a
  * picture" below).
  */
 typedef struct mlrt_hits {
     uint32_t struct_size; /* sizeof(mlrt_hits) */
     uint32_t reserved;    /* must be 0 */
-    mlrt_array t;         /* float: the distance in units of |d|, rounded; a miss has inf, and so can a hit (above) */
+    mlrt_array t;         /* float: the distance in units of |d|, rounded; inf for a miss, and for hits as above */
     mlrt_array u;         /* float: the weight of the triangle's second vertex */
     mlrt_array v;         /* float: the weight of its third */
     mlrt_array mesh;      /* uint32_t: the id of the mesh; MLRT_NONE = miss */
     mlrt_array triangle;  /* uint32_t: the number of the triangle in its mesh; MLRT_NONE = miss */
-    mlrt_array facing;    /* int32_t: sign of d . n; 0 = miss */
-    mlrt_array occluded;  /* uint8_t: 1 = something is hit, 0 = nothing. With lights (above): a bit each; of a miss 0 */
+    mlrt_array facing;    /* int32_t: the sign of d . n; 0 = miss */
+    mlrt_array occluded;  /* uint8_t: 1 = something is hit, 0 = nothing. With lights a bit for each (above); 0 = miss */
 } mlrt_hits;
 
 /* ------------------------------------------------------------------------------------------------------------------
@@ -723,59 +730,61 @@ typedef struct mlrt_hits {
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * The stride of an input array with one element, which serves all rays: a common origin, direction, t_max and so on.
- * The answers are those of the array written out in full. No other array can have this stride: neither a mesh's nor one
- * for results (MLRT_ERROR_ARGUMENT). Languages that cannot read it here: all bits of a size_t are set.
+ * The stride of an input array whose one element serves all rays: a common origin, direction, t_max and so on. The
+ * answers are those of the array written out in full. Arrays of meshes and of results cannot have this stride
+ * (MLRT_ERROR_ARGUMENT). For languages that cannot read this line: all bits of a size_t are set.
  */
 #define MLRT_STRIDE_ALL ((size_t)-1)
 
-/* An input array. Where it may be left out, `data` = NULL does that. */
+/* An input array. One that may be left out is left out by `data` = NULL. */
 typedef struct mlrt_const_array {
     const void *data; /* the first element */
     size_t stride;    /* bytes from one element to the next; 0 = packed; MLRT_STRIDE_ALL = one element serves all */
 } mlrt_const_array;
 
 /*
- * Rays. Neighbours should be alike: rays are grouped in the order given, 16 at a time and then more. Rows of pixels let
- * groups be squares instead: say how long they are in `row_length`; without it, mlrt_trace_packet looks for them. Any
- * rays give right answers; alike ones are faster.
+ * Rays, in the caller's arrays.
+ *
+ * Rays are grouped in the order given: 16 to a packet, and packets to tiles. A group is fast if its rays are alike: if
+ * they go nearly the same way, or begin or end near each other; the arrays may have any strides. Give the length of
+ * rows of pixels in `row_length`, and groups are squares; without it, mlrt_trace_packet looks for rows. Answers do not
+ * depend on the grouping.
  */
 typedef struct mlrt_rays {
     uint32_t struct_size;        /* sizeof(mlrt_rays) */
-    uint32_t row_length;         /* rays per row of a picture; 0 = not known. A hint for speed only */
+    uint32_t row_length;         /* rays in a row of a picture; 0 = not known. A hint for speed only */
     size_t count;                /* at most 2^31 - 1 */
     mlrt_const_array origins;    /* float[3] */
     mlrt_const_array directions; /* float[3], of any length */
     mlrt_const_array t_min;      /* float; NULL = 0 for all */
     mlrt_const_array t_max;      /* float; NULL = no limit for all. 0 here means 0 */
-    mlrt_const_array skip; /* uint32_t[2]: the mesh and triangle, as reported, that this ray passes; NULL = none */
-    mlrt_const_array mask; /* uint32_t: as in mlrt_trace_options, for each ray, and in place of that one (0 = all bits).
-                              NULL = that of the options for all. Where the tree's meshes have masks, rays with masks of
-                              their own go alone, and slower */
-    uint32_t rays_per_origin; /* k neighbouring rays leave from one point: ray i has element i / k of origins, t_min and
-                                 skip, which have count / k elements; of the other arrays it has element i. 0 = 1. Must
-                                 divide count. With more than 1, rays are grouped in the order given, and row_length
-                                 does nothing */
+    mlrt_const_array skip; /* uint32_t[2]: mesh and triangle, as reported, that the ray passes through; NULL = none */
+    mlrt_const_array mask; /* uint32_t: a mask for each ray in place of that of the options (0 = all bits). NULL = all
+                              rays have that of the options. If the tree's meshes have masks, this takes longer */
+    uint32_t rays_per_origin; /* k: each k neighbouring rays start at one point. Ray i has element i / k of origins,
+                                 t_min and skip, which have count / k elements, and element i of the other arrays.
+                                 0 = 1. k must divide count. If k > 1, rays are grouped in the order given, and
+                                 row_length is not used */
     uint32_t reserved;        /* must be 0 */
 } mlrt_rays;
 
 /*
  * Traces any number of rays.
  *
- *   tree     what to trace them in.
- *   rays     the rays: arrays of the caller's.
- *   options  what to ask, and how; NULL = the closest hits, by the calling thread.
- *   hits     where to write: the results of ray i go to element i of its arrays.
+ *   tree     the tree.
+ *   rays     the rays.
+ *   options  the query, and how to trace; NULL = the closest hits, by the calling thread.
+ *   hits     the arrays for results: those of ray i go to element i.
  *
- * With a pool, the rays are shared out among its threads. Fewer or other threads, methods or groupings never change a
- * bit of the results. After an error the arrays hold the results of some rays only, or of none.
+ * With a pool, its threads share the rays. Threads, method and grouping never change a bit of the results. After an
+ * error the arrays hold the results of some rays only, or of none.
  */
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits);
 
-/* What a ray has: mlrt_ray.flags, or-ed together */
+/* Flags of a ray: mlrt_ray.flags, or-ed together */
 enum {
-    MLRT_RAY_SKIP = 1 /* skip_mesh and skip_triangle hold */
+    MLRT_RAY_SKIP = 1 /* the ray passes through the triangle of skip_mesh and skip_triangle */
 };
 
 /* A ray, for mlrt_trace_ray. */
@@ -786,28 +795,28 @@ typedef struct mlrt_ray {
     float direction[3];     /* d, of any length */
     float t_min;            /* 0 = hits in front of the origin */
     float t_max;            /* 0 = no limit */
-    uint32_t skip_mesh;     /* with MLRT_RAY_SKIP: the mesh, as reported, of the triangle that this ray passes */
-    uint32_t skip_triangle; /* with MLRT_RAY_SKIP: the triangle, as reported */
+    uint32_t skip_mesh;     /* with MLRT_RAY_SKIP: the mesh, as reported, of the triangle to pass through */
+    uint32_t skip_triangle; /* with MLRT_RAY_SKIP: that triangle, as reported */
 } mlrt_ray;
 
-/* What mlrt_trace_ray found. */
+/* The result of mlrt_trace_ray. */
 typedef struct mlrt_hit {
     uint32_t struct_size; /* sizeof(mlrt_hit) */
-    float t;              /* the distance in units of |d|, rounded; a miss has inf, and so can a hit (mlrt_hits) */
+    float t;              /* the distance in units of |d|, rounded; inf for a miss, and can be for a hit (mlrt_hits) */
     float u;              /* the weight of the triangle's second vertex */
     float v;              /* the weight of its third */
     uint32_t mesh;        /* the id of the mesh; MLRT_NONE = miss */
     uint32_t triangle;    /* the number of the triangle in its mesh; MLRT_NONE = miss */
-    int32_t facing;       /* sign of d . n; 0 = miss */
-    uint32_t occluded;    /* 1 = something is hit. With MLRT_QUERY_ANY the only field written */
+    int32_t facing;       /* the sign of d . n; 0 = miss */
+    uint32_t occluded;    /* 1 = something is hit, 0 = nothing. With MLRT_QUERY_ANY no other field is written */
 } mlrt_hit;
 
 /*
  * Traces one ray. For more than a few use mlrt_trace_packet: for rays that are alike it is many times faster per ray.
  *
- *   tree     what to trace it in.
+ *   tree     the tree.
  *   ray      the ray.
- *   options  what to ask, and how; NULL = the closest hit. A pool does nothing.
+ *   options  the query, and how to trace; NULL = the closest hit. A pool does nothing.
  *   hit      receives the result (struct_size must be set).
  */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
@@ -818,40 +827,39 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /*
- * Where lists of hits go: `capacity` elements per ray, so hit j of ray i is element i * capacity + j. An array with
- * data = NULL is not wanted. Elements behind a ray's last hit are written as misses.
+ * The arrays that receive lists of hits: `capacity` elements per ray, so hit j of ray i is element i * capacity + j. An
+ * array with data = NULL is not wanted. Elements after the last hit of a ray are written as misses.
  */
 typedef struct mlrt_hit_lists {
     uint32_t struct_size; /* sizeof(mlrt_hit_lists) */
-    uint32_t capacity;    /* hits written per ray at most; 0 = only the totals, and no arrays of hits */
-    mlrt_array t;         /* float; as in mlrt_hits, as are the next five */
+    uint32_t capacity;    /* most hits written per ray; 0 = only the totals are: all arrays of hits must be NULL */
+    mlrt_array t;         /* float; this and the next five are as in mlrt_hits */
     mlrt_array u;         /* float */
     mlrt_array v;         /* float */
     mlrt_array mesh;      /* uint32_t */
     mlrt_array triangle;  /* uint32_t */
     mlrt_array facing;    /* int32_t */
     mlrt_array crossing;  /* uint8_t: 1 = this hit crosses the surface, 0 = it only touches it, or there is no hit */
-    mlrt_array total;     /* uint32_t, one per ray: how many hits it has, also beyond `capacity` */
-    mlrt_array crossing_total; /* uint32_t, one per ray: how many of these cross */
+    mlrt_array total;     /* uint32_t, one per ray: the number of its hits, with those beyond `capacity` */
+    mlrt_array crossing_total; /* uint32_t, one per ray: the number of these that cross the surface */
 } mlrt_hit_lists;
 
 /*
- * Finds every triangle that each ray hits, in the order of mlrt_trace_packet's rule: by N / D, equal ones as in the
- * input.
+ * Finds every triangle that each ray hits, in the order of the closest-hit rule: by N / D, equal ones as in the input.
  *
- * A hit through an edge or a corner is a hit of each triangle there. For questions of inside and outside such a ray
- * must count once, so each hit says whether it is a `crossing`: whether it would still be a hit with the origin moved
- * by (e, e^2, e^3) for any positive e that is small enough, t_max aside (symbolic perturbation: H. Edelsbrunner, E. P.
- * Muecke, "Simulation of Simplicity", 1990). Along any ray from a point that does not lie on a closed mesh, with t_max
- * = inf, crossing_total is odd if the point is inside, and even if it is outside.
+ * A ray through an edge or a corner hits each triangle there. To tell inside from outside, such hits must count as one.
+ * So each hit says whether it is a `crossing`: whether it would still be a hit, t_max aside, if the origin were moved
+ * by (e, e^2, e^3) for any positive e that is small enough (symbolic perturbation: H. Edelsbrunner, E. P. Muecke,
+ * "Simulation of Simplicity", 1990). For any ray with t_max = inf from a point that does not lie on a closed mesh,
+ * crossing_total is odd if the point is inside the mesh, and even if it is outside.
  *
- *   tree     what to trace them in.
- *   rays     the rays: arrays of the caller's.
- *   options  NULL = defaults. Of its fields only mask, pool, counters and host matter, though all are checked.
- *   lists    where to write.
+ *   tree     the tree.
+ *   rays     the rays.
+ *   options  NULL = defaults. All fields are checked, but only mask, pool, counters and host are used.
+ *   lists    the arrays for results.
  *
- * MLRT_ERROR_OUT_OF_MEMORY is possible: hits are gathered in memory that grows with the hits of one ray. The arrays
- * then hold the results of some rays only.
+ * MLRT_ERROR_OUT_OF_MEMORY is possible, as memory grows with the number of hits of one ray. The arrays then hold the
+ * results of some rays only.
  */
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists);
@@ -867,23 +875,23 @@ enum {
 };
 
 /*
- * A camera: pixel (i, j), counted from the upper left or wherever the caller likes, has with x = i + sample_x,
- * y = j + sample_y the vector p = d00 + x dx + y dy, and the ray
+ * A camera. Pixel (i, j), counted from the upper left or from any other corner, has the vector p = d00 + x dx + y dy,
+ * where x = i + sample_x and y = j + sample_y, and the ray
  *
  *     pinhole:   origin eye, direction p               parallel:   origin p, direction `direction`
  *
  * in exactly this arithmetic, each step rounded to float, for each component k:
  *     x = fl(i + sample_x), y = fl(j + sample_y), p_k = fl(fl(d00_k + fl(x dx_k)) + fl(y dy_k)).
- * So mlrt_camera_rays, and anyone else, can write out the very rays that mlrt_render_tiles traces.
+ * So mlrt_camera_rays, or the caller, can write out exactly the rays that mlrt_render_tiles traces.
  */
 typedef struct mlrt_camera {
     uint32_t struct_size; /* sizeof(mlrt_camera) */
     int32_t projection;   /* MLRT_PROJECTION_* */
-    uint32_t width;       /* columns of the whole picture, 1..2^23. The crop has 2^31 - 1 pixels at most */
+    uint32_t width;       /* columns of the whole picture, 1..2^23. The crop has at most 2^31 - 1 pixels */
     uint32_t height;      /* rows of the whole picture, 1..2^23 */
     uint32_t crop_x;      /* the first column to render: column 0 of the frame */
     uint32_t crop_y;      /* the first row to render: row 0 of the frame */
-    uint32_t crop_width;  /* columns to render; 0 = up to the right edge */
+    uint32_t crop_width;  /* columns to render; 0 = up to the last */
     uint32_t crop_height; /* rows to render; 0 = up to the last */
     float eye[3];         /* pinhole: where the rays start */
     float direction[3];   /* parallel: where the rays go */
@@ -897,14 +905,14 @@ typedef struct mlrt_camera {
 } mlrt_camera;
 
 /*
- * A finished tile, as arrays: the result of pixel (x + i, y + j), counted like the camera's pixels, is element
- * j * width + i. Arrays not asked for in the options' `outputs` (with MLRT_QUERY_ANY: all but `occluded`) are NULL.
- * They live in the worker's cache and are gone when the callback returns. No two calls at a time have the same
- * `worker`. (Of a pool with hooks that is the number of a task, whatever thread runs it.)
+ * The results of a finished tile, as arrays: that of pixel (x + i, y + j), counted like the camera's pixels, is element
+ * j * width + i. Arrays that the options' `outputs` do not name are NULL; with MLRT_QUERY_ANY, all but `occluded` are.
+ * They are valid until the callback returns, and lie in the worker's cache. Calls that run at the same time have
+ * different numbers in `worker`. (With a pool that has hooks this is the number of a task; any thread may run it.)
  */
 typedef struct mlrt_tile {
     uint32_t struct_size;     /* sizeof(mlrt_tile), the library's */
-    uint32_t worker;          /* 0..threads - 1: which worker calls; 0 is the caller's own thread */
+    uint32_t worker;          /* the number of the worker that calls, 0..threads - 1; 0 is the thread of the call */
     uint32_t x;               /* the column of its first pixel */
     uint32_t y;               /* the row of its first pixel */
     uint32_t width;           /* in pixels */
@@ -919,9 +927,9 @@ typedef struct mlrt_tile {
 } mlrt_tile;
 
 /*
- * Called once per tile of initial_tile_size squared (less at the edges), from the threads of the pool, several at a
- * time. It may call any tracing function, but not with the pool of the render, unless that has tasks
- * (mlrt_pool_options). Return 0 to go on; anything else ends the render soon, and mlrt_render_tiles returns
+ * Receives each tile once: squares of initial_tile_size, smaller at the edges. The threads of the pool call it, several
+ * at a time. It may call any tracing function, but not with the pool of the render, unless that pool has tasks
+ * (mlrt_pool_options.enqueue). Return 0 to go on. Any other result ends the render soon: mlrt_render_tiles returns
  * MLRT_ERROR_CANCELLED.
  */
 typedef int32_t (*mlrt_tile_callback)(void *user, const mlrt_tile *tile);
@@ -929,25 +937,26 @@ typedef int32_t (*mlrt_tile_callback)(void *user, const mlrt_tile *tile);
 /*
  * Renders a picture: traces the ray of every pixel of the camera's crop.
  *
- *   tree      what to trace them in.
+ *   tree      the tree.
  *   camera    the camera.
- *   options   what to ask, and how; NULL = the closest hits, by the calling thread.
- *   frame     where to write: element (column, row) of the crop, with the strides given. NULL = nowhere.
- *   callback  called with each tile's results; NULL = none.
- *   user      handed to the callback.
+ *   options   the query, and how to trace; NULL = the closest hits, by the calling thread.
+ *   frame     the arrays for results: element (column, row) of the crop, with their strides. NULL = none.
+ *   callback  receives the results of each tile; NULL = none.
+ *   user      the first argument of the callback.
  *
- * At least one of frame and callback must be given. Invalid pixels (a ray whose direction rounds to 0, say) are misses.
+ * At least one of frame and callback must be given. A pixel without a valid ray (its direction rounds to 0, for
+ * example) is a miss.
  */
 MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
                                    const mlrt_hits *frame, mlrt_tile_callback callback, void *user);
 
 /*
  * Writes out the rays of a camera's crop, row by row: crop_width * crop_height origins and directions. Tracing them
- * gives what mlrt_render_tiles gives, bit for bit.
+ * gives the results of mlrt_render_tiles, bit for bit.
  *
  *   camera      the camera. Its t_min and t_max are not written.
- *   origins     receives float[3] each; NULL, or data = NULL: not wanted.
- *   directions  likewise.
+ *   origins     receives float[3] for each ray; NULL, or data = NULL: not wanted.
+ *   directions  receives float[3] for each ray; NULL, or data = NULL: not wanted.
  */
 MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions);
 
@@ -955,71 +964,72 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
  * Light
  * ------------------------------------------------------------------------------------------------------------------ */
 
-/* What `position` says: mlrt_light.kind */
+/* Kinds of lights: mlrt_light.kind */
 enum {
-    MLRT_LIGHT_POINT = 0,      /* position = where it is */
-    MLRT_LIGHT_DIRECTIONAL = 1 /* position = the direction towards it, of any length */
+    MLRT_LIGHT_POINT = 0,      /* position = that of the light */
+    MLRT_LIGHT_DIRECTIONAL = 1 /* position = the direction towards the light, of any length */
 };
 
-/* Where light comes from. */
+/* A light. */
 typedef struct mlrt_light {
     uint32_t struct_size; /* sizeof(mlrt_light) */
     int32_t kind;         /* MLRT_LIGHT_* */
-    float position[3];    /* finite */
+    float position[3];    /* must be finite */
 } mlrt_light;
 
-/* Points that may be in shadow. */
+/* Points of which mlrt_occluded_points tells whether they are in shadow. */
 typedef struct mlrt_points {
     uint32_t struct_size;       /* sizeof(mlrt_points) */
-    uint32_t row_length;        /* points per row of a picture; 0 = a plain list. A hint for speed only */
+    uint32_t row_length;        /* points in a row of a picture; 0 = a plain list. A hint for speed only */
     size_t count;               /* at most 2^31 - 1 */
     mlrt_const_array positions; /* float[3] */
-    mlrt_const_array
-        skip; /* uint32_t[2]: mesh and triangle that the point lies on, which do not shade it; NULL = none */
+    mlrt_const_array skip; /* uint32_t[2]: mesh and triangle that the point lies on: it does not shade the point. NULL =
+                              none */
 } mlrt_points;
 
 /*
  * Finds out which points are in the shadow of a light.
  *
- *   tree      what may lie between.
- *   points    the points: arrays of the caller's.
+ *   tree      the tree, whose triangles cast the shadows.
+ *   points    the points.
  *   light     the light.
  *   options   NULL = defaults. Its `query` is ignored.
  *   occluded  uint8_t: element i receives 1 if something lies between point i and the light, 0 if nothing does.
  *
- * The ray is, for a point light at L, o = L, d = fl(P - L) per component, 0 < t <= 1; for a directional light o = P,
- * d = position, 0 < t. A point at the light itself or with a coordinate that is not finite is not occluded.
- * Give points moved off their surface by mlrt_offset_point, and the surface in `skip`.
+ * The ray of point P is o = L, d = fl(P - L) per component, 0 < t <= 1 for a point light at L, and o = P, d = position,
+ * 0 < t for a directional light. A point that is at the light itself, or has a coordinate that is not finite, is not
+ * occluded. For points on a surface, move them off it by mlrt_offset_point, and name the triangle in `skip`.
  */
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded);
 
 /*
- * Shadows of a picture. With `lights` in the options mlrt_render_tiles finds out which of them reach what the pixels
- * see: much faster than by mlrt_occluded_points, as no point has to leave the library. For a pixel whose ray o + t d
- * hits a triangle abc, bit k of `occluded` says that light k does not reach it:
+ * Shadows of a picture. With `lights` in the options, mlrt_render_tiles finds out for each pixel which lights reach the
+ * point that it shows. This is much faster than mlrt_occluded_points, as no points have to leave the library. If the
+ * ray o + t d of a pixel hits a triangle abc, bit k of `occluded` is 1 where light k does not reach the hit:
  *
- *   - A light that is not strictly on that side of abc's plane which the ray came from (for a directional light:
- *     whose direction does not strictly point to that side) does not reach it. Nor does a light for which no float
- *     holds the ray below: if d' for a point light, or o' for a directional one, would have a component beyond the
- *     greatest float. It counts as one on the other side.
+ *   - A light does not reach it if it is not strictly on that side of abc's plane from which the ray came (for a
+ *     directional light: if its direction does not strictly point to that side). A light also counts as one on the
+ *     other side if the ray below would leave the range of float: if d' (point light) or o' (directional light) would
+ *     have a component beyond the greatest float.
  *   - Otherwise a ray decides: for a point light at L, from o' = L along d' for 0 < t <= 1; for a directional light,
- * from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, and surely on
- * that side: it is moved off by about 2^-22 of the greatest coordinate relative to the eye and to the light, for
- * slivers and rays that nearly lie in their plane by as many floats as it takes. So no triangle shades itself, nor one
- * that lies in its plane, nor one behind it. The ray sees what the picture's rays see (`mask`).
+ *     from o' along d' = position for 0 < t. Its end L + d', or its origin o', is a point just off the hit, surely on
+ *     the side from which the picture's ray came. It is moved off by about 2^-22 of the greatest coordinate relative to
+ *     the eye and to the light; for slivers, and rays that nearly lie in their plane, by as many floats as it takes. So
+ *     no triangle shades itself, nor does one in its plane or behind it. The ray sees the meshes that the picture's
+ *     rays see (`mask`).
  *
- * mlrt_shadow_ray tells the ray; it is the same on every machine, and the answer is that of mlrt_trace_ray.
+ * mlrt_shadow_ray computes this ray, which is the same on every machine. The answer is that of mlrt_trace_ray for it.
  *
- *   tree    what is seen.
- *   ray     the ray that hit something: of mlrt_camera_rays, say.
- *   hit     what it hit: mesh and triangle.
+ *   tree    the tree.
+ *   ray     a ray that hits something, for example one of mlrt_camera_rays.
+ *   hit     its hit: mesh and triangle are read.
  *   light   the light.
  *   shadow  receives the ray that decides, with the triangle to skip (struct_size must be set).
  *   faces   receives 1; or 0 if the light is on the other side, or counts as such because the ray would leave the range
  *           of float. No ray is needed then, and *shadow has a direction of 0.
  *
- * MLRT_ERROR_ARGUMENT if there is no such triangle, or the ray does not hit it.
+ * MLRT_ERROR_ARGUMENT: there is no such triangle, or the ray does not hit it.
  */
 MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
                                  const mlrt_light *light, mlrt_ray *shadow, int32_t *faces);
@@ -1028,17 +1038,17 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
  * Finds a point just off a triangle a b c: next to (1 - u - v) a + u b + v c, strictly on one side.
  *
  *   tree      the tree that has the triangle.
- *   mesh      the id of its mesh, and
- *   triangle  its number there, as reported with hits.
- *   u, v      where on the triangle, as reported with hits; any finite numbers.
- *   side      +1: where the normal (b - a) x (c - a) points; -1: the other. For the side a ray came from, give -facing
- *             of its hit.
+ *   mesh      the id of its mesh, as reported with hits.
+ *   triangle  its number in the mesh, as reported with hits.
+ *   u, v      the place on the triangle, as reported with hits; any finite numbers.
+ *   side      +1: the side to which the normal (b - a) x (c - a) points; -1: the other one. To get the side from which
+ *             a ray came, give -facing of its hit.
  *   point     receives the point.
  *
  * Promise: no ray that starts at the point and goes to the same side, or along the plane, hits that triangle.
  *
- * MLRT_ERROR_ARGUMENT if there is no such triangle, if it is one of those left out, if u or v is not finite, or if the
- * point would leave the range of float.
+ * MLRT_ERROR_ARGUMENT: there is no such triangle, it was left out of the tree, u or v is not finite, or the point would
+ * leave the range of float.
  */
 MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
                                    int32_t side, float point[3]);
