@@ -2,8 +2,9 @@
 /*
  * mlrt.hpp - mlrt.h for C++11 and later: handles that free themselves, errors as exceptions. Header only; link libmlrt.
  *
- * Trees and pools can be moved, not copied; one that was moved from is empty, and calls with it throw. Whatever is not
- * wrapped is in the C interface: get() gives the handle, mlrt::make<mlrt_...>() a struct with its size set.
+ * Trees and pools can be moved, not copied. One that was moved from is empty: a call of an empty tree throws, and an
+ * empty pool stands for the calling thread alone. For all that is not wrapped here, use the C interface: get() returns
+ * the handle, mlrt::make<mlrt_...>() a struct whose size is set.
  */
 #ifndef MLRT_HPP
 #define MLRT_HPP
@@ -17,18 +18,19 @@
 
 namespace mlrt {
 
-/* what() is the library's text for the status, with details if it has any. */
+/* what() is the library's text for the status, followed by the library's message if there is one. */
 struct Error : std::runtime_error {
     int32_t status;
     Error(int32_t code, const std::string &details)
         : std::runtime_error(mlrt_status_string(code) + (details.empty() ? details : ": " + details)), status(code) {}
 };
 
+/* Throws an Error unless the status is MLRT_OK. */
 inline void check(int32_t status, const char *details = "") {
     if (status != MLRT_OK) throw Error(status, details);
 }
 
-/* A struct of the C interface, all default. */
+/* A struct of the C interface: its size is set, all other fields are 0, so defaults. */
 template <class Struct> Struct make() {
     Struct s = Struct();
     s.struct_size = sizeof s;
@@ -40,7 +42,7 @@ struct Destroy {
     void operator()(mlrt_pool *pool) const { mlrt_destroy_pool(pool); }
 };
 
-/* `threads` at work, the calling one included; 0 = one per processor. */
+/* A pool of `threads` threads, of which the calling one is one; 0 = one per processor. */
 class Pool {
     std::unique_ptr<mlrt_pool, Destroy> handle;
 
@@ -53,7 +55,7 @@ class Pool {
     mlrt_pool *get() const { return handle.get(); }
 };
 
-/* One element per ray; a miss has t = inf and mesh = triangle = MLRT_NONE. */
+/* Closest hits, one element per ray; a miss has t = inf and mesh = triangle = MLRT_NONE. */
 struct Hits {
     std::vector<float> t, u, v;
     std::vector<uint32_t> mesh, triangle;
@@ -61,7 +63,7 @@ struct Hits {
     explicit Hits(size_t n) : t(n), u(n), v(n), mesh(n), triangle(n), facing(n) {}
 };
 
-/* Three floats a vertex, three numbers a triangle. The vectors must live until the tree is built. */
+/* A mesh: three floats a vertex, three vertex numbers a triangle. The vectors must live until the tree is built. */
 inline mlrt_mesh mesh(const std::vector<float> &vertices, const std::vector<uint32_t> &indices, uint32_t id = 0) {
     mlrt_mesh m = make<mlrt_mesh>();
     m.id = id, m.vertices = vertices.data(), m.vertex_count = vertices.size() / 3;
@@ -69,6 +71,7 @@ inline mlrt_mesh mesh(const std::vector<float> &vertices, const std::vector<uint
     return m;
 }
 
+/* A tree, and rays that are traced in it. All vectors of rays have three floats for each origin and direction. */
 class Tree {
     std::unique_ptr<mlrt_tree, Destroy> handle;
 
@@ -82,17 +85,17 @@ class Tree {
     }
 
   public:
-    /* mlrt_build_tree: boxes. */
+    /* Calls mlrt_build_tree: a hierarchy of boxes. */
     explicit Tree(const std::vector<mlrt_mesh> &meshes, mlrt_tree_options options = make<mlrt_tree_options>()) {
         build(mlrt_build_tree, meshes, options);
     }
-    /* mlrt_build_kdtree: a kd-tree. */
+    /* Calls mlrt_build_kdtree: the paper's kd-tree. */
     Tree(const std::vector<mlrt_mesh> &meshes, mlrt_kdtree_options options) {
         build(mlrt_build_kdtree, meshes, options);
     }
     mlrt_tree *get() const { return handle.get(); }
 
-    /* The closest hit of each ray: three floats each for its origin and its direction. */
+    /* Returns the closest hit of each ray. */
     Hits trace(const std::vector<float> &origins, const std::vector<float> &directions,
                const Pool *pool = nullptr) const {
         Hits hits(origins.size() / 3);
@@ -104,7 +107,7 @@ class Tree {
         return hits;
     }
 
-    /* 1 for each ray that hits anything, else 0. */
+    /* Returns 1 for each ray that hits anything, else 0. */
     std::vector<uint8_t> occluded(const std::vector<float> &origins, const std::vector<float> &directions,
                                   const Pool *pool = nullptr) const {
         std::vector<uint8_t> answers(origins.size() / 3);
@@ -114,6 +117,7 @@ class Tree {
         return answers;
     }
 
+    /* Calls mlrt_trace_packet: writes the answers of a query to arrays of the caller. */
     void trace(const std::vector<float> &origins, const std::vector<float> &directions, int32_t query, const Pool *pool,
                const mlrt_hits &out) const {
         if (origins.size() != directions.size() || origins.size() % 3)
