@@ -271,7 +271,7 @@ class Tree:
         of m points give origins (m, 1, 3), directions (m, k, 3).
 
         mask: rays see the meshes whose mask has a bit in common with it, 0 = all bits, as is None. An int for all rays, or uint32
-        (...), broadcast as well: rays with masks of their own go alone, and slower, where meshes have masks.
+        (...), broadcast as well: a mask for each ray takes longer than one for all, where meshes have masks.
 
         outputs: names of the wanted fields of Hits, None = all. out: a Hits of arrays to write to instead.
         row_length: rays per row of a picture, a hint for speed; 0 = the length of the last of two or more axes, or for flat
