@@ -23,7 +23,7 @@ fail() {
 "$@" -O2 -Wall -Wextra -Werror -c "$folder/mlrt.c" -o "$object"
 
 # It must export the functions of the interface and no other names, but for the compiler's own.
-cat src/*/*.c | sed -n 's/^MLRT_API .*[ *]\(mlrt_[a-z0-9_]*\)(.*/\1/p' | sort >"$folder/$name.public"
+cat src/api/*.c | sed -n 's/^MLRT_API .*[ *]\(mlrt_[a-z0-9_]*\)(.*/\1/p' | sort >"$folder/$name.public"
 "$("$gcc" -print-prog-name=nm)" -g --defined-only "$object" |
     awk '$2 ~ /[TDBC]/ && $3 !~ /^__x86\./ {print $3}' | sort >"$folder/$name.exported"
 diff "$folder/$name.public" "$folder/$name.exported" || fail "exports other names than the library"

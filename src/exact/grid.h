@@ -10,7 +10,8 @@
 #ifndef MLRT_EXACT_GRID_H
 #define MLRT_EXACT_GRID_H
 
-#include "exact/predicate.h"
+#include "exact/segment.h"
+#include "exact/triangle.h"
 
 /* The signs of e_ab, e_bc, e_ca in sign[]: an entry that is not 0 on entry is known and stays. */
 int mlrt_grid_edge_signs(const struct mlrt_ray_segment *ray, const struct mlrt_triangle *triangle, int sign[3]);

@@ -16,18 +16,8 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "exact/segment.h"
 #include "exact/triangle.h"
-
-/* A ray whose numbers have been checked (nearest.h). */
-struct mlrt_ray_segment {
-    float origin[3];
-    float direction[3];
-    float t_min;   /* >= 0 */
-    float t_max;   /* may be inf */
-    uint32_t mask; /* scene/masks.h */
-};
-
-#define MLRT_MASK_ALL 0xFFFFFFFFu
 
 static inline int mlrt_triangle_is_finite(const struct mlrt_triangle *triangle)
 {

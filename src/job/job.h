@@ -85,8 +85,8 @@ struct mlrt_worker {
     uint32_t setup_mask;                /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    struct mlrt_bundle_cache *bundle_caches; /* trace/bundle.h: of closest hits; of any, as a picture's shadows go in turn
-                                                with its tiles */
+    /* trace/bundle.h: of closest hits; of any, as a picture's shadows go in turn with its tiles. */
+    struct mlrt_bundle_cache *bundle_caches;
     uint32_t mask;            /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets: of closest hits, of any */
     uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane: of closest hits, of any */

@@ -52,7 +52,7 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "exact/nearest.h"
+#include "exact/segment.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
 #include "job/sink.h"
