@@ -2,9 +2,9 @@
 /*
  * accuracy.c - speed and wrong decisions of ray tracing methods, the library's and those of others, on the same rays
  *
- * Three studies: the methods on scenes; their stability, where one parameter after the other is swept until methods
- * fail; and which stage of the library decides how many rays. The right answers are found in exact arithmetic by an
- * oracle that shares nothing with the library.
+ * Three studies: `methods` compares them on scenes; `stability` varies one parameter after the other until methods
+ * fail; `stages` counts the rays that each stage of the library decides. The right answers are those of an oracle in
+ * exact arithmetic, which shares no code with the library.
  *
  * Exit codes: 0, 1 if something failed or a method of the library decided wrongly, 2 for a mistake on the command line.
  */
@@ -33,8 +33,7 @@ struct settings {
     enum generator chosen[GENERATOR_COUNT];
 };
 
-/* ---- printing -----------------------------------------------------------------------------------------------------
- */
+/* ---- printing ------------------------------------------------------------------------------------------------ */
 
 struct report {
     const struct settings *settings;
@@ -130,8 +129,7 @@ static void print_stages(const struct settings *settings, const char *scene, enu
     fflush(stdout);
 }
 
-/* ---- studies ------------------------------------------------------------------------------------------------------
- */
+/* ---- studies ------------------------------------------------------------------------------------------------- */
 
 static int study_scene(const struct settings *settings, const char *word, int *guilty)
 {
@@ -208,8 +206,7 @@ static int study_stages(const struct settings *settings, int *guilty)
     return failed;
 }
 
-/* ---- command line -------------------------------------------------------------------------------------------------
- */
+/* ---- command line -------------------------------------------------------------------------------------------- */
 
 static int word_length(const char *word)
 {

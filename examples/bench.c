@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * bench.c - how fast the library is, beside Embree 3 if that is installed
+ * bench.c - measures the library's speed, beside Embree 3 if that is installed
  *
  *     bench                                          procedural scenes, all kinds of rays
- *     bench --scene FILE,... --views cameras.json    mesh files from the first views that the file has for them
- *     bench --threads 2                              one thread and two, and what a loop of integers gains by two
+ *     bench --scene FILE,... --views cameras.json    mesh files, each from the first view that cameras.json has for it
+ *     bench --threads 2                              one thread and two, and the gain of a loop of integers by two
  *     bench --against OLD.so --alone                 beside another build of the library
  *     bench --study build                            seconds and bytes per triangle
  *
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
- * millions of rays per second (medians; of pictures, lit ones too, that is pixels), the way to call Embree that was the
- * fastest, ratios, and how many answers of the library differ from those of Embree robust, which is no error: where two
- * triangles are equally near, either may be named. After `lit` follows what shadows alone cost, if `frame` was measured
- * as well: a line `lit-frame` with pixels by the difference of the two times, for each who takes part.
+ * millions of rays per second (medians; of pictures, lit ones too, millions of pixels), the fastest way to call Embree,
+ * ratios, and the number of the library's answers that differ from Embree robust. Those are no errors: where two
+ * triangles are equally near, either may be named. If both `frame` and `lit` were measured, a line `lit-frame` has the
+ * speed of the shadows alone: pixels by the difference of the two times, for each contender.
  *
  * Exit codes: 0, 1 if something failed or answers are wrong, 2 for a mistake on the command line.
  */
@@ -28,8 +28,7 @@
 
 static const char *const default_scenes[] = {"room", "office", "building", "scan", "sphere"};
 
-/* ---- output -------------------------------------------------------------------------------------------------------
- */
+/* ---- output -------------------------------------------------------------------------------------------------- */
 
 // Where the table has a column: what two threads can gain here.
 static void report_spin(const struct contest *contest)
@@ -146,8 +145,7 @@ static void print_head(const struct arena *arena, uint32_t size)
     putchar('\n');
 }
 
-/* ---- scenes -------------------------------------------------------------------------------------------------------
- */
+/* ---- scenes -------------------------------------------------------------------------------------------------- */
 
 static int bench_scene(const struct bench_settings *settings, const char *word)
 {
@@ -180,8 +178,7 @@ static int bench_scenes(const struct bench_settings *settings)
     return failed;
 }
 
-/* ---- command line -------------------------------------------------------------------------------------------------
- */
+/* ---- command line -------------------------------------------------------------------------------------------- */
 
 // The kinds of the command line: "array" asks for rows and for lists.
 static uint32_t kinds_of(uint32_t words)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * depth.c - how much kd-tree a scene needs: below how many triangles none at all, and how deep elsewhere
+ * depth.c - measures how deep a kd-tree must be, and how many triangles are so few that a single leaf is as fast
  *
- *     depth                               small meshes: their tuned tree against a single leaf of everything
- *     depth --scene erw6.ply,building     scenes: trees of limited depth against the tuned tree
+ *     depth                               small meshes: the tuned kd-tree against a single leaf with all triangles
+ *     depth --scene erw6.ply,building     scenes: kd-trees of limited depth against the tuned kd-tree
  *
  * Two trees over the same triangles take turns at the same rays, so that a machine that slows down does so for both.
- * Shown are medians of times, and of the ratios of runs next to each other.
+ * Printed are medians of times, and medians of the ratios of successive runs.
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
@@ -52,8 +52,7 @@ static void check(int32_t status)
     exit(1);
 }
 
-/* ---- work ----------------------------------------------------------------------------------------------------------
- */
+/* ---- work ---------------------------------------------------------------------------------------------------- */
 
 /* The same picture from the camera and as an array of rays; and rays that have nothing to do with each other. */
 struct rays {
@@ -208,8 +207,7 @@ static mlrt_tree_info info_of(const mlrt_tree *tree)
     return info;
 }
 
-/* ---- small meshes --------------------------------------------------------------------------------------------------
- */
+/* ---- small meshes -------------------------------------------------------------------------------------------- */
 
 static struct view view_from(double x, double y, double z)
 {
@@ -380,8 +378,7 @@ static int study_small_meshes(const struct settings *settings)
     return failed;
 }
 
-/* ---- depth ---------------------------------------------------------------------------------------------------------
- */
+/* ---- depth --------------------------------------------------------------------------------------------------- */
 
 static const uint32_t depth_limits[] = {60, 52, 48, 44, 40, 36, 32, 28, 24, 20, 16, 12, 8};
 

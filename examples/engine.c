@@ -2,10 +2,10 @@
 /*
  * engine.c - the loop of a small game engine around the library: its own memory, its own jobs, its own log
  *
- * What an embedder may want to see here: where the engine's hooks go in (main), a load that shows progress, keeps to a
- * budget and can be cancelled (load), a frame (draw_frame): jobs of the engine and tasks of the library in one queue,
- * a tree rebuilt in a job, the picture by tiles. engine/draw.c is the tile callback: bodies with trees of their own,
- * shadows, colours. The pictures have the same bits for any number of workers: see picture_hash.
+ * It shows how to embed the library: main passes the engine's hooks to it; load builds a tree with a progress display,
+ * a memory budget and a way to cancel; draw_frame puts jobs of the engine and tasks of the library into one queue,
+ * rebuilds a tree in a job, and renders the picture by tiles. engine/draw.c is the tile callback: bodies with trees of
+ * their own, shadows, colours. The pictures have the same bits for any number of workers (picture_hash).
  */
 #include "common/hash.h"
 #include "common/options.h"
@@ -40,7 +40,7 @@ struct engine {
     size_t stack_peak_size;
 };
 
-/* ---- log --------------------------------------------------------------------------------------------------------- */
+/* ---- log ----------------------------------------------------------------------------------------------------- */
 
 static void say(struct engine *engine, const char *who, const char *format, ...)
 {
@@ -60,7 +60,7 @@ static void on_log(void *user, int32_t level, const char *message)
     say(user, "mlrt", "%s%s", level >= MLRT_LOG_ERROR && level <= MLRT_LOG_INFO ? names[level] : "", message);
 }
 
-/* ---- load -------------------------------------------------------------------------------------------------------- */
+/* ---- load ---------------------------------------------------------------------------------------------------- */
 
 // May come from any worker, but from one at a time. It should be quick: the build waits for it.
 static int32_t on_progress(void *user, double fraction)
@@ -105,7 +105,7 @@ static int32_t load(struct engine *engine)
     return mlrt_build_tree(meshes, 2, &options, &world->tree);
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------------------ */
+/* ---- frames -------------------------------------------------------------------------------------------------- */
 
 static void deform(void *argument)
 {
@@ -158,7 +158,7 @@ static int32_t draw_frames(struct engine *engine)
     return status;
 }
 
-/* ---- from the start to the end ----------------------------------------------------------------------------------- */
+/* ---- from the start to the end ------------------------------------------------------------------------------- */
 
 static int32_t run(struct engine *engine)
 {

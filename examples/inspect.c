@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * inspect.c - builds the tree of a scene and prints the build report: sizes, depth, what was left out and why. Trees
- * can be saved, and loaded again in place of being built.
+ * inspect.c - builds the tree of a scene, or loads a saved one, and prints its report: sizes, depth, triangles left out
+ *
+ * The tree is one of boxes or a kd-tree (--tree). --save writes it to a file.
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * occlusion.c - ambient occlusion: how much of the sky each point that a picture shows can see
+ * occlusion.c - ambient occlusion: the share of rays from each point that a picture shows which hit nothing near it
  *
  *     occlusion --scene office -o office.pgm
  *
- * From each hit of the picture's rays go `--samples` rays, cosine-weighted around the normal, and as far as `--reach`
- * percent of the scene's diagonal. Rays of one point are told to the library by rays_per_origin, and what all rays have
- * in common by MLRT_STRIDE_ALL: no array is longer than what differs.
+ * From each hit of the picture's rays start `--samples` rays, cosine-weighted around the normal, as long as `--reach`
+ * percent of the scene's diagonal. With rays_per_origin the array of origins has one element for each point, and with
+ * MLRT_STRIDE_ALL one t_max serves all rays: no number is stored twice.
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
@@ -43,7 +43,7 @@ static void check(int32_t status)
     exit(1);
 }
 
-/* ---- what the picture shows -------------------------------------------------------------------------------------- */
+/* ---- what the picture shows ---------------------------------------------------------------------------------- */
 
 /* The points that are seen: an element each, in the order of the pixels. */
 struct points {
@@ -114,7 +114,7 @@ static void free_points(struct points *points)
     free(points->skip);
 }
 
-/* ---- what the points see ----------------------------------------------------------------------------------------- */
+/* ---- what the points see ------------------------------------------------------------------------------------- */
 
 /*
  * Directions around a normal, of length 1, cosine-weighted: the normal plus a point of the unit sphere. These points
@@ -170,7 +170,7 @@ static float diagonal(const struct scene *scene)
                  (hi[2] - lo[2]) * (hi[2] - lo[2]));
 }
 
-/* ---- the program ------------------------------------------------------------------------------------------------- */
+/* ---- the program --------------------------------------------------------------------------------------------- */
 
 static int write_picture(const char *path, const uint8_t *grey, uint32_t width, uint32_t height)
 {

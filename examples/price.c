@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * price.c - what exactness costs: the library against one that guesses, and against its own worst cases
+ * price.c - measures the cost of exactness: the library beside a build that guesses, and its worst cases
  *
  *     price                          compares with the library of `make GUESS=1`, found in build/guess
+ *     price --worst                  the worst cases
  *
  * Both libraries are loaded into this process and take turns on the same pictures, so that a machine that slows down
- * does so for both. Without exactness the decisions are the float filter's best guess (src/base/platform.h); culling is the
- * same. Shown are medians, and how many pixels the guess gets wrong.
+ * does so for both. The build that guesses takes the float filter's best guess for each decision (src/base/platform.h);
+ * its culling is the same. Printed are medians, and the number of pixels that the guess gets wrong.
  *
- * The worst cases are pictures made of nothing but doubt: every ray through a vertex, every ray along an axis in a
- * scene of axis-parallel walls, everything drawn twice. Each is measured beside the same scene with the camera moved by
- * a thousandth of the diagonal, or drawn once.
+ * In the worst cases the float filter decides as little as possible: every ray goes through a vertex, or along an axis
+ * in a scene of axis-parallel walls, or everything is drawn twice. Each is measured beside the same scene with the
+ * camera moved by a thousandth of the diagonal, or drawn once.
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
@@ -80,8 +81,7 @@ static mlrt_mesh mesh_of(const struct scene *scene)
                        .triangle_count = scene->triangle_count};
 }
 
-/* ---- exact beside guessed ------------------------------------------------------------------------------------------
- */
+/* ---- exact beside guessed ------------------------------------------------------------------------------------ */
 
 static double render(const struct library *library, const mlrt_tree *tree, const mlrt_camera *camera,
                      uint32_t *triangles)
@@ -135,8 +135,7 @@ static void compare(const char *name, const struct scene *scene, const mlrt_came
     guess->destroy_tree(other_tree);
 }
 
-/* ---- worst cases ---------------------------------------------------------------------------------------------------
- */
+/* ---- worst cases --------------------------------------------------------------------------------------------- */
 
 /* Rays from one point. */
 struct rays {
@@ -299,8 +298,7 @@ static void measure_worst_cases(const char *name, const struct scene *scene, con
     mlrt_destroy_tree(tree);
 }
 
-/* ---- command line --------------------------------------------------------------------------------------------------
- */
+/* ---- command line -------------------------------------------------------------------------------------------- */
 
 static int run(const struct settings *settings)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * render.c - renders a scene to a PNG file, and measures, counts or hashes what it did
+ * render.c - renders a scene to a PNG file; measures its time, counts its work, or hashes its answers
  *
  * The loop of an application: load triangles, build a tree, set up a camera, render tiles, and shade each tile in its
  * callback while the hits are in the cache. Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
@@ -34,8 +34,7 @@ struct settings {
     int shadows, no_shade, stats, hash;
 };
 
-/* ---- command line -------------------------------------------------------------------------------------------------
- */
+/* ---- command line -------------------------------------------------------------------------------------------- */
 
 static int read_settings(struct settings *s, int argc, char **argv, int *exit_code)
 {
@@ -128,8 +127,7 @@ static int choose_view(const struct settings *s, struct scene *scene)
     return 0;
 }
 
-/* ---- frames -------------------------------------------------------------------------------------------------------
- */
+/* ---- frames -------------------------------------------------------------------------------------------------- */
 
 // All the results of a picture. Arrays that nobody asked for are NULL.
 struct frame {
@@ -259,8 +257,7 @@ static int print_hashes(struct session *session)
     return 0;
 }
 
-/* ---- from the start to the end ------------------------------------------------------------------------------------
- */
+/* ---- from the start to the end ------------------------------------------------------------------------------- */
 
 // For people who wait; a log needs no such lines.
 static void say(const char *what)

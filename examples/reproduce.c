@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * reproduce.c - measures what the paper measured, and prints it beside the paper's numbers as Markdown tables
+ * reproduce.c - repeats the measurements of the paper, and prints them beside the paper's numbers as Markdown tables
  *
- * For each scene the kd-trees of both presets are built, and every table takes its numbers from them. Each picture that
- * is counted is compared with the answers of the plain method as well. Counters are those of one thread; times are
- * medians of runs that take turns, so that a machine that slows down or speeds up does so for all that is compared.
+ * For each scene it builds the kd-trees of both presets, from which all tables take their numbers. The answers of each
+ * picture whose work is counted are compared with those of method ray. Counters are those of one thread. Times are
+ * medians of runs that take turns, so that a machine that slows down or speeds up does so for all of them.
  *
  * Exit codes: 0, 1 if something failed or an answer differed, 2 for a mistake on the command line.
  *
@@ -38,8 +38,7 @@ struct settings {
     mlrt_trace_options tiles;             // only the tile sizes
 };
 
-/* ---- the paper's numbers ------------------------------------------------------------------------------------------
- */
+/* ---- the paper's numbers ------------------------------------------------------------------------------------- */
 
 /* The rows of its table 2, per 4x4 packet. With shadows: primary rays and one shadow ray for each of their hits. */
 enum {
@@ -108,8 +107,7 @@ static const struct published *find_published(const char *name)
     return NULL;
 }
 
-/* ---- what is varied -----------------------------------------------------------------------------------------------
- */
+/* ---- what is varied ------------------------------------------------------------------------------------------ */
 
 static const struct {
     const char *title;
@@ -175,8 +173,7 @@ static const struct {
     int32_t kind;
 } presets[] = {{"tuned", TREE_KDTREE_TUNED}, {"paper", TREE_KDTREE}};
 
-/* ---- results ------------------------------------------------------------------------------------------------------
- */
+/* ---- results ------------------------------------------------------------------------------------------------- */
 
 /* Counts are per 4x4 packet of the picture. */
 struct measured {
@@ -208,8 +205,7 @@ struct results {
     mlrt_tree_info trees[LENGTH(presets)];
 };
 
-/* ---- one scene ----------------------------------------------------------------------------------------------------
- */
+/* ---- one scene ----------------------------------------------------------------------------------------------- */
 
 /* Where shadow rays end, one for each pixel, and the triangle that each passes. */
 struct shadow_points {
@@ -295,8 +291,7 @@ static double per_packet(const struct subject *subject, uint64_t count)
     return (double)count / (double)(side * side);
 }
 
-/* ---- answers ------------------------------------------------------------------------------------------------------
- */
+/* ---- answers ------------------------------------------------------------------------------------------------- */
 
 // Finds all hits of the picture. *hash receives the number that stands for them.
 static int32_t find_hits(struct subject *subject, const mlrt_tree *tree, const mlrt_trace_options *options,
@@ -393,8 +388,7 @@ static int find_reference(struct subject *subject)
     return !succeeded(find_shadows(subject, subject->tree, &plain, &check->shadow_hash));
 }
 
-/* ---- counts and times ---------------------------------------------------------------------------------------------
- */
+/* ---- counts and times ---------------------------------------------------------------------------------------- */
 
 static void add_counters(const struct subject *subject, const mlrt_counters *counters, struct measured *measured)
 {
@@ -457,8 +451,7 @@ static int time_frames(struct subject *subject, struct contender *contenders, si
     return failed;
 }
 
-/* ---- measuring, table by table ------------------------------------------------------------------------------------
- */
+/* ---- measuring, table by table ------------------------------------------------------------------------------- */
 
 static int measure_quantities(struct subject *subject)
 {
@@ -629,8 +622,7 @@ static int describe_tree(struct subject *subject)
     return !succeeded(mlrt_get_tree_info(subject->tree, info));
 }
 
-/* ---- Markdown -----------------------------------------------------------------------------------------------------
- */
+/* ---- Markdown ------------------------------------------------------------------------------------------------ */
 
 // The head of a table from its column names, parted by |. All columns but the first hold numbers.
 static void print_head(const char *columns)
@@ -676,8 +668,7 @@ static void print_title(const char *title, const struct results *results)
     putchar('\n');
 }
 
-/* ---- printing, table by table -------------------------------------------------------------------------------------
- */
+/* ---- printing, table by table -------------------------------------------------------------------------------- */
 
 static void print_paper_cell(const struct published *paper, int quantity, int divisor)
 {
@@ -923,8 +914,7 @@ static void print_builds(const struct settings *settings, const struct results *
     }
 }
 
-/* ---- all tables ---------------------------------------------------------------------------------------------------
- */
+/* ---- all tables ---------------------------------------------------------------------------------------------- */
 
 enum { ON_DEFAULT_TREE = 1 << 0, ON_PAPER_TREE = 1 << 1 }; // a bit for each of `presets`
 
@@ -1012,8 +1002,7 @@ static void print_tables(const struct settings *settings, const struct results *
     }
 }
 
-/* ---- from the start to the end ------------------------------------------------------------------------------------
- */
+/* ---- from the start to the end ------------------------------------------------------------------------------- */
 
 // For people who wait; a log needs no such lines.
 static void say(const char *scene, const char *what)

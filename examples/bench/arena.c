@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* arena.c - a scene, its trees and who takes part: see arena.h */
+/* arena.c - a scene, its trees and the contenders: see arena.h */
 #include "arena.h"
 
 #include "common/timer.h"

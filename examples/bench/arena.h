@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* arena.h - what the command line asks for, and everything about one scene that contests need */
+/* arena.h - the settings of the command line, and one scene with all that its contests need */
 #ifndef ARENA_H
 #define ARENA_H
 
@@ -36,7 +36,7 @@ struct arena {
     struct peer *fast, *robust;
 };
 
-/* Loads and builds. Returns 0, or 1 after saying on stderr what is wrong. Close it either way. */
+/* Loads and builds. Returns 0, or 1 after a message on stderr. Close it either way. */
 int open_arena(const struct bench_settings *settings, const char *word, struct arena *arena);
 void close_arena(struct arena *arena);
 
@@ -44,7 +44,7 @@ void close_arena(struct arena *arena);
 int32_t build_mlrt(const struct library *library, const struct scene *scene, int32_t kind, mlrt_pool *pool,
                    mlrt_tree **tree, double *seconds);
 
-/* Prepares a task of the arena's scene and everybody who takes part. Returns 0 or 1; free the task either way. */
+/* Prepares a task of the arena's scene, and its contenders. Returns 0 or 1; free the task either way. */
 int start_contest(const struct bench_settings *settings, const struct arena *arena, enum kind kind, struct task *task,
                   struct contest *contest);
 

@@ -12,8 +12,7 @@ enum { SAMPLE_SIZE = 4096, TRIALS = 3 };
 
 #define HOPELESS 1.25 // times as long as the best so far
 
-/* ---- the spin loop ------------------------------------------------------------------------------------------------
- */
+/* ---- the spin loop ------------------------------------------------------------------------------------------- */
 
 // Independent integer work: how two threads fare that share nothing but the machine.
 enum { SPIN_ITEMS = 16, SPIN_STEPS = 1 << 20 };
@@ -28,8 +27,7 @@ static void spin(void *user, size_t item)
     if (state == 0) spin_result = state;
 }
 
-/* ---- one run ------------------------------------------------------------------------------------------------------
- */
+/* ---- one run ------------------------------------------------------------------------------------------------- */
 
 static mlrt_trace_options options_of(const struct contest *contest, const struct contender *contender)
 {
@@ -82,8 +80,7 @@ static void choose_variant(const struct contest *contest, struct contender *cont
     contender->variant = best_variant;
 }
 
-/* ---- comparing ----------------------------------------------------------------------------------------------------
- */
+/* ---- comparing ----------------------------------------------------------------------------------------------- */
 
 // What everybody says. Pictures that are shaded are asked for what they were shaded by as well.
 static int32_t answer(const struct contest *contest, const struct contender *contender, const struct answers *answers)
@@ -352,8 +349,7 @@ static int check_answers(struct contest *contest, struct answers *answers)
     return failed;
 }
 
-/* ---- turns --------------------------------------------------------------------------------------------------------
- */
+/* ---- turns --------------------------------------------------------------------------------------------------- */
 
 const struct contender *find_contender(const struct contest *contest, enum who who, uint32_t threads)
 {

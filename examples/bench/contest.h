@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * contest.h - those who take part in a task take turns on the same rays, and their answers are compared
+ * contest.h - the contenders of a task take turns on the same rays, and their answers are compared
  *
- * A contender's speed is that of its median run; a run of each follows a run of every other, so that a machine that
- * slows down does so for all. Where all take one thread, its processor time counts, otherwise the time that passes.
- * Before the turns everyone answers once: the library's answers must be, for a sample of the rays, those of another of
- * its methods, and pictures must look alike. Another build of the library, older, say, traces a tree of its own; it and
- * the library go first by turns. Answers that are not the library's are counted, and reported.
+ * A contender's speed is that of its median run. All contenders run once in each round, so that a machine that slows
+ * down does so for all. If each has one thread, its processor time counts, otherwise the time that passes. Before the
+ * rounds each contender answers once: for a sample of the rays the library's answers must be those of another of its
+ * methods, and pictures must look alike. Another build of the library traces a tree of its own; it and the library go
+ * first by turns. Answers that differ are counted: the library's and those of Embree fast from those of Embree robust,
+ * those of the other build from the library's.
  */
 #ifndef CONTEST_H
 #define CONTEST_H
@@ -39,13 +40,12 @@ struct contest {
     mlrt_pool *pool;
     struct crew *crew; /* of as many threads as the pool */
     uint32_t runs;
-    int paced; /* 1 = each run says on stdout that it is its turn, waits for a line on stdin, and says how long it took
-                */
+    int paced; /* 1 = each run says on stdout that it begins, waits for a line on stdin, and says how long it took */
     size_t count;
     struct contender contenders[MAXIMUM_CONTENDERS];
 };
 
-/* Returns 0, or 1 after saying on stderr what is wrong: an answer, say. */
+/* Returns 0, or 1 after a message on stderr, for example if an answer is wrong. */
 int hold_contest(struct contest *contest);
 
 /* The old library's contender for one of the library's, or NULL. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* crew.h - threads for what has none of its own: they wait between runs, and claim numbered items one by one */
+/* crew.h - threads for contenders that have none: they wait between runs, and claim numbered items one by one */
 #ifndef CREW_H
 #define CREW_H
 
@@ -10,7 +10,7 @@ struct crew;
 
 typedef void (*crew_work)(void *user, size_t item);
 
-/* Starts thread_count - 1 threads; the caller is the one more. Returns NULL after saying on stderr what is wrong. */
+/* Starts thread_count - 1 threads; the caller is the one more. Returns NULL after a message on stderr. */
 struct crew *create_crew(uint32_t thread_count);
 
 /* Ends the threads. NULL is allowed. */

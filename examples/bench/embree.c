@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* embree.c - Embree 3 at its best: see peer.h */
+/* embree.c - tasks done by Embree 3: see peer.h */
 #include "peer.h"
 
 #include <stdio.h>
@@ -24,8 +24,7 @@ struct peer {
     int64_t memory_size;
 };
 
-/* ---- building -----------------------------------------------------------------------------------------------------
- */
+/* ---- building ------------------------------------------------------------------------------------------------ */
 
 static bool count_memory(void *user, ssize_t bytes, bool post)
 {
@@ -105,8 +104,7 @@ void destroy_peer(struct peer *peer)
     free(peer);
 }
 
-/* ---- tracing ------------------------------------------------------------------------------------------------------
- */
+/* ---- tracing ------------------------------------------------------------------------------------------------- */
 
 /* A picture to trace. With `rgba` it is shaded, otherwise numbers go to `triangles`. */
 struct picture {
@@ -216,8 +214,7 @@ static void trace_any_stream(const struct batch *batch, size_t first, size_t end
     }
 }
 
-/* ---- variants -----------------------------------------------------------------------------------------------------
- */
+/* ---- variants ------------------------------------------------------------------------------------------------ */
 
 static const struct variant {
     const char *name;

@@ -2,8 +2,9 @@
 /*
  * embree_packet.h - the loops around one of Embree's calls for packets, included once for each width
  *
- * Before: WIDTH, SIDE_X and SIDE_Y (the pixels of a packet), QUERY and OCCLUSION (the structs), INTERSECT(valid, scene,
- * context, query) and OCCLUDED(...), LANE(field, i), and NAME(word). What Embree leaves as it was is set once per loop.
+ * The including file defines WIDTH, SIDE_X and SIDE_Y (the pixels of a packet), QUERY and OCCLUSION (the structs),
+ * INTERSECT(valid, scene, context, query) and OCCLUDED(...), LANE(field, i), and NAME(word). Fields that Embree does
+ * not change are set once per loop.
  */
 
 static void NAME(start_ray)(struct NAME_RAY *ray, const float origin[3])
@@ -29,8 +30,7 @@ static inline void NAME(start_query)(struct QUERY *query, float t_max)
     NAME(start_hit)(query);
 }
 
-/* ---- pictures -----------------------------------------------------------------------------------------------------
- */
+/* ---- pictures ------------------------------------------------------------------------------------------------ */
 
 static inline void NAME(aim)(const struct picture *picture, const mlrt_camera *camera, uint32_t column, uint32_t row,
                              struct NAME_RAY *ray)
@@ -136,8 +136,7 @@ static void NAME(trace_picture)(const struct picture *shared, uint32_t column, u
     }
 }
 
-/* ---- lit pictures -------------------------------------------------------------------------------------------------
- */
+/* ---- lit pictures -------------------------------------------------------------------------------------------- */
 
 // The rays from the light to the hits, but for those on triangles whose plane is between light and eye: they are dark.
 // Returns 0 if there is no other. Rays from the hits to the light, with origins of their own, had 0.96 to 1.01 of the
@@ -221,8 +220,7 @@ static void NAME(trace_lit)(const struct picture *shared, uint32_t column, uint3
     }
 }
 
-/* ---- streams ------------------------------------------------------------------------------------------------------
- */
+/* ---- streams ------------------------------------------------------------------------------------------------- */
 
 // What all rays of a stream have in common, as far as it is.
 static void NAME(start_stream)(const struct stream *stream, struct NAME_RAY *ray)

@@ -7,8 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- builds -------------------------------------------------------------------------------------------------------
- */
+/* ---- builds -------------------------------------------------------------------------------------------------- */
 
 const struct library this_library = {
     NULL,           mlrt_create_pool,  mlrt_destroy_pool, mlrt_build_tree,     mlrt_build_kdtree, mlrt_destroy_tree,
@@ -54,8 +53,7 @@ void close_library(struct library *library)
     memset(library, 0, sizeof *library);
 }
 
-/* ---- tasks --------------------------------------------------------------------------------------------------------
- */
+/* ---- tasks --------------------------------------------------------------------------------------------------- */
 
 struct copy_job {
     const struct answers *answers;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* library.h - a build of the library as contests use it: the one in this program, or another one that is loaded */
+/* library.h - the functions of a build of the library: that of this program, or another shared object */
 #ifndef BENCH_LIBRARY_H
 #define BENCH_LIBRARY_H
 
@@ -26,7 +26,7 @@ struct library {
 
 extern const struct library this_library;
 
-/* Loads a shared object. Returns 0, or 1 after saying on stderr what is wrong. */
+/* Loads a shared object. Returns 0, or 1 after a message on stderr. */
 int load_library(const char *path, struct library *library);
 void close_library(struct library *library);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * peer.h - Embree 3 as somebody who wants speed would use it; without it, functions that say so
+ * peer.h - Embree 3, used as its manual advises for speed. In a build without Embree, have_peer returns 0
  *
- * High build quality, huge pages, flush-to-zero and denormals-are-zero while tracing, the coherent or incoherent flag,
- * packets of 4x4 pixels, and of the ways to call it the one that turns out to be the fastest. Fast is the default
- * scene, robust has RTC_SCENE_FLAG_ROBUST. Results of streams stay in the order of the stream.
+ * It has high build quality, huge pages, flush-to-zero and denormals-are-zero while tracing, the coherent or incoherent
+ * flag, and packets of 4x4 pixels; of the ways to call it the fastest one counts. "Fast" is the default scene, "robust"
+ * has RTC_SCENE_FLAG_ROBUST. Results of streams stay in the order of the stream.
  *
  * Based on: "Embree: High Performance Ray Tracing Kernels 3.13", the manual, "Performance Recommendations".
  */
@@ -37,7 +37,7 @@ struct peer_build {
 /* 1 = this program was built with it. */
 int have_peer(void);
 
-/* Builds over the scene's triangles. `build` may be NULL. Returns NULL after saying on stderr what is wrong. */
+/* Builds over the scene's triangles. `build` may be NULL. Returns NULL after a message on stderr. */
 struct peer *create_peer(const struct scene *scene, const struct peer_settings *settings, struct peer_build *build);
 
 void destroy_peer(struct peer *peer);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * shade.h - the least shading there is, the same for all that is compared: a grey by the angle between ray and triangle
+ * shade.h - the simplest shading, the same for all contenders: a grey by the angle between ray and triangle
  *
- * The grey of a hit is 255 |d . n| / |d| with the triangle's unit normal n; the background is a constant. Loops are
- * over pixels in a row or lanes of a packet, and short steps on arrays, so that compilers turn them into vectors.
- * Normals come from a table by triangle number, whose last entry is that of the background: no direction, but a level.
+ * The grey of a hit is 255 |d . n| / |d| with the triangle's unit normal n; the background is a constant. Loops go over
+ * the pixels of a row or the lanes of a packet, in short steps on arrays, so that compilers turn them into vectors.
+ * Normals come from a table by triangle number. Its last entry is the background's: no direction, but a level of grey.
  */
 #ifndef BENCH_SHADE_H
 #define BENCH_SHADE_H

@@ -16,8 +16,7 @@ uint32_t default_kinds(int32_t study)
     return (1u << KIND_COUNT) - 1;
 }
 
-/* ---- sweeps -------------------------------------------------------------------------------------------------------
- */
+/* ---- sweeps -------------------------------------------------------------------------------------------------- */
 
 static int measure_point(const struct bench_settings *settings, const struct arena *arena, uint32_t size,
                          enum kind kind)
@@ -73,8 +72,7 @@ static int study_triangles(const struct bench_settings *settings)
     return study_sweep(settings, settings->scenes.count ? &settings->scenes : &by_count, settings->size);
 }
 
-/* ---- building -----------------------------------------------------------------------------------------------------
- */
+/* ---- building ------------------------------------------------------------------------------------------------ */
 
 enum { BUILDER_COUNT = 9 };
 

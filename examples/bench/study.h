@@ -8,7 +8,7 @@
 /* The kinds of a study when none are given, as bits. */
 uint32_t default_kinds(int32_t study);
 
-/* Returns 0, or 1 after saying on stderr what is wrong. */
+/* Returns 0, or 1 after a message on stderr. */
 int run_study(const struct bench_settings *settings);
 
 #endif

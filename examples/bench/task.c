@@ -22,8 +22,7 @@ static void *allocate(size_t count, size_t size)
     return block;
 }
 
-/* ---- scenes -------------------------------------------------------------------------------------------------------
- */
+/* ---- scenes -------------------------------------------------------------------------------------------------- */
 
 // "sphere" or "sphere:N", of about N triangles. Returns -1 if it is neither.
 static int sphere_level(const char *word)
@@ -94,8 +93,7 @@ void camera_direction(const mlrt_camera *camera, uint32_t column, uint32_t row, 
     for (int k = 0; k < 3; k++) direction[k] = (camera->d00[k] + x * camera->dx[k]) + y * camera->dy[k];
 }
 
-/* ---- streams ------------------------------------------------------------------------------------------------------
- */
+/* ---- streams ------------------------------------------------------------------------------------------------- */
 
 // The pixel with a place in an order of regions, in them blocks of 4x4, in them of 2x2, so that any 4, 8 or 16 rays in
 // a row from a multiple of their number are neighbours.
@@ -198,8 +196,7 @@ static int make_stream(struct task *task)
     return 0;
 }
 
-/* ---- rays ---------------------------------------------------------------------------------------------------------
- */
+/* ---- rays ---------------------------------------------------------------------------------------------------- */
 
 struct view_hits {
     float *t, *u, *v;
@@ -341,8 +338,7 @@ static int make_camera_arrays(struct task *task)
            MLRT_OK;
 }
 
-/* ---- rays of renderers --------------------------------------------------------------------------------------------
- */
+/* ---- rays of renderers --------------------------------------------------------------------------------------- */
 
 #define OFF_SURFACE 1e-5  // of the scene's diagonal
 #define TO_LIGHT    1e-4  // of the way: where rays to the light begin
@@ -645,8 +641,7 @@ void free_task(struct task *task)
     memset(task, 0, sizeof *task);
 }
 
-/* ---- answers ------------------------------------------------------------------------------------------------------
- */
+/* ---- answers ------------------------------------------------------------------------------------------------- */
 
 int make_answers(const struct task *task, struct answers *answers)
 {

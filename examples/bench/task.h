@@ -1,33 +1,35 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * task.h - a scene with a view, and the rays of each kind that all who take part are asked for
+ * task.h - a scene with a view, and the rays of each kind that all contenders trace
  *
- *     frame      rays of the camera, made while tracing; the closest hit, shaded, into a picture
- *     lit        the same, and from each hit a shadow ray to the light: where it does not reach, the shade is darker
- *     primary    the rays of frame, numbers of triangles into an array
- *     shadow     from the light to each hit of the view: is anything between
- *     sun        from each hit of the view in one direction: is anything there
- *     array      the camera's rays ready in arrays, in rows of pixels; numbers and distances into arrays
+ * Any-hit kinds answer whether something is hit. "Numbers" are numbers of triangles.
+ *
+ *     frame      rays of the camera, made while tracing; the closest hit is shaded, into a picture
+ *     lit        the same, and a shadow ray from each hit to the light: hits that it does not reach are darker
+ *     primary    the rays of frame; numbers into an array
+ *     shadow     any-hit: from the light to each hit of the view
+ *     sun        any-hit: from each hit of the view, all in one direction
+ *     array      the camera's rays, ready in arrays, in rows of pixels; numbers and distances into arrays
  *     list       the same as a plain list
- *     parallel   the rays of a camera with parallel rays instead, in arrays, in rows of pixels
+ *     parallel   the same of a camera with parallel rays
  *     bounce     one ray from each hit in a random direction, cosine-weighted; numbers and distances into arrays
  *
  * Rays that a renderer makes by itself; those marked * are structs of 32 bytes with limits, in rows of pixels:
  *
- *     reach *    from each hit of the view to the light: is anything between
+ *     reach *    any-hit: from each hit of the view to the light
  *     mirror *   the reflections at the hits; numbers and distances
- *     lens       one ray for each pixel from a random point of a lens: f/8 of the median depth of the hits, where it is
- *                sharp; arrays of origins and directions in rows of pixels; numbers and distances
- *     one-way *  from each hit that faces one direction in that direction, a tenth of the scene's diagonal far: is
- *                anything there (a batch of ambient occlusion whose pixels share a sequence of directions)
- *     hemisphere from each hit of every fourth pixel of every fourth row 16 rays in random directions, cosine-weighted,
- *                a tenth of the diagonal far: is anything there; a list: arrays of origins, directions and ends
- *     record *   the camera's rays; distances, weights, and numbers of meshes and triangles
+ *     lens       one ray for each pixel from a random point of a lens of f/8, focused on the median depth of the hits;
+ *                arrays of origins and directions in rows of pixels; numbers and distances
+ *     one-way *  any-hit: from each hit that faces one direction, in that direction, as long as a tenth of the scene's
+ *                diagonal (a batch of ambient occlusion whose pixels share a sequence of directions)
+ *     hemisphere any-hit: from each hit of every fourth pixel of every fourth row 16 rays in random directions,
+ *                cosine-weighted, as long as a tenth of the diagonal; a list: arrays of origins, directions and ends
+ *     record *   the camera's rays; distances, weights, numbers of meshes and triangles
  *
- * A call for each ray, in a list of such structs:
+ * One call for each ray, in a list of such structs:
  *
- *     single     the camera's ray and the one of bounce by turns; numbers and distances
- *     single-any the ray of reach and the one of bounce by turns: is anything hit
+ *     single     the camera's ray and that of bounce by turns; numbers and distances
+ *     single-any any-hit: the ray of reach and that of bounce by turns
  */
 #ifndef TASK_H
 #define TASK_H
@@ -59,7 +61,7 @@ enum kind {
     LIT_LESS_FRAME = KIND_COUNT
 };
 
-/* Kinds whose rays nobody has made before. */
+/* Kinds whose rays are made while they are traced. */
 static inline int is_picture(enum kind kind)
 {
     return kind == FRAME || kind == LIT || kind == PRIMARY;
@@ -170,7 +172,7 @@ struct task {
 /* An element's ray, of kinds that have origins and directions. */
 void get_ray(const struct task *task, size_t element, struct ray_record *ray);
 
-/* Prepares the rays, using the pool. Returns 0, or 1 after saying on stderr what is wrong. Free it either way. */
+/* Prepares the rays, using the pool. Returns 0, or 1 after a message on stderr. Free it either way. */
 int make_task(enum kind kind, const struct subject *subject, const mlrt_tree *tree, mlrt_pool *pool, struct task *task);
 void free_task(struct task *task);
 

@@ -2,9 +2,9 @@
 /*
  * building.c - the scene `building`: storeys of corridors and furnished rooms, about 2 million triangles
  *
- * High occlusion: from anywhere one sees a corridor and parts of a few rooms, and the rest is behind walls: in 1024 x
- * 1024 pixels the default view meets 0.23 % of the triangles. Doors stand open and rooms have windows to the corridor,
- * so that there is something to see.
+ * Most of it is hidden from any point: a view shows a corridor and parts of a few rooms, and the rest is behind walls.
+ * In 1024 x 1024 pixels the default view hits 0.23 % of the triangles. Doors stand open and rooms have windows to the
+ * corridor, so that views reach into them.
  */
 #include "furniture.h"
 #include "procedural.h"
@@ -152,8 +152,7 @@ static void add_room(struct shapes *shapes, const struct place *place, uint32_t 
     furnish[kind](shapes, place, random);
 }
 
-/* ---- the house ----------------------------------------------------------------------------------------------------
- */
+/* ---- the house ----------------------------------------------------------------------------------------------- */
 
 static void add_corridor(struct shapes *shapes, const struct place *floor, uint32_t *random)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cancel.c - how soon a build ends when it is asked to: see cancel.h */
+/* cancel.c - measures how soon a cancelled build ends: see cancel.h */
 #define _POSIX_C_SOURCE 200112L
 #include "cancel.h"
 

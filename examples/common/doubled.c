@@ -2,9 +2,9 @@
 /*
  * doubled.c - the scene `doubled`: a kitchen whose large surfaces are all there twice, about 19 thousand triangles
  *
- * As CAD and game data often have it: a wall belongs to the room and to its neighbour, a front to the cupboard and to
- * its veneer. The second copy of a surface is cut into another grid, along the other diagonals, and each coordinate of
- * its vertices is at most 3 floats away from the first copy's plane. In every fourth surface it is no float away: where
+ * Such surfaces are common in CAD and game data: a wall of a room and of its neighbour, a front of a cupboard and its
+ * veneer. The second copy of a surface is cut into another grid, along the other diagonals, and each coordinate of its
+ * vertices is at most 3 floats away from the first copy's plane. In every fourth surface it is 0 floats away: where
  * such a surface is parallel to an axis, rays hit both copies at the same distance.
  */
 #include "furniture.h"
@@ -29,8 +29,7 @@ struct doubler {
     uint32_t random;
 };
 
-/* ---- surfaces -----------------------------------------------------------------------------------------------------
- */
+/* ---- surfaces ------------------------------------------------------------------------------------------------ */
 
 static void patch_point(const void *surface, double u, double v, double point[3])
 {
@@ -99,8 +98,7 @@ static void add_doubled_box(struct doubler *doubler, const struct place *place, 
     }
 }
 
-/* ---- the kitchen --------------------------------------------------------------------------------------------------
- */
+/* ---- the kitchen --------------------------------------------------------------------------------------------- */
 
 static void add_shell(struct doubler *doubler, const struct place *place)
 {

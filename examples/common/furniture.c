@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* furniture.c - what stands in the procedural rooms: see furniture.h */
+/* furniture.c - the furniture of the procedural rooms: see furniture.h */
 #include "furniture.h"
 
 #include "steady_math.h"
@@ -32,8 +32,7 @@ static uint32_t at_least(uint32_t low, uint32_t x)
     return x < low ? low : x;
 }
 
-/* ---- seats --------------------------------------------------------------------------------------------------------
- */
+/* ---- seats --------------------------------------------------------------------------------------------------- */
 
 void add_wooden_chair(struct shapes *shapes, const struct place *place)
 {
@@ -112,8 +111,7 @@ void add_armchair(struct shapes *shapes, const struct place *place, double width
     }
 }
 
-/* ---- tables -------------------------------------------------------------------------------------------------------
- */
+/* ---- tables -------------------------------------------------------------------------------------------------- */
 
 void add_table(struct shapes *shapes, const struct place *place, double width, double depth)
 {
@@ -215,8 +213,7 @@ void add_desk(struct shapes *shapes, const struct place *place, uint32_t detail,
     }
 }
 
-/* ---- on walls and ceilings ----------------------------------------------------------------------------------------
- */
+/* ---- on walls and ceilings ----------------------------------------------------------------------------------- */
 
 void add_shelf(struct shapes *shapes, const struct place *place, double width, double height, uint32_t boards,
                uint32_t books_per_board, uint32_t *random)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * furniture.h - what stands in the procedural rooms
+ * furniture.h - the furniture of the procedural rooms
  *
- * Each piece stands on y = 0 of its place (hanging lamps: hangs from it) and faces +z. Lengths are metres. `detail` is
- * the number of segments around a curved part, 6 to 48: triangles grow with its square.
+ * Each piece stands on y = 0 of its place (a hanging lamp hangs from it) and faces +z. Lengths are in metres. `detail`
+ * is the number of segments around a curved part, 6 to 48: the number of triangles grows with its square.
  */
 #ifndef FURNITURE_H
 #define FURNITURE_H

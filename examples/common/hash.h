@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * hash.h - one number that stands for all the answers of a picture
+ * hash.h - a hash of all the answers of a picture
  *
- * Equal pictures have equal hashes on every machine; a single differing bit gives another. Based on: G. Fowler, L.
- * Noll, K.-P. Vo, FNV-1a, 64 bits.
+ * Equal pictures have equal hashes on every machine; a single bit that differs gives another hash. Based on: G. Fowler,
+ * L. Noll, K.-P. Vo, FNV-1a, 64 bits.
  */
 #ifndef HASH_H
 #define HASH_H

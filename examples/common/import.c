@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* import.c - mesh files through assimp: see import.h. Built without assimp, it says so instead. */
+/* import.c - mesh files through assimp: see import.h. Built without assimp, it reports that on stderr. */
 #include "import.h"
 
 #include "ply_check.h"

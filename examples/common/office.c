@@ -2,8 +2,8 @@
 /*
  * office.c - the scene `office`: a conference room, about 280 thousand triangles
  *
- * Like the conference room models that ray tracing papers use: most triangles sit in the curved parts of chairs, lamps
- * and plants and are small, while walls, tables and blinds are large and flat.
+ * It is like the conference rooms of ray tracing papers: most triangles are small, in the curved parts of chairs, lamps
+ * and plants, while walls, tables and blinds are large and flat.
  */
 #include "furniture.h"
 #include "procedural.h"

@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- help ---------------------------------------------------------------------------------------------------------
- */
+/* ---- help ---------------------------------------------------------------------------------------------------- */
 
 enum { HELP_COLUMN = 32 };
 
@@ -37,8 +36,7 @@ static void print_help(const char *purpose, const struct option *options, size_t
     print_option("--help", NULL, "this text");
 }
 
-/* ---- values -------------------------------------------------------------------------------------------------------
- */
+/* ---- values -------------------------------------------------------------------------------------------------- */
 
 // Reads a number at *text and moves on behind it.
 static int read_number(const char **text, double *number)
@@ -155,8 +153,7 @@ static int read_value(const struct option *option, const char *text)
     }
 }
 
-/* ---- command line -------------------------------------------------------------------------------------------------
- */
+/* ---- command line -------------------------------------------------------------------------------------------- */
 
 static const struct option *find_option(const struct option *options, size_t count, const char *name, size_t length)
 {

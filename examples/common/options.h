@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * options.h - command line options from a table, which is the help text too
+ * options.h - command line options from a table, from which the help text is made too
  *
- * An option is `--name value`, `--name=value` or, for flags, `--name`. What is not in the table, or not a value of its
- * kind, is said on stderr.
+ * An option is `--name value`, `--name=value` or, for flags, `--name`. An option that is not in the table, or a value
+ * that is not of its kind, is reported on stderr.
  */
 #ifndef OPTIONS_H
 #define OPTIONS_H

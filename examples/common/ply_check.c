@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ply_check.c - is a PLY file complete: see ply_check.h */
+/* ply_check.c - checks that a PLY file is complete: see ply_check.h */
 #include "ply_check.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ply_check.h - is a PLY file complete */
+/* ply_check.h - checks that a PLY file is complete */
 #ifndef PLY_CHECK_H
 #define PLY_CHECK_H
 

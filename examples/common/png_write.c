@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* png_write.c - writes a picture as a PNG file: see png_write.h. Built without libpng, it says so instead. */
+/* png_write.c - writes a picture as a PNG file: see png_write.h. Built without libpng, it reports that on stderr. */
 #define _POSIX_C_SOURCE 200112L
 
 #include "png_write.h"

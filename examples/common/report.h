@@ -2,7 +2,7 @@
 /*
  * report.h - results as lines of `name value` on stdout, for people and for scripts
  *
- * One line each; names are lower_snake_case; the value has no spaces (three numbers are parted by commas).
+ * A line has one result. Its name is lower_snake_case; its value has no spaces (commas separate three numbers).
  */
 #ifndef REPORT_H
 #define REPORT_H

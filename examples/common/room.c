@@ -2,8 +2,8 @@
 /*
  * room.c - the scene `room`: a closed room with a table, four chairs, a lamp and a shelf, about 800 triangles
  *
- * In the spirit of the test scenes of the 5th Eurographics Workshop on Rendering (1994): few, large triangles, many of
- * them in the planes of others.
+ * Like the test scenes of the 5th Eurographics Workshop on Rendering (1994), it has few, large triangles, many of them
+ * in the planes of others.
  */
 #include "furniture.h"
 #include "procedural.h"

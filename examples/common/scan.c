@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * scan.c - the scene `scan`: one closed surface of many tiny triangles, as range scanners give them
+ * scan.c - the scene `scan`: one closed surface of many tiny triangles, like those of range scanners
  *
  * A scaly knot: a tube along the (2, 3) torus knot whose radius is displaced at four frequencies (swellings, scales,
  * grooves, grain). The grid wraps around in both directions, so every edge has exactly two triangles and a ray from

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * scene.h - what the examples trace: one indexed triangle mesh, its colours, and from where to look at it
+ * scene.h - the scenes of the examples: one indexed triangle mesh, its colours, a view and a light
  *
  * A scene is procedural or comes from a file. Procedural ones are the same, bit for bit, on every machine:
  *
@@ -45,7 +45,7 @@ struct scene {
 };
 
 /*
- * Loads a procedural scene by its name, or a mesh file. Returns 0, or 1 after saying on stderr what is wrong; *scene is
+ * Loads a procedural scene by its name, or a mesh file. Returns 0, or 1 after a message on stderr; *scene is
  * empty then. Free it with free_scene either way.
  */
 int load_scene(const char *name_or_path, struct scene *scene);

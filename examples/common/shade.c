@@ -9,8 +9,7 @@ uint32_t shading_outputs(const struct shading *shading)
     return MLRT_OUTPUT_IDS | MLRT_OUTPUT_FACING | (shading->shadows ? MLRT_OUTPUT_UV | MLRT_OUTPUT_OCCLUDED : 0);
 }
 
-/* ---- tone ---------------------------------------------------------------------------------------------------------
- */
+/* ---- tone ---------------------------------------------------------------------------------------------------- */
 
 static const float brightest = 2; // what `tone` goes up to
 
@@ -34,8 +33,7 @@ static void store_pixel(const struct shading *shading, size_t pixel, const float
     }
 }
 
-/* ---- light --------------------------------------------------------------------------------------------------------
- */
+/* ---- light --------------------------------------------------------------------------------------------------- */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -128,8 +126,7 @@ static void shade_miss(const struct shading *shading, uint32_t row, float light[
     for (int k = 0; k < 3; k++) light[k] = top[k] + (bottom[k] - top[k]) * share;
 }
 
-/* ---- tiles --------------------------------------------------------------------------------------------------------
- */
+/* ---- tiles --------------------------------------------------------------------------------------------------- */
 
 int32_t shade_tile(void *user, const mlrt_tile *tile)
 {
@@ -159,8 +156,7 @@ int32_t shade_tile(void *user, const mlrt_tile *tile)
     return 0;
 }
 
-/* ---- the least shading --------------------------------------------------------------------------------------------
- */
+/* ---- the least shading --------------------------------------------------------------------------------------- */
 
 static void unit_normal(const struct scene *scene, uint32_t triangle, float normal[3])
 {

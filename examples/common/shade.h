@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * shade.h - what examples do with a tile of hits while it is in the cache: colours, with hard shadows of a point light
+ * shade.h - colours for a tile of hits while it is in the cache, with hard shadows of a point light
  *
- * Without shadows the shade of a hit is the dot product of the ray's direction with the triangle's normal. With shadows
- * hits that the light reaches, as the tile says, get its light on top. Triangles have the scene's materials, or else a
- * tint from warm to cool by where they face.
+ * Without shadows the shade of a hit is the dot product of the ray's direction with the triangle's normal. With
+ * shadows, the light is added to the hits that it reaches, which the tile's `occluded` tells. Triangles have the
+ * scene's materials, or else a tint from warm to cool by the direction that they face.
  */
 #ifndef SHADE_H
 #define SHADE_H

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* shapes.c - boxes, turned and bent solids: see shapes.h. All in double, rounded to float once, when a vertex is
- * stored. */
+/* shapes.c - boxes, turned and bent solids: see shapes.h. In double; a vertex is rounded to float when it is stored. */
 #include "shapes.h"
 
 #include "steady_math.h"
@@ -32,8 +31,7 @@ struct place place_at(const struct place *outer, double x, double y, double z, d
     return place;
 }
 
-/* ---- storing ------------------------------------------------------------------------------------------------------
- */
+/* ---- storing ------------------------------------------------------------------------------------------------- */
 
 // `data` made room for `capacity` elements; unchanged, with *failed set, if there is no memory.
 static void *grown(void *data, size_t capacity, size_t element_size, int *failed)
@@ -82,8 +80,7 @@ static void store_triangle(struct shapes *shapes, uint32_t i, uint32_t j, uint32
     scene->material_ids[scene->triangle_count++] = shapes->material;
 }
 
-/* ---- flat ---------------------------------------------------------------------------------------------------------
- */
+/* ---- flat ---------------------------------------------------------------------------------------------------- */
 
 void add_quad(struct shapes *shapes, const struct place *place, const double corners[4][3])
 {
@@ -113,8 +110,7 @@ void add_box(struct shapes *shapes, const struct place *place, double x0, double
     }
 }
 
-/* ---- curved -------------------------------------------------------------------------------------------------------
- */
+/* ---- curved -------------------------------------------------------------------------------------------------- */
 
 void add_surface(struct shapes *shapes, const struct place *place, uint32_t columns, uint32_t rows, int closed,
                  surface_point point, const void *surface)

@@ -2,8 +2,8 @@
 /*
  * shapes.h - boxes, turned and bent solids, added to a scene in the material and at the place that are set
  *
- * Every function appends triangles that share vertices within the shape. Nothing here fails by itself: after an
- * allocation failed, `failed` is set and the rest is ignored.
+ * Every function appends triangles that share vertices within the shape. The functions return no errors: if an
+ * allocation fails, `failed` is set, and later calls do nothing.
  */
 #ifndef SHAPES_H
 #define SHAPES_H

@@ -2,9 +2,8 @@
 /*
  * steady_math.h - sine, cosine, random numbers and noise with the same bits on every machine
  *
- * The procedural scenes are test inputs, so their vertices must not depend on anybody's libm. Everything here is made
- * of
- * + - * / and floor, in double, in an order that the source fixes.
+ * The procedural scenes are test inputs, so their vertices must not depend on a machine's libm. All is computed by
+ * addition, subtraction, multiplication, division and floor, in double, in an order that the source fixes.
  */
 #ifndef STEADY_MATH_H
 #define STEADY_MATH_H

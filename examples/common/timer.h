@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* timer.h - how much time has passed, and what of several measurements to report */
+/* timer.h - the time that has passed, and the median of several measurements */
 #ifndef TIMER_H
 #define TIMER_H
 
 #include <stddef.h>
 
-/* Seconds since some fixed moment, by a clock that nobody sets. */
+/* Seconds since a fixed moment, by a clock that cannot be set. */
 double seconds_now(void);
 
 /* Seconds that the calling thread has been running for: those in which a busy machine let it wait do not count. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* tree.h - a scene's tree, with the options that programs have for it, and its report */
+/* tree.h - a scene's tree, boxes or kd-tree, by the options of a program, and its report */
 #ifndef TREE_H
 #define TREE_H
 
@@ -50,8 +50,7 @@ int32_t build_by_settings(const mlrt_mesh *mesh, const struct tree_settings *set
 int32_t estimate_by_settings(const mlrt_mesh *mesh, const struct tree_settings *settings,
                              mlrt_memory_estimate *estimate);
 
-/* Builds the tree of a scene. Returns 0, or 1 after saying on stderr what is wrong. *seconds receives how long it took.
- */
+/* Builds the tree of a scene; *seconds receives the time that it took. Returns 0, or 1 after a message on stderr. */
 int build_tree(const struct scene *scene, const struct tree_settings *settings, mlrt_tree **tree, double *seconds);
 
 /* Prints the build report as `name value` lines. */

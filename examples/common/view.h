@@ -9,8 +9,8 @@
 
 /*
  * The camera of a picture of `width` x `height` square pixels, its rays through the middle of each, row 0 at the top.
- * Computed in double and rounded once. Returns 0, or 1 after saying on stderr what is wrong: eye and look are the same
- * point, say.
+ * Computed in double and rounded once. Returns 0, or 1 after a message on stderr, for example if eye and look are the
+ * same point.
  */
 int camera_of_view(const struct view *view, uint32_t width, uint32_t height, mlrt_camera *camera);
 
@@ -18,12 +18,11 @@ int camera_of_view(const struct view *view, uint32_t width, uint32_t height, mlr
 mlrt_light light_of_view(const struct view *view);
 
 /*
- * Reads a view from "FILE.json:SCENE/VIEW", or the scene's first one from "FILE.json:SCENE". Returns 0, or 1 after
- * saying on stderr what is wrong. The file is an object of scenes; each is a list of views or a string "same views as
- * SCENE":
+ * Reads a view from "FILE.json:SCENE/VIEW", or the scene's first one from "FILE.json:SCENE". Returns 0, or 1 after a
+ * message on stderr. The file is an object of scenes; each is a list of views or a string "same views as SCENE":
  *
- *     {"hall": [{"name": "view1", "eye": [0, 2, 5], "look": [0, 1, 0], "up": [0, 1, 0], "vfov": 45, "light": [3, 4,
- * 5]}]}
+ *     {"hall": [{"name": "view1", "eye": [0, 2, 5], "look": [0, 1, 0], "up": [0, 1, 0], "vfov": 45,
+ *                "light": [3, 4, 5]}]}
  *
  * where "dir" (a direction of any length) may stand for "look". Without "up" it is +y, without "light" the light is at
  * the eye.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* view_json.c - views from JSON files, through cJSON: see view.h. Built without cJSON, it says so instead. */
+/* view_json.c - views from JSON files, through cJSON: see view.h. Built without cJSON, it reports that on stderr. */
 #include "view.h"
 
 #include <stdio.h>

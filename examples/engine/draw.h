@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * draw.h - the engine's tile callback: bodies into the tile, shadows, colours, all while the tile is in the cache
- */
+/* draw.h - the engine's tile callback: adds bodies, shadows and colours while the tile is in the cache */
 #ifndef ENGINE_DRAW_H
 #define ENGINE_DRAW_H
 
@@ -11,7 +9,7 @@ enum { TILE_SIZE = 64 };
 
 struct pixels;
 
-/* What a worker has for itself: nobody else touches it, so nobody waits. */
+/* The data of one worker: no other thread uses it, so none waits. */
 struct draw_worker {
     struct pixels *pixels;
     struct stack stack; // memory for calls made from within the callback

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * heap.h - the engine's own memory: a heap with free lists for what lives on, and a stack for what a tile needs
+ * heap.h - the engine's own memory: a heap with free lists for long-lived blocks, and a stack for those of one tile
  *
- * Both have functions of the form that mlrt_host wants. The heap may be used by several threads at once; a stack
- * belongs to one worker.
+ * Both have functions that fit mlrt_host. Several threads may use the heap at once; a stack belongs to one worker.
  */
 #ifndef ENGINE_HEAP_H
 #define ENGINE_HEAP_H
@@ -25,7 +24,7 @@ void heap_begin(struct heap *heap);
 void *heap_allocate(void *heap, size_t size, size_t alignment);
 void heap_free(void *heap, void *block, size_t size, size_t alignment);
 
-/* Gives blocks that nobody holds back to the system. */
+/* Returns free blocks to the system. */
 void heap_trim(struct heap *heap);
 
 /* Likewise, and the heap ends. Nothing may be held any more: see held_size. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * jobs.h - the engine's own job system: threads that take jobs from a queue, and whoever waits for a job helps
+ * jobs.h - the engine's own job system: threads take jobs from a queue, and a thread that waits for a job runs others
  *
- * jobs_add and jobs_wait have the form of the hooks in mlrt_pool_options. Every thread may add jobs and wait for them,
- * also from within a job.
+ * jobs_add and jobs_wait fit the hooks of mlrt_pool_options. Every thread may add jobs and wait for them, also from
+ * within a job.
  */
 #ifndef ENGINE_JOBS_H
 #define ENGINE_JOBS_H

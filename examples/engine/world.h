@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * world.h - what the engine shows: a static room, and bodies that move, each with a tree in coordinates of its own
+ * world.h - the scene of the engine: a static room, and bodies that move, each with a tree in coordinates of its own
  *
- * A rigid body moves by its place alone: rays are taken into its coordinates, and its tree stays. So two bodies can
- * share a tree. The body that changes its shape gets another tree in every frame.
+ * A rigid body keeps its tree when it moves: rays are transformed into its coordinates. So two bodies can share a tree.
+ * The body that changes its shape gets a new tree in every frame.
  */
 #ifndef ENGINE_WORLD_H
 #define ENGINE_WORLD_H

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * embree.c - Embree 3 beside the library: its own hierarchy at high build quality, fast and robust, ray by ray and 16
- * at a time
+ * embree.c - Embree 3 as a method: its own hierarchy, fast and robust, one ray and 16 rays at a time
  *
- * Set up as its manual asks ("Performance Recommendations"): flush-to-zero and denormals-are-zero while tracing (put
- * back afterwards: the rest of the program needs the default environment), high build quality, the incoherent flag for
- * single rays in no order, the coherent flag for pictures. Packets are 4x4 pixels of a picture, or 16 rays in a row.
- * The interval is that of the library, 0 to infinity. Robust is RTC_SCENE_FLAG_ROBUST.
+ * It is set up as its manual advises ("Performance Recommendations"): high build quality, flush-to-zero and
+ * denormals-are-zero while tracing (restored afterwards, as the rest of the program needs the default environment), the
+ * incoherent flag for single rays in no order, the coherent flag for pictures. Packets are 4x4 pixels of a picture, or
+ * 16 successive rays. The interval is that of the library, 0 to infinity. "Robust" has RTC_SCENE_FLAG_ROBUST.
  *
  * Based on: "Embree: High Performance Ray Tracing Kernels 3.13", the manual; I. Wald et al., "Embree: A Kernel
  * Framework for Efficient CPU Ray Tracing", SIGGRAPH 2014.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* generator.c - rays to ask every method about: see generator.h */
+/* generator.c - the rays that every method traces: see generator.h */
 #include "generator.h"
 
 #include "common/steady_math.h"

@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * generator.h - rays to ask every method about
+ * generator.h - the rays that every method traces
  *
  *     camera       the picture of the scene's view, as square as the number of rays allows
- *     random       any direction, each as likely
+ *     random       in random directions, each as likely
  *     surface      towards a point inside a triangle
  *     edge         towards a point on an edge
  *     vertex       towards a vertex
  *     axis         parallel to an axis; the line of every other ray goes exactly through a vertex
- *     split_plane  within a split plane of the tree: one coordinate of the origin is the plane's, and does not change
+ *     split_plane  within a split plane of the kd-tree: one coordinate of all points of a ray is the plane's
  *
  * Triangles, edges and vertices are drawn at random, each as likely. Origins of all but camera are drawn from the
  * middle half of the scene's bounding box (half of it along each axis), so rays in `sphere` start inside and must hit.
- * What is aimed at is rounded to float first, and the direction is the float nearest to the difference: like a user's
- * rays, ours do not meet their target exactly. Directions have the length of that difference, or 1 if nothing is aimed
- * at.
+ * A target is rounded to float first, and the direction is the difference, rounded to float: like a user's rays, these
+ * do not meet their target exactly. Directions have the length of that difference, or 1 without a target.
  */
 #ifndef GENERATOR_H
 #define GENERATOR_H
@@ -44,8 +43,8 @@ enum generator {
 const char *generator_name(enum generator generator);
 
 /*
- * Fills an empty set with about `count` rays, always the same ones. Free it with free_rays. Returns 0, or 1 after
- * saying on stderr what is wrong.
+ * Fills an empty set with about `count` rays, always the same ones. Free it with free_rays. Returns 0, or 1 after a
+ * message on stderr.
  */
 int generate_rays(enum generator generator, const struct subject *subject, size_t count, struct ray_set *rays);
 

@@ -2,8 +2,8 @@
 /*
  * library.c - the library's own methods, through its public interface, with ids as the only results
  *
- * Rays go in as arrays, like everybody's, with the row length of a picture as a hint. Some methods get the camera
- * instead, so that the library makes the same rays itself and knows a tile's beam without looking at them.
+ * Rays are passed as arrays, as to all other methods, with the row length of a picture as a hint. Two methods get the
+ * camera instead: then the library makes the same rays itself, and bounds those of a tile without reading them.
  */
 #include "method.h"
 

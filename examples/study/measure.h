@@ -2,10 +2,10 @@
 /*
  * measure.h - speed and wrong decisions of several methods on the same rays
  *
- * Each method answers all rays once; these answers are judged. Then the methods take turns, so that a machine that
- * slows down does so for all, and the speed is that of the median run. What a run contains is the same for all: the
- * caller's arrays of origins and directions in, an array of triangle numbers out, on one thread. Preparing tables and
- * hierarchies is not in it.
+ * Each method answers all rays once; these answers are compared with the oracle's. Then the methods take turns, so that
+ * a machine that slows down does so for all; the speed is that of the median run. A run reads the caller's arrays of
+ * origins and directions and writes an array of triangle numbers, on one thread. The time to prepare tables and
+ * hierarchies does not count.
  */
 #ifndef MEASURE_H
 #define MEASURE_H
@@ -29,7 +29,7 @@ struct measurement {
 /*
  * Prepares the methods for the subject, measures each on each set, and hands the results over, one set after the other.
  * `runs` 0: the run that is judged is the one that is timed. Answers of the library's own methods that differ from the
- * right ones are printed on stderr. Returns 0, or 1 after saying on stderr what is wrong.
+ * right ones are printed on stderr. Returns 0, or 1 after a message on stderr.
  */
 typedef void (*measurement_consumer)(void *user, size_t set, const struct selection *selection,
                                      const struct measurement *measurements);

@@ -30,8 +30,7 @@ static int allocate_mesh(size_t vertex_count, size_t triangle_count, struct scen
     return 0;
 }
 
-/* ---- sphere -------------------------------------------------------------------------------------------------------
- */
+/* ---- sphere -------------------------------------------------------------------------------------------------- */
 
 /*
  * Each face of the icosahedron is a triangular grid of side + 1 points per side. Points on its border are shared with
@@ -149,8 +148,7 @@ int make_sphere(uint32_t level, const struct placement *placement, struct scene 
     return 0;
 }
 
-/* ---- sheet --------------------------------------------------------------------------------------------------------
- */
+/* ---- sheet --------------------------------------------------------------------------------------------------- */
 
 int make_sheet(uint32_t columns, uint32_t rows, double width, double height, struct scene *scene, double normal[3],
                double axes[2][3])

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * meshes.h - small meshes of triangles that share their corners, for finding out where a method starts to fail
+ * meshes.h - small meshes of triangles that share their corners, to find out where a method starts to fail
  *
- * Each fills an empty scene and returns 0, or 1 after saying on stderr that there is no memory. Coordinates are
- * computed in double and rounded to float once. All are turned by the same arbitrary rotation, so that no face is
- * parallel to an axis by design.
+ * Each function fills an empty scene and returns 0, or 1 after saying on stderr that there is no memory. Coordinates
+ * are computed in double and rounded to float once. All meshes are turned by the same arbitrary rotation, so that no
+ * face is parallel to an axis by design.
  */
 #ifndef MESHES_H
 #define MESHES_H

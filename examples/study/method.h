@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * method.h - a way to find out which triangles rays hit, as the study sees it
+ * method.h - a method: a way to find out which triangles rays hit
  *
- * Methods of others are of two kinds. A triangle test from the literature is put into one and the same walk through the
- * library's tree (traversal.h), so that methods of this kind differ in the test alone; walk and tests are plain C, one
- * ray at a time. A library (Embree) comes with a structure of its own. The library's own methods go through its public
- * interface.
+ * Methods of others are of two kinds. Triangle tests from the literature share one traversal of the library's kd-tree
+ * (traversal.h), so that such methods differ in the test alone; traversal and tests are plain C, one ray at a time. A
+ * library (Embree) has a structure of its own. The methods of this library are called through its public interface.
  */
 #ifndef METHOD_H
 #define METHOD_H
@@ -21,7 +20,7 @@ struct method {
     int needs_camera; // 1 = traces pictures only: the camera, not the rays that were written out
     int32_t variant;  // what tells methods of one file apart
 
-    /* Prepares run->state. Returns 0, or 1 after saying on stderr what is wrong. NULL = nothing to prepare. */
+    /* Prepares run->state. Returns 0, or 1 after a message on stderr. NULL = nothing to prepare. */
     int (*create)(struct method_run *run);
 
     /* Finds the triangle that each ray hits, MLRT_NONE for a miss. Called in the default floating-point environment. */

@@ -5,10 +5,10 @@
  * With the edges e1 = b - a and e2 = c - a and s = o - a, p = d x e2, q = s x e1, D = e1 . p:
  *     u = s . p / D,  v = d . q / D,  t = e2 . q / D;  a hit if u >= 0, v >= 0 and u + v <= 1.
  *
- * The variant that takes hits from both sides. In float the edges are computed once per triangle and stored with a:
- * same bits as computed anew, and less to do. In double they are computed anew from the float corners, which are a
- * third of the size of a table of doubles. The epsilon is that of the paper's code, 1e-6: a ray with |D| below it
- * misses.
+ * This is the variant that accepts hits from both sides. In float the edges are computed once per triangle and stored
+ * with a: the bits are those of edges computed for each ray, with less work. In double they are computed for each ray
+ * from the float corners, which take a third of the memory of a table of doubles. The epsilon is that of the paper's
+ * code, 1e-6: a ray with |D| below it misses.
  *
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", Journal of Graphics Tools 2(1),
  * 1997, sections 2 and 3.

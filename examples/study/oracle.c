@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* oracle.c - the right answers, and what is wrong with others: see oracle.h */
+/* oracle.c - the right answers, and the errors of others: see oracle.h */
 #include "oracle.h"
 
 #include "reference.h"

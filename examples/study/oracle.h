@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * oracle.h - the right answers, in exact arithmetic, and what is wrong with others
+ * oracle.h - the right answers, in exact arithmetic, and the errors of others
  *
- * The right answer to a ray is the triangle that tests/reference.c finds with GMP integers: the first one hit, and of
- * those hit at exactly the same distance the first of the mesh; or a miss. It shares no code with the library.
+ * The right answer for a ray is the triangle that tests/reference.c finds with GMP integers: the nearest one hit, of
+ * several at exactly the same distance the first of the mesh; or a miss. It shares no code with the library.
  */
 #ifndef ORACLE_H
 #define ORACLE_H

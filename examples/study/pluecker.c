@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * pluecker.c - on which side of each edge the ray passes, by Pluecker coordinates in float
+ * pluecker.c - the side of each edge on which the ray passes, by Pluecker coordinates in float
  *
- * Coordinates are taken relative to the ray's origin, which keeps far more digits than coordinates of the world and
- * makes the ray's moment 0. Then the side of the edge from v_i to v_j is the sign of d . (v_i x v_j), the volume of a
- * tetrahedron. A hit if no two sides differ; the distance is that of the plane, (a . n) / (d . n) with n = (b - a) x (c
- * - a).
+ * Coordinates are relative to the ray's origin, which keeps far more digits than coordinates of the world and makes the
+ * ray's moment 0. Then the side of the edge from v_i to v_j is the sign of d . (v_i x v_j), the volume of a
+ * tetrahedron. The ray hits if no two sides differ; the distance is that of the plane,
+ *     (a . n) / (d . n) with n = (b - a) x (c - a).
  *
- * Two triangles that share an edge compute its side with the same roundings, only the sign changes: there are no gaps
- * at edges. Nothing is precomputed; coordinates of edges in a table would have to be the world's.
+ * For two triangles that share an edge, its side is computed with the same roundings, and only the sign changes: so
+ * there are no gaps at edges. Nothing is precomputed: a table of edges would have to hold coordinates of the world.
  *
  * Based on: J. Erickson, "Pluecker Coordinates", Ray Tracing News 10(3), 1997; J. Amanatides, K. Choi, "Ray Tracing
  * Triangular Meshes", Western Computer Graphics Symposium, 1997.

@@ -2,12 +2,15 @@
 /*
  * projection.c - Wald's test: the distance of the plane, then barycentric coordinates in a plane of two axes
  *
- * Per triangle, once: k is the axis along which the normal N is longest, i and j are the two others in cyclic order,
- * and plane:   n_i = N_i / N_k, n_j = N_j / N_k, n_d = a . N / N_k weights: with b = C - A, c = B - A (projected) and
- * the determinant b_i c_j - b_j c_i, the coefficients of the two affine functions of (h_i, h_j) that give the weights
- * of B and C so that t = (n_d - o_k - n_i o_i - n_j o_j) / (d_k + n_i d_i + n_j d_j), h = o + t d, and a hit has both
- * weights >= 0 and their sum <= 1. Coefficients are computed in double and rounded to float once, which is better than
- * in float throughout.
+ * Once per triangle: k is the axis along which the normal N is longest, i and j are the two others in cyclic order, and
+ *
+ *     plane:   n_i = N_i / N_k, n_j = N_j / N_k, n_d = a . N / N_k
+ *     weights: with b = C - A, c = B - A (projected) and the determinant b_i c_j - b_j c_i, the coefficients of the two
+ *              affine functions of (h_i, h_j) that give the weights of B and C
+ *
+ * Then t = (n_d - o_k - n_i o_i - n_j o_j) / (d_k + n_i d_i + n_j d_j) and h = o + t d. The ray hits if both weights
+ * are >= 0 and their sum is <= 1. Coefficients are computed in double and rounded to float once, which is more accurate
+ * than float throughout.
  *
  * Based on: I. Wald, "Realtime Ray Tracing and Interactive Global Illumination", PhD thesis, Saarland University, 2004,
  * chapter 7 (the ray/triangle test of the OpenRT ray tracer), after D. Badouel, "An Efficient Ray-Polygon

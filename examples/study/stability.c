@@ -14,11 +14,10 @@
 
 enum { CONDITION_SIZE = 64, SEED = 1 };
 
-/* Makes the mesh and the rays of one value. Returns 0, or 1 after saying on stderr what is wrong. */
+/* Makes the mesh and the rays of one value. Returns 0, or 1 after a message on stderr. */
 typedef int (*case_maker)(double value, size_t ray_count, struct subject *subject, struct ray_set *rays);
 
-/* ---- spheres ------------------------------------------------------------------------------------------------------
- */
+/* ---- spheres ------------------------------------------------------------------------------------------------- */
 
 static int make_placed_sphere(double scale, double shift, struct subject *subject)
 {
@@ -51,8 +50,7 @@ static int make_length(double length, size_t ray_count, struct subject *subject,
     return 0;
 }
 
-/* ---- sheets -------------------------------------------------------------------------------------------------------
- */
+/* ---- sheets -------------------------------------------------------------------------------------------------- */
 
 struct sheet {
     double normal[3], axes[2][3];
@@ -112,8 +110,7 @@ static int make_grazing(double degrees, size_t ray_count, struct subject *subjec
     return 0;
 }
 
-/* ---- sweeps -------------------------------------------------------------------------------------------------------
- */
+/* ---- sweeps -------------------------------------------------------------------------------------------------- */
 
 static const double aims[] = {GENERATE_RANDOM, GENERATE_SURFACE, GENERATE_EDGE,
                               GENERATE_VERTEX, GENERATE_AXIS,    GENERATE_SPLIT_PLANE};

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * stability.h - where methods start to fail: one parameter swept, everything else as it was
+ * stability.h - where methods start to fail: one parameter varies, all others stay as they are
  *
- *     aim       what rays of the sphere are aimed at: each generator
+ *     aim       the targets of rays in the sphere: each generator
  *     shift     the sphere moved away from 0 by this much along each axis, rays with it: 0 .. 1e6 radii, where
- *               floats are further apart than the triangles' corners were
+ *               floats are further apart than the corners of triangles were
  *     scale     the sphere scaled, origins and directions with it: 1e-38 .. 1e38
  *     length    the sphere as it is, directions scaled: 1e-30 .. 1e30
  *     sliver    a flat sheet of triangles this many times as long as high: 1 .. 1e7
@@ -28,7 +28,7 @@ typedef void (*stability_consumer)(void *user, const struct stability_case *whic
                                    const struct measurement *measurements);
 
 /*
- * Runs the sweeps whose names are listed, all if none is. Returns 0, or 1 after saying on stderr what is wrong.
+ * Runs the sweeps whose names are listed, all if none is. Returns 0, or 1 after a message on stderr.
  */
 int run_sweeps(const struct word_list *names, size_t ray_count, const struct selection *selection,
                stability_consumer consumer, void *user);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* stages.c - which stage of the library decides: see stages.h */
+/* stages.c - how many pairs each stage of the library decides: see stages.h */
 #include "stages.h"
 
 #include <stdlib.h>

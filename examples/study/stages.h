@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * stages.h - which stage of the library decides how many (ray, triangle) pairs
+ * stages.h - the number of (ray, triangle) pairs that each stage of the library decides
  *
- * The counters of mlrt.h, taken apart: every pair that the float filter looks at is decided by it, or recognised as an
- * exact tie, or handed to double precision, which hands on what it cannot tell to exact arithmetic.
+ * The numbers come from the counters of mlrt.h. Every pair that the float filter tests is decided by it, or recognised
+ * as an exact tie, or left to double precision, which leaves pairs that it cannot decide to exact arithmetic.
  */
 #ifndef STAGES_H
 #define STAGES_H

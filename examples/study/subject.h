@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * subject.h - what is studied: a mesh, the library's trees over it, and the oracle that knows the right answers
+ * subject.h - a subject of the study: a mesh, the library's trees over it, and the oracle that has the right answers
  *
- * Every method of the study sees the same float coordinates: whatever is done to a mesh (moved, scaled, turned) is done
- * and rounded to float before the trees, the oracle and the methods get it.
+ * Every method gets the same float coordinates: a mesh is moved, scaled or turned, and rounded to float, before the
+ * trees, the oracle and the methods get it.
  */
 #ifndef SUBJECT_H
 #define SUBJECT_H
@@ -24,7 +24,7 @@ struct subject {
 /*
  * Loads a scene: one of the procedural ones, `sphere` (see meshes.h), or a mesh file, with its view from the file
  * `views`, as read_view takes it (without SCENE/VIEW: view1 of the scene named like the mesh file). `word` ends at a
- * comma or at its 0. Builds the trees. Returns 0, or 1 after saying on stderr what is wrong.
+ * comma or at its 0. Builds the trees. Returns 0, or 1 after a message on stderr.
  */
 int load_subject(const char *word, const char *views, struct subject *subject);
 

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * traversal.h - one walk of single rays through the library's kd-tree, for triangle tests from the literature
+ * traversal.h - one traversal of the library's kd-tree by single rays, for triangle tests from the literature
  *
- * Each test is compiled into this loop by inlining, so all that methods differ in is their test. The walk is that of
- * src/mlrta/ray.c, node tests in double, with wider margins, so that a wrong answer is the test's fault and not the
- * walk's:
+ * Each test is compiled into this loop by inlining, so methods differ in their test alone. The traversal is that of
+ * src/mlrta/ray.c, with node tests in double, but with wider margins, so that a wrong answer is due to the test and not
+ * to the traversal:
  *
- *   - Every crossing of a plane may be off by 2^-20 of its distance (2^-50 would do for exact tests). A test in float
- * may put a ray that passes near a corner on the neighbour of the triangle that it really hits; the neighbour can be in
- * the next leaf, which the ray does not touch. Without the margin, such wrong triangles became holes.
- *   - Cells count as behind the nearest hit only if they are so by 2^-20 of the distance.
- *   - Of hits at distances that come out equal the first triangle of the mesh wins, as the oracle has it.
+ *   - Every crossing of a plane may be off by 2^-20 of its distance (2^-50 would do for exact tests). If a ray passes
+ *     near a corner, a test in float may report a neighbour of the triangle that it hits; the neighbour can be in the
+ *     next leaf, which the ray does not touch. Without the margin, such wrong triangles became holes.
+ *   - A cell counts as behind the nearest hit only if it is behind it by 2^-20 of the distance.
+ *   - Of hits whose computed distances are equal, the first triangle of the mesh wins, as for the oracle.
  *
  * There is no mailbox; a triangle in several leaves may be tested again.
  *
@@ -138,8 +138,7 @@ MLRT_INLINE uint32_t walk(const struct mlrt_tree *tree, const void *table, trian
     }
 }
 
-/* Walks all rays. `prepare` may be NULL. Both functions are to be known where this is called, so that they are inlined.
- */
+/* Traces all rays. `prepare` may be NULL. Callers pass functions known to the compiler, so that they are inlined. */
 MLRT_INLINE void walk_all(const struct method_run *run, const struct ray_set *rays, ray_preparation prepare,
                           triangle_test test, uint32_t *triangles)
 {

@@ -4,11 +4,11 @@
  *
  * Once per ray: z is the axis along which the direction is longest, x and y are the two others in an order that keeps
  * the handedness, and the shear Sx = dx / dz, Sy = dy / dz, Sz = 1 / dz turns the direction into the z axis. Per
- * triangle, corners relative to the origin are sheared, and the edge functions U, V, W are 2D determinants of their x
- * and y. Where one is 0 all three are computed again in double. A hit if none of them differs in sign from another; t =
- * (U Az + V Bz + W Cz) / (U + V + W).
+ * triangle, the corners relative to the origin are sheared, and the edge functions U, V, W are 2D determinants of their
+ * x and y. If one of them is 0, all three are computed again in double. The ray hits if no two of them have different
+ * signs; t = (U Az + V Bz + W Cz) / (U + V + W).
  *
- * The variant without back-face culling. Nothing but the ray's constants is precomputed, as published.
+ * This is the variant without back-face culling. As published, only the constants of the ray are precomputed.
  *
  * Based on: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics
  * Techniques 2(1), 2013, section 3.
