@@ -60,9 +60,9 @@ enum mlrt_ray_term {
 /* The rays of a packet, lane by lane. */
 struct mlrt_bundle_rays {
     MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without places, slopes only */
-    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, and with places, place j, place l */
-    MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];        /* |d_main| */
-    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];       /* bounds of tau: after it; nearest hit so far */
+    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS];          /* w - o: depth, and with places, place j, place l */
+    MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];                 /* |d_main| */
+    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];                /* bounds of tau: after it; nearest hit so far */
     MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
 };
@@ -109,7 +109,7 @@ struct mlrt_hull {
     float last;
 };
 
-/* What boxes need of the rays of a packet that go one by one (single.h). */
+/* What boxes need of the rays of a packet that go one by one (single_ray.h). */
 struct mlrt_reciprocals {
     MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];
@@ -180,7 +180,7 @@ enum mlrt_pair_kind { MLRT_NO_LINE, MLRT_LINE, MLRT_ONE_PLANE };
 
 /*
  * The line that the planes of two triangles have in common, as an edge function: of a ray that meets both, its sign times
- * those of both D is that of t(first) - t(second) (pair_line.c). `normal` is that of the second.
+ * those of both D is that of t(first) - t(second) (plane_order.c). `normal` is that of the second.
  */
 struct mlrt_pair_line {
     uint32_t first;

@@ -6,14 +6,14 @@
  *
  * WHAT IS COMPUTED. Edge functions and D over the hull of a packet lie within middle -+ radius, as in leaf.h, with
  * the same doubled bounds. At depth z = N / D a ray at x + s z meets the plane, N = n . (a - w) - n_j x_j - n_l x_l. A place
- * as computed is off by no more than blur (hulls.h), and |n_j|, |n_l| <= 2 in units of its size: so N over the hull is off
+ * as computed is off by no more than blur (ray_hulls.h), and |n_j|, |n_l| <= 2 in units of its size: so N over the hull is off
  * by DISTANCE_ERROR F + 4 blur, and twice that is taken, which pays for the roundings of middle and radius. D has W as
  * there. Where D has one certain sign, which is made 1, z lies between the quotients of the ends of N, each by that end of D
  * which makes it the least or the greatest, as the sign of N says; each quotient has one rounding, and is moved by SLOPE_SLACK
  * of itself.
  *
  * CLOSE COVERS. Where a triangle and the cover of a packet are so close to each other that depths do not tell which comes
- * first, the line of their planes does (pair_line.c): an edge function, which is bounded over the hull as those of
+ * first, the line of their planes does (plane_order.c): an edge function, which is bounded over the hull as those of
  * leaf.h are, with its own error in place of EDGE_ERROR. So walls that are there twice leave packets closed.
  *
  * BEGINS AND ENDS. Rays begin on surfaces, and end on them. Where D has one certain sign over the hull, say 1, a ray does not
@@ -37,13 +37,13 @@
 #include "hits/triangle_filter.h"
 #include "job/stop.h"
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
-#include "trace/hulls.h"
+#include "trace/ray_hulls.h"
 #include "trace/leaf.h"
 #include "trace/make_rays.h"
-#include "trace/pair_line.h"
+#include "trace/plane_order.h"
 #include "trace/units.h"
 
 /* One triangle as the packets of a vector meet it. */
@@ -149,7 +149,7 @@ struct order_of_packets {
     vm nearer;
 };
 
-/* Finds them for packets that have one cover, by the line of both (pair_line.c). */
+/* Finds them for packets that have one cover, by the line of both (plane_order.c). */
 MLRT_INLINE void find_order(const struct mlrt_hulls *hulls, const struct mlrt_pair_line *line, int v,
                             const struct triangle_of_packets *of, struct order_of_packets *order)
 {

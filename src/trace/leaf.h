@@ -13,7 +13,7 @@
  * magnitudes of the two products in component k of a cross product, size is M_z + (M_j + M_l) / 2, or |g| 2^-20 if that
  * is more (|g| the sum of magnitudes), but at least 2^-100.
  *
- * EDGES, u = 2^-24, in units of size, with R, A, X = the greatest |x|, of a packet (hulls.h). C_k has 4 roundings (p, g,
+ * EDGES, u = 2^-24, in units of size, with R, A, X = the greatest |x|, of a packet (ray_hulls.h). C_k has 4 roundings (p, g,
  * product, difference), 1 / size and its product 2; a slope 1, a product 1, and up to 5 sums: 13. As |s| <= R / 2, that is
  * 13.001 u R. A place is off by E = 3.05 u R A (in hulls 3.55), a factor of g has 1 + 2 roundings, product and sums 6:
  * so both products of places are off by (9.001 u X + E) |g|. The moment is off by 2 |s| E + 3.001 u 2 |s| X <= R E + 3.001 u R X, and g_z times
@@ -37,7 +37,7 @@
  * DISTANCE_FLOOR pays. Sizes are at most 2^124, so 1 / size is normal; and as size >= |g| 2^-20, no edge function exceeds 2^87.
  *
  * CUTS. Over a hull an edge function lies within its value at the middles of the terms and the sum of |coefficient| radius.
- * The slopes of rays lie in their hull (hulls.h). Middles and radii have 7 roundings of |coefficient| |term|, and the
+ * The slopes of rays lie in their hull (ray_hulls.h). Middles and radii have 7 roundings of |coefficient| |term|, and the
  * coefficients are off as above, without sums: together 14.002 u R + (13.2 u X + E) R rho, so twice the bound is enough.
  *
  * FROM THE WAIST N is the same for all rays. Terms are turned so that it is not negative there, by its float; where that is
@@ -59,13 +59,13 @@
 #include "hits/undecided.h"
 #include "job/stop.h"
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
-#include "trace/hulls.h"
+#include "trace/ray_hulls.h"
 #include "trace/outline.h"
-#include "trace/pair_line.h"
+#include "trace/plane_order.h"
 
 #if MLRT_GUESS
 #define EDGE_ERROR     0.0f
@@ -676,7 +676,8 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     plane->certain = m_and(candidates, v_gt(plane->least_d, width));
     plane->backward = v_lt(d, v_set1(0));
     vm farther = v_gt(v_mul(plane->least_n, of->nearest.least_d), v_mul(of->nearest.greatest_n, plane->greatest_d));
-    const vm nearer = v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
+    const vm nearer =
+        v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
     if (MLRT_UNLIKELY(bounds->has_begins)) {
         const vf from = v_load(begin);
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
@@ -694,7 +695,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     return undecided;
 }
 
-/* F of a vector of rays (pair_line.c), and in *bound what it may be off by. */
+/* F of a vector of rays (plane_order.c), and in *bound what it may be off by. */
 MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
                                 int v, vf *bound)
 {

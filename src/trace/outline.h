@@ -16,7 +16,7 @@
  * ROUNDING, u = 2^-24. p_j and z have one rounding each, 1 / z and the product two more: 4 u of lo and hi of fans, which are
  * moved apart by SLOPE_SLACK, 16 u of themselves. p_j - t z is off by 4 u (|p_j| + |t z|), and moved by 16 u of that. Weights
  * have at most two roundings and are 16 u larger. Slopes and places of hulls are moved apart by 16 u of themselves, too, and
- * by HULL_FLOOR (hulls.h): that pays for the roundings of the sums they are compared in.
+ * by HULL_FLOOR (ray_hulls.h): that pays for the roundings of the sums they are compared in.
  *
  * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, and so p_j / z less than 2^122: infinite ends would be none
  * once they are moved, and a comparison with what is no number leaves a triangle out.
@@ -27,7 +27,7 @@
 #include <math.h>
 
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A tile of packets, from anywhere, down the hierarchy of boxes, in three steps: packets that are alike go as a bundle, by
- * their hulls (hulls.h); those too wide for that go lane by lane, and from the box on that few lanes meet, one by one
- * (lanes.h).
+ * their hulls (ray_hulls.h); those too wide for that go lane by lane, and from the box on that few lanes meet, one by one
+ * (lane_by_lane.h).
  *
  * Of a bundle what is near comes first. A node's sixteen boxes are compared with the whole bundle at once, and before
  * anything is opened its box is compared with all sixteen packets at once, since many of them may have found something
@@ -23,11 +23,11 @@
 #include "simd/sixteen.h"
 #include "trace/bundle.h"
 #include "trace/cover.h"
-#include "trace/hulls.h"
-#include "trace/lanes.h"
+#include "trace/ray_hulls.h"
+#include "trace/lane_by_lane.h"
 #include "trace/leaf.h"
 #include "trace/outline.h"
-#include "trace/single.h"
+#include "trace/single_ray.h"
 #include "trace/units.h"
 
 /* A child that is still to be opened. */

@@ -27,8 +27,8 @@
  *
  * Based on, for frusta against boxes: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
  */
-#ifndef MLRT_TRACE_HULLS_H
-#define MLRT_TRACE_HULLS_H
+#ifndef MLRT_TRACE_RAY_HULLS_H
+#define MLRT_TRACE_RAY_HULLS_H
 
 #include <float.h>
 #include <math.h>
@@ -36,7 +36,7 @@
 
 #include "bvh/unit.h"
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/ray_tile.h"

@@ -24,7 +24,7 @@
  * RANGE. Corners that are usual are at most 2^60 and multiples of 2^-149. So n is 0 or within 2^-298 .. 2^124, V within
  * 2^-447 .. 2^187, C within 2^-745 .. 2^313, and nothing overflows or underflows.
  */
-#include "trace/pair_line.h"
+#include "trace/plane_order.h"
 
 #include <math.h>
 

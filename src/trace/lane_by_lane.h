@@ -4,7 +4,7 @@
  * tested against each box. A leaf costs the lesser of its lanes, each against all triangles at once, and of its triangles,
  * each against all lanes at once. From the box on that few lanes meet, these go one by one.
  *
- * All arithmetic, and its bounds, are those of single rays (single.h), with rays in the lanes in place of boxes or
+ * All arithmetic, and its bounds, are those of single rays (single_ray.h), with rays in the lanes in place of boxes or
  * triangles.
  *
  * HULLS. Before lanes are looked at, a node's boxes are compared with a hull of all of them. Along an axis where the signs
@@ -21,7 +21,7 @@
  *
  *     e_ca = d . (s x g)     e_ab = d . (f x s)     D = d . (f x g)     N = g . (f x s)
  *
- * are the determinants of single.h, and have as many roundings: s, f and g 1 per component, a cross product 3 more,
+ * are the determinants of single_ray.h, and have as many roundings: s, f and g 1 per component, a cross product 3 more,
  * so 4, and the product with d and its sums 3: 7. N has 8. So all bounds there hold, with the greatest |d_k| of all lanes
  * for m; underflow and overflow are as there, the cross products being finite.
  *
@@ -29,22 +29,22 @@
  * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
  * Architecture", 2012 (the way from packets to single rays).
  */
-#ifndef MLRT_TRACE_LANES_H
-#define MLRT_TRACE_LANES_H
+#ifndef MLRT_TRACE_LANE_BY_LANE_H
+#define MLRT_TRACE_LANE_BY_LANE_H
 
 #include <float.h>
 #include <math.h>
 
 #include "base/counters.h"
 #include "hits/outcome.h"
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "hits/triangle_filter.h"
 #include "rays/check_packet.h"
 #include "rays/extremes.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
-#include "trace/single.h"
+#include "trace/single_ray.h"
 #include "trace/units.h"
 
 /* So many lanes, or fewer, go one by one. */

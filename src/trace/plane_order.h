@@ -3,8 +3,8 @@
  * Which of two triangles do rays of a bundle come to first? The line that their planes have in common decides: rays that
  * meet both planes pass it on one side or on the other. What is kept of a pair holds for rays from anywhere.
  */
-#ifndef MLRT_TRACE_PAIR_LINE_H
-#define MLRT_TRACE_PAIR_LINE_H
+#ifndef MLRT_TRACE_PLANE_ORDER_H
+#define MLRT_TRACE_PLANE_ORDER_H
 
 #include "job/job.h"
 #include "trace/bundle.h"
