@@ -132,9 +132,9 @@ struct mlrt_ray_tile;
 struct mlrt_bundle {
     struct mlrt_waist waist;
     int has_places;                /* 0: all rays start at the waist, and all places are 0 */
-    int is_apex;                   /* some rays start at the waist, */
-    float apex[3];                 /* which is here, not in units */
-    int has_begins;                /* some t_min is above 0 */
+    int is_apex;                   /* the waist is the origin of rays: */
+    float apex[3];                 /* the same point, not in units */
+    int has_begins;                /* at least one t_min is above 0 */
     int far_first;                 /* the farthest boxes are opened first */
     float unit;                    /* all numbers of a bundle but `apex` are in units of the hierarchy (bvh/unit.h) */
     float scene_first, scene_last; /* depths between which all boxes lie */
@@ -184,7 +184,7 @@ struct mlrt_bundle_leaf {
     MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];      /* F: the error of `distance` is relative to it */
 };
 
-/* What the planes of two triangles have in common: no line that is certain enough, a line, or all points. */
+/* How the planes of two triangles meet: in no line that is certain enough, in a line, or in all points. */
 enum mlrt_pair_kind { MLRT_NO_LINE, MLRT_LINE, MLRT_ONE_PLANE };
 
 /*

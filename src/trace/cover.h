@@ -148,8 +148,7 @@ MLRT_INLINE void see_triangle_of_packets(const struct mlrt_hulls *hulls, const s
 /*
  * A triangle and a cover are put in order by their line only where the depths of both begin and end near each other: no
  * farther apart than this share of their widths, or this share of the depth. Where a triangle farther apart meets the
- * cover, as walls meet, the packet is opened all the same, and to ask for the line takes 2 % of the time (erw6,
- * arrays).
+ * cover, as walls meet, the packet is opened all the same: the line would take 2 % of the time (erw6, arrays).
  */
 #define MOST_APART   0.25f
 #define ALWAYS_CLOSE 1e-4f
@@ -248,7 +247,7 @@ static MLRT_NOINLINE void open_bundle_packet(const struct mlrt_job *job, struct 
     }
 }
 
-/* Ends a packet that is still closed: all of its rays hit its cover, or miss if it has none. */
+/* Ends a packet whose rays have never been tested: all of them hit its cover, or miss if it has none. */
 MLRT_INLINE void finish_untouched_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
@@ -259,14 +258,14 @@ MLRT_INLINE void finish_untouched_packet(struct mlrt_bundle *bundle, uint32_t pl
 }
 
 /* The rays of a packet that skip a triangle. */
-MLRT_INLINE uint32_t passing_lanes(const struct mlrt_bundle *bundle, uint32_t place, uint32_t number)
+MLRT_INLINE uint32_t skipping_lanes(const struct mlrt_bundle *bundle, uint32_t place, uint32_t number)
 {
     const struct mlrt_packet *packet = &bundle->tile->packets[place];
-    uint32_t passing = 0;
+    uint32_t skipping = 0;
     for (int v = 0; packet->has_skip && v < MLRT_PACKET_RAYS; v += VW) {
-        passing |= m_bits(i_eq(i_load(packet->skip + v), i_set1(number))) << v;
+        skipping |= m_bits(i_eq(i_load(packet->skip + v), i_set1(number))) << v;
     }
-    return passing & packet->active;
+    return skipping & packet->active;
 }
 
 /* Ends riding packets all of whose rays a triangle hides. None of their rays may skip it. */
@@ -275,7 +274,7 @@ static MLRT_NOINLINE void hide_riding_packets(struct mlrt_bundle *bundle, uint32
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
-        if (passing_lanes(bundle, place, number)) continue;
+        if (skipping_lanes(bundle, place, number)) continue;
         bundle->riding &= ~(1u << place);
         bundle->hulls.cover[place] = number;
         finish_untouched_packet(bundle, place);
@@ -287,7 +286,7 @@ static MLRT_NOINLINE void hide_riding_packets(struct mlrt_bundle *bundle, uint32
  * Decides by lines of planes between a triangle and the covers of closed packets (L15): the packets `doubtful` of the
  * vector that begins at `v`, where depths do not tell which comes first. A triangle behind the cover changes nothing. A
  * triangle before the cover becomes the cover of packets in `may_cover`. If both lie in one plane, the first in the
- * input is the cover. Returns the packets that are decided.
+ * input becomes the cover if all rays pass inside it. Returns the packets that are decided.
  */
 static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct mlrt_worker *worker,
                                             struct mlrt_bundle *bundle, uint32_t number, uint32_t doubtful,
@@ -394,7 +393,7 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places);
         const struct mlrt_packet *packet = &bundle->tile->packets[place];
-        const uint32_t lanes = packet->active & ~passing_lanes(bundle, place, number);
+        const uint32_t lanes = packet->active & ~skipping_lanes(bundle, place, number);
         if (lanes && !has_plane) {
             mlrt_set_plane(&tree->triangles[number], &plane);
             has_plane = 1;
@@ -467,7 +466,7 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
         const vm covers = m_and(m_and(of.inside, core), v_lt(of.far, cover_near));
         const vm known = i_eq(i_load(hulls->cover + v), i_set1(number));
         if (bundle->riding) hide_riding_packets(bundle, m_bits(m_and(of.inside, core)) << v & bundle->riding, number);
-        uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), passing = 0;
+        uint32_t met = seeing & ~m_bits(m_or(of.out, passed)), skipping = 0;
         if (met & bundle->closed >> v) {
             const vm near_begin = v_lt(of.near, v_load(hulls->core_first + v));
             const vf core_last = v_load(hulls->core_last + v), ends = v_sub(last, core_last);
@@ -494,13 +493,13 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
                 if (hulls->skip[place] == number) met &= ~bit;
                 continue;
             }
-            const uint32_t lanes = passing_lanes(bundle, place, number);
+            const uint32_t lanes = skipping_lanes(bundle, place, number);
             if (lanes == bundle->tile->packets[place].active) met &= ~bit;
-            if (lanes) passing |= bit;
+            if (lanes) skipping |= bit;
         }
         may |= met << v;
         left_alone |= m_bits(known) << v;
-        const uint32_t closed = met & bundle->closed >> v & ~(m_bits(known) | passing);
+        const uint32_t closed = met & bundle->closed >> v & ~(m_bits(known) | skipping);
         const uint32_t these = m_bits(covers) & closed;
         if (these) {
             const vm kept = m_from_bits(these);

@@ -52,7 +52,7 @@
 /* Slopes, places and depths of hulls are moved apart by this as well: underflow loses less. */
 #define HULL_FLOOR 0x1p-110f
 
-/* What places add to the bound of an edge function: this times X R rho, and PLACE_ERROR (L5, leaf.h). */
+/* Places add this times X R rho to the bound of an edge function, and their own error times R rho (L5, leaf.h). */
 #define BLUR_OF_PLACE (13 * 0x1p-24f)
 
 /* ---- the waist ---- */
@@ -158,7 +158,8 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
 
 /*
  * Chooses the waist of rays from samples: at the depth where their places vary least, -cov(x, s) / var(s). The waist of
- * the last tile is kept while it is nearly as good, so that set-ups of leaves are shared. Returns 0 without samples.
+ * the last tile is kept while it is nearly as good, so that set-ups of leaves are shared. For rays that are nearly
+ * parallel the waist is in the middle of the scene. Returns 0 without samples.
  */
 static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
                                       const struct mlrt_waist *last, struct mlrt_waist *waist)
@@ -757,7 +758,7 @@ MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_plac
     return v_max(v_max(v_mul(less, other), v_mul(more, other)), there);
 }
 
-/* Returns the children of a node whose boxes the bundle may meet, and sets `near` to their least depths. */
+/* Returns the children of a node with boxes that the bundle may meet, and sets `near` to their least depths. */
 MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node,
                                          int has_places, float near[MLRT_BVH_WIDTH])
 {
@@ -792,7 +793,7 @@ MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const
     return met;
 }
 
-/* A child of a node relative to the waist. */
+/* The box of a child, relative to the waist: from .. to in depth, lo .. hi in places. */
 struct box_of_bundle {
     float from;
     float to;
@@ -815,10 +816,7 @@ MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlr
     }
 }
 
-/*
- * Returns the packets that may meet a box. Without places all rays start at the waist, and whole.first serves for
- * all.
- */
+/* Returns the packets that may meet a box. Without places whole.first serves for all: rays start at the waist. */
 MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;

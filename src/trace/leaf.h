@@ -18,12 +18,12 @@
  *
  * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of a place, are defined in hulls.h; rho is
  * the greatest |g| / size of the three edges. The magnitudes of all terms with C sum to at most R times the size: this
- * is why the size is what it is. By L5 e is off by no more than
+ * is why edges are divided by it, and one R serves for all of them. By L5 e is off by no more than
  *
  *     13.001 u R + (8.1 u X + 1.01 E) R rho + 2^-48 R.
  *
  * EDGE_ERROR makes 14 u R of the first term. BLUR_OF_PLACE, PLACE_ERROR and PLACE_FLOOR make 13 u X + 4 u R A + 2^-140
- * of the bracket. What these are larger by covers the last term, and the roundings of the bound itself. If all rays
+ * of the bracket. The difference covers the last term, and the roundings of the bound itself. If all rays
  * start at the waist, 14 u R is enough. Where a processor multiplies and adds at once, there are fewer roundings.
  *
  * DISTANCES. By L6 D is off by 10.001 u R. Let F be the greatest of |z|, 2 |x_j|, 2 |x_l| of corner a relative to the
@@ -492,8 +492,7 @@ struct edge_values {
 
 /*
  * Finds the edge values of `count` vectors of rays, from the vector `first` on. This loop has no branch that depends
- * on a triangle's result, and keeps only terms in registers. Most triangles have no ray inside, and need nothing
- * further.
+ * on a triangle's result, and keeps only terms in registers. Most triangles have no ray inside and end here.
  */
 MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays,
                                   uint32_t active, uint32_t triangles, int has_places, int first, int count,
@@ -730,8 +729,8 @@ MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct 
 }
 
 /*
- * Finds the rays for which F D_2 is surely above 0, and surely below: by the sign of D, t_1 - t_2 has that sign or
- * the other.
+ * Finds the rays for which F D_2 is surely above 0, and those for which it is surely below. The sign of D_1 then tells
+ * that of t_1 - t_2.
  */
 MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
                                  int v, vm *above, vm *below)

@@ -64,10 +64,7 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
     return count;
 }
 
-/*
- * A packet this many times as wide as most of its tile is traced lane by lane: it lies across an edge of what they
- * see.
- */
+/* A packet this many times as wide as most of its tile goes lane by lane: it lies across an edge of what is seen. */
 #define WIDE_PACKET MLRT_WIDE_FACTOR
 
 /* Updates the bundle after new hits of a packet in the lanes `changed`. */
