@@ -5,7 +5,8 @@
  *
  * A node costs the lesser of its boxes, each against all lanes at once, and of its lanes, each against all boxes at
  * once. A leaf costs the lesser of its triangles, each against all lanes at once, and of its lanes, each against all
- * triangles at once. From a box on that only few lanes meet, these are traced one by one (single.h).
+ * triangles at once; if all rays start at one point, its triangles are set up once, and each is tested against all
+ * lanes. From a box on that only few lanes meet, these are traced one by one (single.h).
  *
  * All arithmetic and its bounds are those of single.h, with rays in the lanes of a vector in place of boxes or
  * triangles.
