@@ -6,7 +6,7 @@
 #define MLRT_JOB_JOB_H
 
 #include "job/hit_terms.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "rays/source.h"
 
 /* Lights whose shadows a picture may have: one bit each. */
@@ -132,7 +132,7 @@ struct mlrt_kernels {
 
     /*
      * Traces one ray, and tells its hit: as mlrt_trace_ray, with structs of this version. `skip` is the number of the
-     * triangle that the ray passes. Returns 0, having done nothing, if float does not carry the ray (trace/single.h).
+     * triangle that the ray passes. Returns 0, having done nothing, if float does not carry the ray (trace/single_ray.h).
      * Kernels that count have NULL.
      */
     int (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,

@@ -3,13 +3,13 @@
  * Where one triangle covers a cell of the picture, the light sees a cell there, too, as a rule, and it needs no rays as
  * long as nothing lies between, or one triangle shades all of it. Other packets have rays of their own to the light.
  */
-#include "trace/shade.h"
+#include "trace/shadows.h"
 
 #include <string.h>
 
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "hits/shadow_ray.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "simd/sixteen.h"
 #include "trace/make_rays.h"
 #include "trace/shadow_cells.h"

@@ -2,8 +2,8 @@
 /*
  * Which lights reach what a picture's rays hit (mlrt.h, "Shadows of a picture"), in the tile method.
  */
-#ifndef MLRT_TRACE_SHADE_H
-#define MLRT_TRACE_SHADE_H
+#ifndef MLRT_TRACE_SHADOWS_H
+#define MLRT_TRACE_SHADOWS_H
 
 #include "trace/ray_tile.h"
 
