@@ -1,44 +1,47 @@
 # SPDX-License-Identifier: MIT
 #
 #   make                 the library and the examples, in build/
-#   make deps            installs what examples and tests need (Debian and Ubuntu; elsewhere it says what)
+#   make deps            installs the packages that examples and tests need (Debian and Ubuntu; elsewhere it names them)
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
-#   make test-bindings   tests the bindings of other languages, of those whose tools are installed
-#   make deps-bindings   installs what Debian has of these: LuaJIT, and clang for its libclang, which Rust needs
-#   make test-wheel      builds its source distribution and wheel, and tests what that installs; pip fetches from PyPI
+#   make test-bindings   tests the bindings of other languages whose tools are installed
+#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, and clang, whose libclang Rust needs
+#   make test-wheel      builds the Python package's source distribution and wheel, installs and tests them; pip fetches
+#                        from PyPI
 #   make test-trimesh TRIMESH=folder   runs the ray tests of a checkout of trimesh through the drop-in for it
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
-#   make bench           how fast it is, beside Embree 3 if `make deps-study` installed it: procedural scenes, and
-#                        files with SCENES=folder VIEWS=cameras.json; all that build/bin/bench can with BENCH='--threads 2'
-#   make charts          docs/*.png, on the same scenes: accuracy-* of charts-accuracy (speed against wrong decisions,
-#                        stability, stages) and speed-* of charts-speed (beside Embree; some 20 minutes)
-#   make sweep           what tiles decide by themselves against fixed choices, on the same scenes: docs/data/sweep.csv
-#   make deps-study      installs what they need besides: Embree 3 to compare with, matplotlib to draw
+#   make bench           measures speed, beside Embree 3 if `make deps-study` installed it: on procedural scenes, and on
+#                        files with SCENES=folder VIEWS=cameras.json; BENCH='--threads 2' has options of build/bin/bench
+#   make charts          docs/*.png, on the same scenes: charts-accuracy draws accuracy-* (speed against wrong
+#                        decisions, stability, stages), charts-speed draws speed-* (beside Embree: takes long)
+#   make sweep           compares the choices that tiles make with fixed ones, on the same scenes: docs/data/sweep.csv
+#   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
-#                        doxygen for it
-#   make install         into $(DESTDIR)$(PREFIX): header, libraries, files for pkg-config and CMake; make uninstall.
-#                        install-strip leaves out what debuggers read
-#   make test-install    installs into build/, then builds and runs programs that use what is there
-#   make check-abi       exported names, layouts and types against tests/abi; size and needs of the shared object
-#   make update-abi      writes tests/abi anew, after a change that is meant
-#   make check-header    mlrt.h alone, in every C and C++ that there is
-#   make check-layers  what includes what in src: no circle, no arrow upward, each header compiles alone
-#   make check-lemmas    the bounds of bundles (docs/accuracy.md), proven by Gappa if it is installed
-#   make check-tables    the tables of README.md and docs/ are what docs/data says
-#   make check-copies    three copies of the library in one process
-#   make check-churn     10,000 trees and pools made and destroyed under valgrind
+#                        doxygen
+#   make install         installs header, libraries and files for pkg-config and CMake in $(DESTDIR)$(PREFIX); make
+#                        install-strip, without debugging information; make uninstall
+#   make test-install    installs into build/, then builds and runs programs that use the installed files
+#   make check-abi       compares exported names, layouts and types with tests/abi; checks the size of the shared object
+#                        and the libraries that it needs
+#   make update-abi      writes tests/abi anew, after an intended change
+#   make check-header    compiles mlrt.h alone, in every C and C++ of the compilers here
+#   make check-layers    checks all includes in src: no circle, no arrow upward, each header compiles alone
+#   make check-lemmas    proves the bounds of bundles (docs/accuracy.md), if Gappa is installed
+#   make check-tables    compares the tables of README.md and docs/ with docs/data
+#   make check-copies    runs three copies of the library in one process
+#   make check-churn     makes and destroys 10,000 trees and pools under valgrind
 #   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
-#   make dist            the sources of the last commit, the amalgamation and their checksums, in build/dist
-#   make test-amalgamation  compiles it by gcc and clang: golden numbers, exported names, nothing fused
-#   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers from
-#                        emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)
-#   make format          clang-format over everything
+#   make dist            the sources of the last commit, the amalgamation, and checksums of both, in build/dist
+#   make test-amalgamation  compiles the amalgamation with gcc and clang: golden numbers, exported names, nothing fused
+#   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers
+#                        from emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)
+#   make format          runs clang-format on every source file
 #   make clean
 #
 # Settings: CC=clang, OPTIMIZE=-O0, SAN=address,undefined or SAN=thread (builds in build/san-...), WERROR=1, V=1,
-# RENAME=game_ for functions that are called game_... in place of mlrt_... (in build/renamed-game_).
+# RENAME=game_, which names functions game_... in place of mlrt_... (builds in build/renamed-game_), and GUESS=1, which
+# drops exactness to measure its price (builds in build/guess).
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
@@ -70,14 +73,14 @@ LAYOUT   := $(shell $(CC) -Werror -fno-align-jumps -fno-align-loops -E -x c /dev
 COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
-# One object per instruction set, and some that count (run/dispatch.c).
+# One object of kernels per instruction set, and the scalar kernels with counters (src/run/dispatch.c).
 ALL_ISAS    := scalar sse avx2 avx512
 ISAS        := $(if $(IS_X86),$(ALL_ISAS),scalar)
 KERNELS     := $(if $(IS_X86),sse avx2 avx512,scalar)
 COUNTING_KERNELS := scalar
 ISA_FLAGS_avx2   := -mavx2 -mfma
 ISA_FLAGS_avx512 := -mavx512f -mavx512dq
-# gcc may forget to align the stack on Windows (bug 54412); an assembler that is new enough makes up for it.
+# On Windows gcc may leave the stack unaligned (bug 54412); with this flag, a recent assembler makes moves unaligned.
 UNALIGNED := -Wa$(comma)-muse-unaligned-vector-move
 ifneq ($(filter %-mingw32,$(TARGET)),)
 ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>/dev/null && echo $(UNALIGNED))
@@ -87,7 +90,7 @@ SOURCES := $(wildcard src/*/*.c)
 LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c),$(SOURCES))) \
                    $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
-# What is installed is looked at when it is needed, so that `make deps demo` works in one go.
+# Packages are looked up when they are needed, so that `make deps demo` works in one call.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
 HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
 HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
@@ -120,10 +123,10 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
 # ---- library -------------------------------------------------------------------------------------------------------
 
-# Every object has the same OPTIMIZE; docs/design.md, "Instruction sets", has what -O2 and -O3 cost.
+# Every object has the same OPTIMIZE; docs/design.md, "Instruction sets", compares -O2 and -O3.
 #
-# What only tests call stays out of the shared library. So do assertions, which would end the program they are in; they
-# are for the tests with SAN.
+# The shared library leaves out functions that only tests call (--gc-sections). Assertions, which would abort the
+# caller's program, are in builds with SAN only.
 INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
 $(BUILD)/obj/trace/%_counting.o: src/trace/%.c
@@ -138,19 +141,20 @@ $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) -c $< -o $@
 
-# For tests and studies, which look inside.
+# For tests and studies, which call internal functions.
 $(BUILD)/libmlrt-internal.a: $(LIBRARY_OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
-# For everyone else: one object, whose own names nobody else can see or clash with. Where there is no objcopy, or it
-# fails, names with the prefix mlrt_ stay visible, and two such archives do not go into one program. Small functions that
-# the compiler adds on 32-bit x86 lie in groups, of which a linker keeps one for all: ours, now local, must not be that.
+# For other programs: one object, whose internal names are hidden and clash with no others. If there is no objcopy, or
+# it fails, internal names stay visible, and two such archives cannot be linked into one program. On 32-bit x86 the
+# compiler adds small functions in section groups; a linker keeps one copy of a group for all objects. Ours are local
+# now, so they must not be that copy: their groups are removed.
 $(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
 	$(Q)rm -f $@; if $(CC) $(CFLAGS) -r -nostdlib $^ -o $(BUILD)/mlrt.o && $(OBJCOPY) --localize-hidden --remove-section=.group $(BUILD)/mlrt.o; \
 	then $(AR) rcs $@ $(BUILD)/mlrt.o; \
 	else echo "libmlrt.a: $(OBJCOPY) did not hide the names inside: they stay visible"; $(AR) rcs $@ $^; fi
 
-# What is declared with MLRT_API, by the name that the preprocessor gives it, is exported, of version MLRT_0.
+# Exports every function that is declared with MLRT_API, by its name after preprocessing, as version MLRT_0.
 $(BUILD)/mlrt.map: include/mlrt.h
 	@mkdir -p $(@D)
 	$(Q){ echo 'MLRT_$(SOVERSION) {'; echo 'global:'; $(EXPORTED_NAMES) | sed 's/.*/    &;/'; echo 'local:'; echo '    *;'; echo '};'; } > $@
@@ -158,8 +162,9 @@ $(BUILD)/mlrt.map: include/mlrt.h
 EXPORTED_NAMES = $(CC) -E -P $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) -DMLRT_API=MLRT_API include/mlrt.h | tr '\n;' ' \n' | \
                  sed -n 's/.*MLRT_API[^(]*[ *]\([A-Za-z0-9_]*\)(.*/\1/p' | LC_ALL=C sort
 
-# Code and constants share pages, which saves 8 kB of padding; addresses of functions are looked up on loading, and the
-# table of them is read-only from then on. What the library calls of its own is its own, whatever a program exports.
+# noseparate-code: code and constants share pages, which saves 8 kB of padding. now, relro: addresses of functions are
+# looked up on loading, and their table is read-only from then on. -Bsymbolic-functions: the library calls its own
+# functions, whatever a program exports.
 SHARED := -shared -Wl,--gc-sections -Wl,-z,noseparate-code -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack -Wl,-Bsymbolic-functions $(if $(SAN),,-Wl,-z,defs)
 
 $(BUILD)/libmlrt.so.$(VERSION): $(LIBRARY_OBJECTS) $(BUILD)/mlrt.map
@@ -178,7 +183,7 @@ $(BUILD)/examples/study/%.o: examples/study/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
 
-# What the benchmark does itself, for everyone alike, is compiled for the machine at hand.
+# The benchmark's own code, the same for every library it measures, is compiled for this machine.
 NATIVE = $(if $(filter -O2 -O3,$(OPTIMIZE)),$(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
 
 $(BUILD)/examples/bench/%.o: examples/bench/%.c
@@ -205,7 +210,7 @@ $(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BU
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-# With the shared object, as Embree is one, and the build of another commit that it may be compared with.
+# Linked with the shared object, since Embree and the library of another commit (--against) are shared objects too.
 $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.so
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $(filter %.o,$^) -L$(BUILD) -lmlrt -Wl,-rpath,'$$ORIGIN/..' $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
@@ -239,7 +244,7 @@ deps-cross:
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-i686-linux-gnu \
 	    libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-mingw-w64-x86-64 qemu-user wine64 clang'
 
-# `make deps test` probes for packages after deps has run: the work is done by a second make.
+# `make deps test` must look for packages after deps has run: a second make does the work.
 AFTER_DEPS := $(filter deps deps-%,$(MAKECMDGOALS))
 
 # ---- demo ----------------------------------------------------------------------------------------------------------
@@ -253,14 +258,14 @@ demo: | $(AFTER_DEPS)
 PAPER_SCENES := erw6 conference_mgf cruiser_mgf dragon_x9
 SCENE_FILES = $(if $(SCENES),$(or $(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)),$(error $(SCENES): none of $(PAPER_SCENES:%=%.ply))))
 
-# Only the tables go to standard output: make reproduce > tables.md
+# Only tables go to standard output: make reproduce > tables.md
 reproduce: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/reproduce >&2
 	@$(BUILD)/bin/reproduce $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS))
 
 # ---- speed against wrong decisions ----------------------------------------------------------------------------------
 
-# Rays of each generator and scene, and of each value of a sweep. `make charts STUDY_RAYS=1048576` takes four times as long.
+# The number of rays per generator and scene, and per value of a sweep. STUDY_RAYS=1048576 takes four times as long.
 STUDY_RAYS ?= 262144
 SWEEP_RAYS ?= 16384
 STUDY_SCENES := room office building scan sphere
@@ -294,19 +299,20 @@ bench: | $(AFTER_DEPS)
 charts-speed: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/bench
 	@mkdir -p docs/data
-	$(BUILD)/bin/bench --csv $(BENCH_ALL) $(BENCH) > docs/data/bench.csv
+	$(BUILD)/bin/bench --csv --isa avx2 --peer-isa avx2 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx2.csv
+	$(BUILD)/bin/bench --csv --isa avx512 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx512.csv
 	$(BUILD)/bin/bench --study triangles $(BENCH) > docs/data/bench-triangles.csv
 	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
 	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
 	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
 
-# The tables of documents are what docs/data says.
+# Documents whose tables are made from docs/data.
 DOCUMENTS := README.md docs/performance.md
 check-tables:
 	$(PYTHON) examples/bench/tables.py --check docs/data $(DOCUMENTS)
 
-# What the library decides while it traces, against fixed choices; some twenty minutes with four scenes.
+# Compares the choices that the library makes while it traces with fixed ones; some twenty minutes with four scenes.
 sweep: | $(AFTER_DEPS)
 	$(PYTHON) examples/bench/sweep.py $(BENCH_ALL) > docs/data/sweep.csv
 	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
@@ -332,7 +338,7 @@ $(BUILD)/tests/test_close_calls: $(ISAS:%=$(BUILD)/tests/close/%.o)
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 
-# Runs for as long as FUZZ says, from files that test_save writes. Needs clang: see tests/fuzz_load.c.
+# Fuzzes loading, from files that test_save writes, for as long as FUZZ says. Needs clang: see tests/fuzz_load.c.
 FUZZ ?= -max_total_time=60
 
 $(BUILD)/tests/fuzz_load: $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
@@ -343,7 +349,7 @@ fuzz: $(BUILD)/tests/fuzz_load $(BUILD)/tests/test_save
 	FUZZ_FILES=$(BUILD)/fuzz $(BUILD)/tests/test_save
 	$(BUILD)/tests/fuzz_load $(FUZZ) -artifact_prefix=$(BUILD)/fuzz- $(BUILD)/fuzz
 
-# Structs and constants of the header, as a list.
+# The structs and constants of the header, as a list.
 $(BUILD)/abi/interface.inc: include/mlrt.h tests/abi/interface.awk
 	@mkdir -p $(@D)
 	$(Q)$(CC) -E -P -dD include/mlrt.h | awk -f tests/abi/interface.awk > $@
@@ -356,7 +362,7 @@ $(BUILD)/tests/test_churn: $(BUILD)/tests/test_churn.o $(BUILD)/libmlrt.a
 
 $(BUILD)/tests/test_copies: | $(BUILD)/libmlrt.so
 
-# Needs the library and the procedural scenes only, the same as in tests/golden.sh.
+# print_golden needs only the library and the procedural scenes: the same list as in tests/golden.sh.
 GOLDEN_COMMON := $(patsubst %,$(BUILD)/examples/common/%.o,scene import ply_check room office building doubled scan furniture shapes steady_math)
 $(BUILD)/tests/print_golden: $(BUILD)/tests/print_golden.o $(BUILD)/tests/golden.o $(GOLDEN_COMMON) $(BUILD)/libmlrt.a
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
@@ -370,7 +376,7 @@ test: | $(AFTER_DEPS)
 check-abi update-abi: $(BUILD)/libmlrt.so $(BUILD)/abi/interface.inc
 	@CC='$(CC)' sh tests/abi/check.sh $(if $(filter update-abi,$@),update) $(BUILD)/abi $(BUILD)/libmlrt.so
 
-# The program exports what it can, so that copies would find each other's functions if they looked outside.
+# The program exports all of its names (-rdynamic), so that a copy which looked outside itself would find another's.
 COPIES := $(BUILD)/tests/copies
 check-copies: library
 	@$(MAKE) --no-print-directory RENAME=game_ $(BUILD)/renamed-game_/libmlrt.a
@@ -381,7 +387,7 @@ check-copies: library
 	$(Q)$(LINK) -rdynamic $(COPIES)/*.o $(BUILD)/libmlrt.a $(BUILD)/renamed-game_/libmlrt.a -lm -ldl -o $(COPIES)/copies
 	$(COPIES)/copies $(BUILD)/libmlrt.so
 
-# A cycle under valgrind is some 5 ms.
+# A cycle takes some 5 ms under valgrind.
 CHURN_CYCLES ?= 10000
 check-churn: $(BUILD)/tests/test_churn
 	@command -v valgrind >/dev/null || echo "check-churn: no valgrind: what malloc holds is looked at, not each block"
@@ -434,7 +440,7 @@ CROSS := aarch64-linux-gnu i686-linux-gnu s390x-linux-gnu x86_64-w64-mingw32
 
 test-cross: $(CROSS:%=test-cross-%)
 
-# Programs are static, so that they need no library of their machine's to run. Of -j here and there one number is enough.
+# Programs are static, so that they need no library of the other machine to run.
 test-cross-%: amalgamation
 	@if ! command -v $*-gcc >/dev/null; then echo "test-cross, $*: no $*-gcc: not tested (make deps-cross installs it)"; \
 	else $(MAKE) --no-print-directory CC=$*-gcc AR=$*-ar OBJCOPY=$*-objcopy BUILD=$(BUILD)/cross/$* CFLAGS= WERROR=1 EXAMPLE_FLAGS= \
@@ -466,7 +472,7 @@ docs: | $(AFTER_DEPS)
 
 # ---- install -------------------------------------------------------------------------------------------------------
 
-# Files for pkg-config and CMake find the rest from where they lie, if the libraries are somewhere below PREFIX.
+# If LIBDIR is below PREFIX, the files for pkg-config and CMake have paths relative to themselves, else absolute ones.
 space := $(empty) $(empty)
 LIB_BELOW  = $(patsubst $(PREFIX)/%,%,$(filter $(PREFIX)/%,$(LIBDIR)))
 UP         = $(subst $(space),/,$(patsubst %,..,$(subst /, ,$(LIB_BELOW))))
@@ -490,7 +496,7 @@ install: library
 	$(FILL_IN) src/packaging/mlrtConfig.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfig.cmake"
 	$(FILL_IN) src/packaging/mlrtConfigVersion.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfigVersion.cmake"
 
-# Without what debuggers read.
+# Without debugging information.
 install-strip: install
 	strip "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(VERSION)"
 	strip --strip-debug "$(DESTDIR)$(LIBDIR)/libmlrt.a"

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# mlrt.h alone, as every C and C++ that the compilers here know, with all warnings as errors; twice in one file; with the
-# macros around that other headers are known for; with its functions renamed.
+# Compiles mlrt.h alone, in every version of C and C++ that the compilers here know, with all warnings as errors: twice
+# in one file, with macros that other headers are known to define, and with its functions renamed.
 set -u
 failures=0
 count=0
@@ -10,7 +10,7 @@ warnings='-Wall -Wextra -pedantic -Werror -Wundef -Wshadow -Wconversion -Wpadded
 names='near far small hyper interface min max IN OUT OPTIONAL ERROR DELETE None Bool Status Success Always True False
     major minor linux unix check verify I'
 
-# compile LANGUAGE COMPILER FLAGS...: the header twice, in a file of its own.
+# compile LANGUAGE COMPILER FLAGS...: compiles a file that includes the header twice.
 compile()
 {
     language=$1
@@ -20,6 +20,7 @@ compile()
         "$@" -fsyntax-only -Iinclude -x "$language" - || { echo "check-header: $*"; failures=$((failures + 1)); }
 }
 
+# knows LANGUAGE COMPILER -std=VERSION: does the compiler know this version of the language?
 knows()
 {
     echo 'extern int nothing;' | "$2" "$3" -fsyntax-only -x "$1" - 2>/dev/null
@@ -32,7 +33,7 @@ for compiler in gcc clang; do
         compile c $compiler -std=$standard $warnings -Wstrict-prototypes -Wc++-compat
         compile c $compiler -std=$standard $warnings -DMLRT_PREFIX=game_
     done
-    # Names that windows.h, X11 and others are known to define: a header that used one would not get through.
+    # Names that windows.h, X11 and others are known to define: a header that used one would not compile.
     for name in $names; do compile c $compiler -std=c99 "-D$name=@"; done
 done
 for compiler in g++ clang++; do
@@ -44,7 +45,7 @@ for compiler in g++ clang++; do
     done
 done
 
-# No function keeps the old prefix, and all have the new one.
+# Every function must have the new prefix.
 declared=$(${CC:-cc} -E -P -DMLRT_API=MLRT_API -DMLRT_PREFIX=game_ include/mlrt.h | tr '\n;' ' \n' |
     sed -n 's/.*MLRT_API[^(]*[ *]\([A-Za-z0-9_]*\)(.*/\1/p')
 kept=$(printf '%s\n' "$declared" | grep -v '^game_' | tr '\n' ' ')

@@ -79,7 +79,10 @@ def find_arrows(includes):
 
 
 def find_circles(includes):
-    """Circles of files, each as the files along it."""
+    """Circles of files, a .c with its .h as one, each as the files along it."""
+    parts = {}
+    for file, names in includes.items():
+        parts.setdefault(file[:-2], set()).update(name[:-2] for name in names if name[:-2] != file[:-2])
     done, path = set(), []
 
     def visit(file):
@@ -88,12 +91,12 @@ def find_circles(includes):
         if file in done or file in path:
             return
         path.append(file)
-        for name in includes.get(file, []):
+        for name in sorted(parts.get(file, [])):
             yield from visit(name)
         path.pop()
         done.add(file)
 
-    for file in includes:
+    for file in parts:
         yield from visit(file)
 
 
@@ -115,7 +118,7 @@ def find_leaks(includes):
 
 
 def compile_alone(header, compiler):
-    """The compiler's words, or none."""
+    """The compiler's first words, or none."""
     flags = FLAGS.get(header, [])
     command = compiler + ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wno-unused", "-fsyntax-only"]
     command += [f"-I{SOURCE}", f"-I{os.path.join(os.path.dirname(SOURCE), 'include')}"] + flags
@@ -123,7 +126,8 @@ def compile_alone(header, compiler):
         return ""  # another processor
     # By #include, so that it is a header to the compiler.
     result = subprocess.run(command + ["-x", "c", "-"], input=f'#include "{header}"\n', capture_output=True, text=True)
-    return result.stderr or ("?" if result.returncode else "")
+    errors = [line for line in result.stderr.splitlines() if "error" in line]
+    return (errors + [result.stderr or "?"])[0] if result.returncode else ""
 
 
 def main():
@@ -137,7 +141,7 @@ def main():
     for header in headers:
         words = compile_alone(header, compiler)
         if words:
-            wrong.append(f"{header} does not compile alone:\n{words}")
+            wrong.append(f"{header} does not compile alone: {words}")
     if wrong:
         sys.exit("check-layers:\n" + "\n".join(wrong))
     print(f"check-layers: {len(includes)} files in {len(LEVEL)} folders, no arrow upward, no circle; "

@@ -1,15 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs what was built for another machine, under an emulator if this one cannot:
+# Tests builds for another machine, under an emulator if this machine cannot run them:
 #
 #     cross.sh TARGET BUILD AMALGAMATION [FLAG...]
 #
-# print_golden of the normal build for TARGET, which is in BUILD; then the amalgamation by TARGET's gcc and by clang, if
-# it is there, with the flags given; for Windows also as a DLL. What cannot be run here is linked, and said.
+# Runs print_golden of the normal build for TARGET, which is in BUILD. Then tests the amalgamation, compiled with the
+# given flags by TARGET's gcc and by clang, if it is installed; for Windows also as a DLL. If there is no emulator,
+# programs are linked but not run, and a line says so.
 set -eu
 target=$1 build=$2 amalgamation=$3
 shift 3
 
+# Prints the first of these programs that is installed, or "-".
 find_program() {
     for program in "$@"; do
         if command -v "$program"; then return; fi
@@ -23,7 +25,7 @@ aarch64-*) run=$(find_program qemu-aarch64 qemu-aarch64-static) ;;
 s390x-*) run=$(find_program qemu-s390x qemu-s390x-static) ;;
 i?86-*)
     run=$(find_program qemu-i386 qemu-i386-static)
-    # Most x86-64 systems run it by themselves, and have more instruction sets than the emulator.
+    # Most x86-64 systems run such programs directly, with more instruction sets than the emulator has.
     if "$program" >/dev/null 2>&1; then run=; fi
     ;;
 *mingw*)
@@ -31,7 +33,7 @@ i?86-*)
     program=$program.exe
     WINEPREFIX=$(cd "$build" && pwd)/wine WINEDEBUG=-all
     export WINEPREFIX WINEDEBUG
-    if [ "$run" != - ]; then "$run" cmd /c exit >/dev/null 2>&1 || true; fi # has much to say the first time
+    if [ "$run" != - ]; then "$run" cmd /c exit >/dev/null 2>&1 || true; fi # the first run prints much
     ;;
 *) run=- ;;
 esac
@@ -40,7 +42,7 @@ sh tests/golden.sh "library, $target" "$run" "$program"
 
 case $target in
 *mingw*)
-    # Marked as a DLL's, functions can be linked statically as well.
+    # Functions that are marked for a DLL can be linked statically as well.
     sh tests/amalgamation.sh "$amalgamation" "$target" "$run" "$target-gcc" "$@" -DMLRT_BUILD_DLL
     "$target-gcc" -shared -static "$amalgamation/$target-gcc.o" -pthread -o "$amalgamation/mlrt.dll"
     sh tests/golden.sh "amalgamation, $target, DLL" "$run" "$amalgamation" "$amalgamation/mlrt.dll" \

@@ -4,9 +4,12 @@
 #
 #     golden.sh NAME RUN INCLUDE LIBRARY PROGRAM COMPILER [FLAG...]
 #
-# NAME is how its line is headed. RUN starts programs of that machine: empty for nothing, "-" if there is nothing here
-# that could. INCLUDE has mlrt.h. Without INCLUDE, LIBRARY and the rest, PROGRAM is there already: golden.sh NAME RUN
-# PROGRAM.
+# NAME heads the line of the result. RUN is the emulator that runs programs of that machine: empty if none is needed,
+# "-" if none is installed; then PROGRAM is only linked. INCLUDE is the folder of mlrt.h. The short form
+#
+#     golden.sh NAME RUN PROGRAM
+#
+# runs a PROGRAM that is already built.
 set -eu
 name=$1 run=$2
 shift 2
@@ -28,7 +31,7 @@ if [ "$run" = - ]; then
     echo "$name: linked, not run: nothing here that runs it"
     exit
 fi
-# shellcheck disable=SC2086 # perhaps no word
+# shellcheck disable=SC2086 # $run may be no word
 $run "$program" >"$program.out" || {
     cat "$program.out"
     echo "$name: not golden"

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs the test programs given, JOBS of them at a time (default: one per processor), shows what fails, and closes with one
-# line: N passed, N failed.
+# Runs the given test programs, JOBS of them at a time (default: one per processor), shows the output of those that
+# fail, and ends with one line: N passed, N failed.
 
-# run.sh --one FOLDER PROGRAM runs one of them, and leaves in FOLDER how many tests passed and failed.
+# run.sh --one FOLDER PROGRAM runs one of them and writes the numbers of passed and failed tests to a file in FOLDER.
 if [ "$1" = --one ]; then
     folder=$2 program=$3
     output=$("$program" 2>&1)
@@ -11,7 +11,7 @@ if [ "$1" = --one ]; then
     ok=$(printf '%s\n' "$output" | grep -c '^\[       OK \]')
     bad=$(printf '%s\n' "$output" | grep -c '^\[  FAILED  \] [A-Za-z_]*$')
     run=$(printf '%s\n' "$output" | sed -n 's/^\[==========\].* Running \([0-9]*\) test.*/\1/p' | awk '{n += $1} END {print n + 0}')
-    # A program that ends early (a crash, a sanitizer's report) fails with every test it did not get to.
+    # If a program ends early (a crash, a sanitizer's report), every test that it did not reach has failed.
     missing=$((run - ok - bad))
     if [ "$status" -ne 0 ] && [ "$bad" -eq 0 ] && [ "$missing" -eq 0 ]; then missing=1; fi
     line=$(printf '%-28s %4d passed %4d failed' "$(basename "$program")" "$ok" "$((bad + missing))")
@@ -24,7 +24,7 @@ fi
 folder=$(mktemp -d) || exit 1
 trap 'rm -rf "$folder"' EXIT
 printf '%s\n' "$@" | xargs -n 1 -P "${JOBS:-$(getconf _NPROCESSORS_ONLN)}" sh "$0" --one "$folder"
-# One that left nothing failed.
+# A program that wrote no file has failed.
 for program in "$@"; do
     cat "$folder/$(basename "$program")" 2>/dev/null || echo 0 1
 done | awk '{passed += $1; failed += $2} END {print passed + 0 " passed, " failed + 0 " failed"; exit failed > 0 || !passed}'

@@ -1145,7 +1145,7 @@ static int are_one_plane(const struct exact_plane *first, const struct exact_pla
     return are_one;
 }
 
-/* n and V of a plane in double, as pair_line.c computes them but for signs. */
+/* n and V of a plane in double, as plane_order.c computes them but for signs. */
 static void find_plane_in_double(const float *corners, double plane[4])
 {
     double to[3], ab[3], ac[3];
@@ -1162,7 +1162,7 @@ static void find_plane_in_double(const float *corners, double plane[4])
     plane[3] = to[0] * plane[0] + to[1] * plane[1] + to[2] * plane[2];
 }
 
-/* S of pair_line.c, as it is computed there: F is divided by that, and the sign of what is left is all that matters. S itself
+/* S of plane_order.c, as it is computed there: F is divided by that, and the sign of what is left is all that matters. S itself
  * may differ from it by 378 u, of which the bound of F / S knows nothing where G is large. */
 static double size_of_line(const float *first, const float *second)
 {

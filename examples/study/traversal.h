@@ -3,7 +3,7 @@
  * traversal.h - one walk of single rays through the library's kd-tree, for triangle tests from the literature
  *
  * Each test is compiled into this loop by inlining, so all that methods differ in is their test. The walk is that of
- * src/run/trace_ray.c, node tests in double, with wider margins, so that a wrong answer is the test's fault and not the
+ * src/mlrta/ray.c, node tests in double, with wider margins, so that a wrong answer is the test's fault and not the
  * walk's:
  *
  *   - Every crossing of a plane may be off by 2^-20 of its distance (2^-50 would do for exact tests). A test in float

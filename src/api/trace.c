@@ -13,12 +13,12 @@
 #include "exact/nearest.h"
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
 #include "run/trace_ray.h"
-#include "run/workers.h"
+#include "run/run_job.h"
 
 #define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
 
@@ -85,8 +85,8 @@ static int32_t take_options(const mlrt_trace_options *given, struct call *call)
     return mlrt_take_host(call->options.host, &call->run.host);
 }
 
-/* Checks options and puts what they say, and the tree, into a job whose source is set. */
-static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
+/* Checks options that do not depend on the rays; lights are taken out of those of pictures before. */
+static int32_t check_options(const mlrt_trace_options *options)
 {
     if (options->query != MLRT_QUERY_CLOSEST && options->query != MLRT_QUERY_ANY) return MLRT_ERROR_ARGUMENT;
     if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
@@ -98,7 +98,14 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
         return MLRT_ERROR_ARGUMENT;
     }
+    return MLRT_OK;
+}
 
+/* Checks options and puts what they say, and the tree, into a job whose source is set. */
+static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
+{
+    const int32_t status = check_options(options);
+    if (status != MLRT_OK) return status;
     job->tree = tree;
     job->trace_segment = mlrt_trace_segment;
     job->any = options->query == MLRT_QUERY_ANY;
@@ -275,44 +282,55 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
     return status;
 }
 
-/* With options that are not the default: they are checked as those of all calls are. */
-static MLRT_NOINLINE int32_t trace_with_options(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t skip,
-                                                const mlrt_trace_options *options, mlrt_hit *hit)
+/* One ray by the way that all rays go: with counters, another method, or sizes of tiles, which are checked. */
+static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t skip,
+                                           const mlrt_trace_options *options, mlrt_hit *hit)
 {
     struct call call;
     struct mlrt_job job = {.callback = NULL};
     int32_t status = take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
     if (status != MLRT_OK) return status;
-    const int32_t method = options->method;
-    if (method != MLRT_METHOD_DEFAULT && method != MLRT_METHOD_RAY) {
+    if (options->method != MLRT_METHOD_DEFAULT && options->method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, options, job.any, hit);
     }
-    const uint32_t mask = job.source.common_mask;
     mlrt_counters own = {.struct_size = 0};
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (job.method != MLRT_METHOD_TILE || !job.kernels->trace_ray ||
-        !job.kernels->trace_ray(tree, ray, job.any, mask, skip, hit)) {
-        trace_by_ray(tree, ray, job.any, mask, skip, options->counters ? &own : NULL, hit);
-    }
+    trace_by_ray(tree, ray, job.any, job.source.common_mask, skip, options->counters ? &own : NULL, hit);
     mlrt_leave_fp_environment(environment);
     if (options->counters) mlrt_add_counters(options->counters, &own);
     return MLRT_OK;
 }
 
-/* Is there something to look at in options, besides the query, the mask and the pool? */
-static int has_options(const mlrt_trace_options *of)
+/* Are all options 0 but for the query, the mask and the pool? */
+static int are_plain(const mlrt_trace_options *of)
 {
-    return (of->method | of->isa | of->culling | (of->query & ~MLRT_QUERY_ANY)) != 0 ||
+    return (of->method | of->isa | of->culling | (of->query & ~MLRT_QUERY_ANY)) == 0 &&
            (of->culling_check | of->initial_tile_size | of->minimum_tile_size | of->split_factor | of->outputs |
-            of->shortcuts_off | of->light_count | of->reserved) != 0 ||
-           ((uintptr_t)of->counters | (uintptr_t)of->host | (uintptr_t)of->lights) != 0;
+            of->shortcuts_off | of->light_count | of->reserved) == 0 &&
+           ((uintptr_t)of->counters | (uintptr_t)of->host | (uintptr_t)of->lights) == 0;
 }
 
-/* All structs are of this version. Of the hit, what the query does not write stays. */
+/* Checks options of a ray that goes alone, and gives its kernels: NULL for method `ray`. */
+static MLRT_NOINLINE int32_t choose_kernels(const mlrt_tree *tree, const mlrt_trace_options *options,
+                                            const struct mlrt_kernels **kernels)
+{
+    mlrt_host host;
+    const int32_t method = resolve_method(options->method, tree);
+    int32_t status = check_options(options);
+    if (status == MLRT_OK) status = mlrt_take_host(options->host, &host);
+    if (status != MLRT_OK) return status;
+    *kernels = mlrt_select_kernels(options->isa, MLRT_METHOD_TILE, 0);
+    if (method == MLRT_METHOD_DEFAULT || !*kernels) return MLRT_ERROR_UNSUPPORTED;
+    if (method != MLRT_METHOD_TILE) *kernels = NULL;
+    return MLRT_OK;
+}
+
+/* All structs are of this version. Of the hit, the fields that the query does not write stay. */
 static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                              mlrt_hit *hit)
 {
+    const struct mlrt_kernels *kernels = tree->structure == MLRT_STRUCTURE_BVH ? mlrt_widest_kernels() : NULL;
     int any = 0;
     uint32_t mask = MLRT_MASK_ALL, skip = MLRT_NONE;
     if (MLRT_UNLIKELY(ray->flags)) {
@@ -320,14 +338,19 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
         skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
     }
     if (options) {
-        if (has_options(options)) return trace_with_options(tree, ray, skip, options, hit);
-        any = options->query;
+        any = options->query == MLRT_QUERY_ANY;
         if (options->mask) mask = options->mask;
+        if (!are_plain(options)) {
+            const int is_alone = options->method == MLRT_METHOD_DEFAULT || options->method == MLRT_METHOD_RAY;
+            if (!is_alone || options->counters || options->initial_tile_size || options->minimum_tile_size) {
+                return trace_as_call(tree, ray, skip, options, hit);
+            }
+            const int32_t status = choose_kernels(tree, options, &kernels);
+            if (status != MLRT_OK) return status;
+        }
     }
-    const struct mlrt_kernels *kernels = mlrt_widest_kernels();
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (tree->structure != MLRT_STRUCTURE_BVH || !kernels->trace_ray ||
-        !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
+    if (!kernels || !kernels->trace_ray || !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
         trace_by_ray(tree, ray, any, mask, skip, NULL, hit);
     }
     mlrt_leave_fp_environment(environment);

@@ -13,7 +13,6 @@
 #include "base/host.h"
 #include "base/memory.h"
 #include "base/platform.h"
-#include "base/structs.h"
 
 /* Also bounds the array of tasks on the stack. */
 #define THREAD_LIMIT 1024
@@ -195,7 +194,17 @@ static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
     return MLRT_OK;
 }
 
-static int32_t make_pool(const mlrt_pool_options *options, mlrt_pool **pool)
+void mlrt_end_pool(mlrt_pool *pool)
+{
+    pthread_mutex_lock(&pool->mutex);
+    pool->ending = 1;
+    pthread_cond_broadcast(&pool->batch_begins);
+    pthread_mutex_unlock(&pool->mutex);
+    for (uint32_t i = 0; i < pool->thread_count && !pool->enqueue; ++i) pthread_join(pool->threads[i].handle, NULL);
+    free_pool(pool);
+}
+
+int32_t mlrt_make_pool(const mlrt_pool_options *options, mlrt_pool **pool)
 {
     mlrt_host host;
     int32_t status = mlrt_take_host(options->host, &host);
@@ -213,36 +222,9 @@ static int32_t make_pool(const mlrt_pool_options *options, mlrt_pool **pool)
         status = start_threads(made, thread_count);
     }
     if (status != MLRT_OK) {
-        mlrt_destroy_pool(made);
+        mlrt_end_pool(made);
         return status;
     }
     *pool = made;
     return MLRT_OK;
-}
-
-MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool)
-{
-    if (!pool) return MLRT_ERROR_ARGUMENT;
-    *pool = NULL;
-    if (!options) return MLRT_ERROR_ARGUMENT;
-    mlrt_pool_options own;
-    const int32_t status = mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_pool_options, finish), &own, sizeof own);
-    return status == MLRT_OK ? make_pool(&own, pool) : status;
-}
-
-MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool)
-{
-    const mlrt_pool_options options = {.struct_size = sizeof options, .thread_count = thread_count};
-    return mlrt_create_pool_with_options(&options, pool);
-}
-
-MLRT_API void mlrt_destroy_pool(mlrt_pool *pool)
-{
-    if (!pool) return;
-    pthread_mutex_lock(&pool->mutex);
-    pool->ending = 1;
-    pthread_cond_broadcast(&pool->batch_begins);
-    pthread_mutex_unlock(&pool->mutex);
-    for (uint32_t i = 0; i < pool->thread_count && !pool->enqueue; ++i) pthread_join(pool->threads[i].handle, NULL);
-    free_pool(pool);
 }

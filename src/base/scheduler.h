@@ -13,6 +13,12 @@
 
 #include "mlrt.h"
 
+/* Makes a pool; the options are of this version. Returns a status. */
+int32_t mlrt_make_pool(const mlrt_pool_options *options, mlrt_pool **pool);
+
+/* Ends its threads and frees it. */
+void mlrt_end_pool(mlrt_pool *pool);
+
 /* Runs one item. If the result is not 0, no further items start. */
 typedef int32_t mlrt_work_function(void *work, uint32_t item, uint32_t worker);
 

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#include "bvh/split.h"
+#include "bvh/set.h"
 #include "simd/quad.h"
 
 MLRT_INLINE void clear_box(struct mlrt_quad_box *box)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The hit rule as traversal uses it: which rays can hit anything (R1), and how a triangle that is offered changes the
- * nearest hit so far (R2, R3). predicate.h decides; the floats around t that are kept here save most comparisons.
+ * The hit rule as traversal uses it: how a triangle that is offered changes the nearest hit so far (R2, R3).
+ * predicate.h decides; the floats around t that are kept here save most comparisons.
  */
 #ifndef MLRT_EXACT_NEAREST_H
 #define MLRT_EXACT_NEAREST_H
@@ -9,22 +9,6 @@
 #include <math.h>
 
 #include "exact/predicate.h"
-
-/* Rule R1: sets *ray. Returns 0 if the ray can hit nothing. */
-static inline int mlrt_make_segment(const float origin[3], const float direction[3], float t_min, float t_max,
-                                    struct mlrt_ray_segment *ray)
-{
-    for (int k = 0; k < 3; ++k) {
-        if (!isfinite(origin[k]) || !isfinite(direction[k])) return 0;
-        ray->origin[k] = origin[k];
-        ray->direction[k] = direction[k] + 0.0f; /* -0 becomes 0 */
-    }
-    if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0) return 0;
-    ray->t_min = t_min < 0 ? 0 : t_min;
-    ray->t_max = t_max;
-    ray->mask = MLRT_MASK_ALL;
-    return ray->t_min < ray->t_max;
-}
 
 /* The nearest hit so far. Before the first hit, lo = hi = t_max. */
 struct mlrt_nearest {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The t at which one ray crosses planes, in double: single rays test nodes with it (run/trace_ray.c, bvh/ray.c).
+ * The t at which one ray crosses planes, in double: single rays test nodes with it (mlrta/ray.c, bvh/ray.c).
  *
  * For finite floats nothing overflows or underflows in double here. With x = fl(c - o) and r = fl(1 / d), the distance
  * to a plane is x r with a relative error below 3 * 2^-53 (1 + 2^-50), so [x r (1 - 2^-50), x r (1 + 2^-50)] contains

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The results of a packet on their way out: its triangles are turned into ids and numbers a vector at a time. Where
- * they go is sink.h's.
+ * they go is write_arrays.h's.
  */
 #ifndef MLRT_HITS_WRITE_PACKET_H
 #define MLRT_HITS_WRITE_PACKET_H
 
 #include "hits/hit_numbers.h"
 #include "hits/outcome.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "job/job.h"
 #include "rays/rectangle.h"
 #include "simd/simd.h"

@@ -6,7 +6,7 @@
 #define MLRT_JOB_JOB_H
 
 #include "job/hit_terms.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "rays/source.h"
 
 /* Lights whose shadows a picture may have: one bit each. */
@@ -85,8 +85,8 @@ struct mlrt_worker {
     uint32_t setup_mask;                /* the kept part of the table: a power of two, less one */
     float apex[3];
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    struct mlrt_bundle_cache *bundle_caches; /* trace/bundle.h: of closest hits; of any, as a picture's shadows go in turn
-                                                with its tiles */
+    /* trace/bundle.h: of closest hits; of any, as a picture's shadows go in turn with its tiles. */
+    struct mlrt_bundle_cache *bundle_caches;
     uint32_t mask;            /* of all rays; MLRT_MASK_ALL if they have their own, or triangles have none */
     uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets: of closest hits, of any */
     uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane: of closest hits, of any */
@@ -132,7 +132,7 @@ struct mlrt_kernels {
 
     /*
      * Traces one ray, and tells its hit: as mlrt_trace_ray, with structs of this version. `skip` is the number of the
-     * triangle that the ray passes. Returns 0, having done nothing, if float does not carry the ray (trace/single.h).
+     * triangle that the ray passes. Returns 0, having done nothing, if float does not carry the ray (trace/single_ray.h).
      * Kernels that count have NULL.
      */
     int (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,

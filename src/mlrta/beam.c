@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Beams: of tiles of any source. Those of cameras are worked out in camera.c; those of arrays by looking at every ray.
+ * The beam of a tile of any source. view_beam.c makes the beams of cameras; those of arrays are made here, from every
+ * ray of the tile.
  */
 #include "mlrta/beam.h"
 
@@ -15,12 +16,15 @@ void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi)
         lo = -INFINITY;
         hi = INFINITY;
     }
-    /* An infinite bound on the wrong side bounds nothing either. */
+    /* A lower bound of +inf and an upper bound of -inf are no bounds either. */
     beam->slope_lo[a][j] = isinf(lo) ? -INFINITY : mlrt_float_down(lo - fabs(lo) * MLRT_SLOPE_SLACK);
     beam->slope_hi[a][j] = isinf(hi) ? INFINITY : mlrt_float_up(hi + fabs(hi) * MLRT_SLOPE_SLACK);
 }
 
-/* Where the part (0, t_max] of a ray can be, per axis. */
+/*
+ * Widens [*lo, *hi] to hold coordinate k of the ray from its origin to t_max. The product is exact in double; `slack`
+ * covers the roundings of the sums.
+ */
 static void add_to_region(const struct mlrt_ray_segment *ray, int k, double *lo, double *hi)
 {
     double end = ray->direction[k] == 0 ? ray->origin[k] : ray->origin[k] + (double)ray->t_max * ray->direction[k];
@@ -29,6 +33,7 @@ static void add_to_region(const struct mlrt_ray_segment *ray, int k, double *lo,
     *hi = fmax(*hi, fmax(ray->origin[k], end + slack));
 }
 
+/* Of the rays of a tile so far. */
 struct bounds {
     double region_lo[3];
     double region_hi[3];
@@ -47,7 +52,10 @@ static void add_ray(const struct mlrt_ray_segment *ray, struct bounds *bounds)
     ++bounds->ray_count;
 }
 
-/* Adds a ray's origin and signs; 0 if the ray does not fit in. */
+/*
+ * Widens the beam to hold the ray's origin. Returns 0 if the ray is not float-safe (source.h), or its signs differ from
+ * those of the tile's first ray.
+ */
 static int fit_ray(const struct mlrt_ray_segment *ray, int first, struct mlrt_beam *beam)
 {
     if (!mlrt_is_safe_ray(ray)) return 0;
@@ -67,7 +75,7 @@ static int fit_ray(const struct mlrt_ray_segment *ray, int first, struct mlrt_be
     return 1;
 }
 
-/* All d_j / d_a for components in these ranges, of which that of d_a has one sign. */
+/* Bounds d_j / d_a for all directions within the bounds; d_a has the same sign in all of them. */
 static void set_slope_range(const struct bounds *bounds, int a, int j, struct mlrt_beam *beam)
 {
     const double j_lo = bounds->direction_lo[j], j_hi = bounds->direction_hi[j];

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A beam: a conservative hull of a group of rays that agree in the signs of their directions.
+ * A beam: a conservative hull of a group of rays whose directions have the same signs.
  *
  * For every ray o + t d of the group and every pair of axes a != j:
- *   origin_lo <= o <= origin_hi;  d_a >= 0, or d_a < 0 where negative[a];
- *   slope_lo[a][j] <= d_j / d_a <= slope_hi[a][j], with room to spare: each bound is moved outward by 2^-20 of itself,
- *   which pays for every rounding in the tests of beam_culling.h (a ray with d_a = 0 has infinite slopes);
- *   and every point of the ray that matters lies in `region`.
+ *
+ *   - origin_lo <= o <= origin_hi on each axis;
+ *   - d_a >= 0, or d_a < 0 where negative[a];
+ *   - slope_lo[a][j] <= d_j / d_a <= slope_hi[a][j], infinite where a ray has d_a = 0. Each bound is moved outward by
+ *     2^-20 of itself, which covers every rounding in the tests of beam_culling.h;
+ *   - every point where a hit can still decide the ray's result lies in `region`.
  *
  * Based on: Reshetov et al. 2005, section 4.1, requirement (3): a rectangle on any axis-aligned plane, and common
  * signs.
@@ -23,25 +25,32 @@ struct mlrt_beam {
     float slope_hi[3][3];
     struct mlrt_box region;
     int negative[3];
-    int main_axis;    /* where |d| is largest, about */
-    int has_apex;     /* one common origin */
-    int may_cover;    /* every ray counts every triangle from its origin on: no skip, no mask, t_min = 0 */
-    int is_unlimited; /* all rays are valid and have no t_max */
+    int main_axis;    /* the axis of the largest |d|, as an estimate */
+    int has_apex;     /* all rays have the same origin */
+    int may_cover;    /* every ray can hit every triangle at any t > 0: no skip, no mask, t_min = 0 */
+    int is_unlimited; /* all rays are valid and have no t_max; 0 for rays of arrays */
 };
 
+/* The share of itself by which a bound of a slope is moved outward. */
 #define MLRT_SLOPE_SLACK 0x1p-20
 
 struct mlrt_source;
 struct mlrt_view;
 
-/* The beam of a tile of a source; 0 if its rays differ in sign, are not float-safe, or are all invalid. */
+/*
+ * Makes the beam of a tile of a source. Returns 0 if it has none: the directions of its rays differ in sign, a ray is
+ * not float-safe (rays/source.h), or no ray is valid.
+ */
 int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                   struct mlrt_beam *beam);
 
-/* Bounds lo <= d_j / d_a <= hi into a beam. NaNs become no bound. */
+/* Sets the bounds of d_j / d_a from lo <= d_j / d_a <= hi. If lo or hi is a NaN, the slope has no bounds. */
 void mlrt_set_slope(struct mlrt_beam *beam, int a, int j, double lo, double hi);
 
-/* The beam of a tile, or 0 if its rays differ in sign or are beyond what beams can hold. */
+/*
+ * Makes the beam of a tile of a camera. Returns 0 if its rays differ in sign, or may not be float-safe
+ * (exact/triangle.h).
+ */
 int mlrt_make_view_beam(const struct mlrt_view *view, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                         struct mlrt_beam *beam);
 

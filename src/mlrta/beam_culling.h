@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A beam against cells: which children of a cell can its rays reach, and can they reach a box at all.
+ * A beam against cells: which children of a cell its rays can reach, and whether they can reach a box at all.
  *
- * A ray that is in front of its origin by x along axis a is at o_j + m x on axis j, with m = d_j / d_a. All tests
- * compare such products with distances from the origin, m x against (h - o_j): four roundings at most, each relative,
- * and the beam's slopes are already widened by 2^-20 of themselves. So an answer "no" is a proof, at any scale;
- * packet.h's limits rule out underflow that could matter. Comparisons with a NaN (0 times infinity) are false: not
- * excluded.
+ * A ray that has gone a distance x from its origin along axis a is at o_j + m x on axis j, with m = d_j / d_a. Every
+ * test compares such a product m x with a distance from the origin, h - o_j. That takes four roundings at most, each
+ * relative, and the beam's slopes are already moved outward by 2^-20 of themselves. So a child or box is excluded only
+ * if that is proven, at any scale; the limits of packet.h rule out underflow that could matter. A comparison with a NaN
+ * (0 times infinity) is false and excludes nothing.
  *
- * Based on: Reshetov et al. 2005, section 3.3: direct culling puts the planes of the beam against the box, inverse
- * culling the planes of the box against the beam.
+ * Based on: Reshetov et al. 2005, section 3.3: direct culling tests the box against the planes of the beam, inverse
+ * culling the beam against the planes of the box.
  */
 #ifndef MLRT_MLRTA_BEAM_CULLING_H
 #define MLRT_MLRTA_BEAM_CULLING_H
@@ -17,9 +17,10 @@
 #include "mlrta/beam.h"
 #include "mlrta/interval_traversal.h"
 
+/* Sets of children, as bits. */
 enum { NEAR_CHILD = 1, FAR_CHILD = 2, BOTH_CHILDREN = 3 };
 
-/* Bounds of m x for m in [slope_lo, slope_hi] and x between x_lo <= x_hi, which have one sign. */
+/* Bounds of m x for m in [slope_lo, slope_hi] and x in [x_lo, x_hi], two numbers of the same sign. */
 MLRT_INLINE struct distance_interval offset_range(const struct mlrt_beam *beam, int a, int j, float x_lo, float x_hi)
 {
     const float m_lo = beam->slope_lo[a][j], m_hi = beam->slope_hi[a][j];
@@ -30,9 +31,9 @@ MLRT_INLINE struct distance_interval offset_range(const struct mlrt_beam *beam, 
 }
 
 /*
- * Inverse culling: the plane x_a = c splits a cell that the beam touches. On it, the rays fill a rectangle. Where that
- * lies wholly past the side through which the rays leave the cell, none gets to the far child; where it lies wholly
- * before the side through which they come in, none was in the near child.
+ * Inverse culling: the children that rays can reach, of a cell that the beam touches and the plane x_a = c splits. The
+ * rays meet that plane in a rectangle. If the rectangle lies wholly past a side through which the rays leave the cell,
+ * no ray reaches the far child. If it lies wholly before a side through which they enter, no ray was in the near child.
  */
 MLRT_INLINE int cull_inverse(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
 {
@@ -50,7 +51,7 @@ MLRT_INLINE int cull_inverse(const struct mlrt_beam *beam, const struct mlrt_box
     return BOTH_CHILDREN;
 }
 
-/* 1 if, seen along axis a, no ray of the beam touches the box. */
+/* 1 if the slopes over axis a show that no ray of the beam touches the box. */
 MLRT_INLINE int misses_box_along(const struct mlrt_beam *beam, const struct mlrt_box *box, int a)
 {
     float x_lo = box->lo[a] - beam->origin_hi[a], x_hi = box->hi[a] - beam->origin_lo[a];
@@ -69,13 +70,13 @@ MLRT_INLINE int misses_box_along(const struct mlrt_beam *beam, const struct mlrt
     return 0;
 }
 
-/* 1 if no ray of the beam touches the box: all six faces against the beam. */
+/* 1 if the slopes over any axis show that no ray of the beam touches the box. */
 static int misses_box(const struct mlrt_beam *beam, const struct mlrt_box *box)
 {
     return misses_box_along(beam, box, 0) || misses_box_along(beam, box, 1) || misses_box_along(beam, box, 2);
 }
 
-/* The halves of a cell. */
+/* The boxes of a cell's children: rays enter `near` before `far`. */
 struct cell_halves {
     struct mlrt_box near;
     struct mlrt_box far;
@@ -92,7 +93,7 @@ MLRT_INLINE struct cell_halves split_cell(const struct mlrt_beam *beam, const st
     return halves;
 }
 
-/* Direct culling: each half of the cell against the planes of the beam. */
+/* Direct culling: tests the box of each child against the planes of the beam, the slopes over its main axis. */
 MLRT_INLINE int cull_direct(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
 {
     const struct cell_halves halves = split_cell(beam, cell, a, c);
@@ -100,14 +101,14 @@ MLRT_INLINE int cull_direct(const struct mlrt_beam *beam, const struct mlrt_box 
            (misses_box_along(beam, &halves.far, beam->main_axis) ? 0 : FAR_CHILD);
 }
 
-/* The extra check where culling excluded neither half: all six faces of both. */
+/* The extra check after culling that excluded neither child: tests both boxes by the slopes over every axis. */
 static int check_children(const struct mlrt_beam *beam, const struct mlrt_box *cell, int a, float c)
 {
     const struct cell_halves halves = split_cell(beam, cell, a, c);
     return (misses_box(beam, &halves.near) ? 0 : NEAR_CHILD) | (misses_box(beam, &halves.far) ? 0 : FAR_CHILD);
 }
 
-/* The part of a box in the beam's region. 0 if there is none. */
+/* Cuts a box down to the beam's region. Returns 0 if nothing is left. */
 MLRT_INLINE int clip_to_region(const struct mlrt_beam *beam, struct mlrt_box *box)
 {
     for (int k = 0; k < 3; ++k) {

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The recursion that builds a tree: ask split.c for a plane, deal the references out to the two sides, build both, and
- * keep the result only if it pays. Needs no more memory for references than those of one path hold.
+ * The recursion that builds a kd-tree: ask split.c for a plane, partition the references by it, build both children,
+ * and keep the subtree only if it pays. In memory are only the references of the current cell and of the siblings that
+ * wait.
+ *
+ * The subtree of a cell depends only on its references, its box and its shares of the limits on depth, references and
+ * bad splits. So subtrees are independent of each other.
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Wenzel Jakob, Mitsuba renderer, 2010 (bad refinements and retraction).
- *
- * What becomes of a cell depends on its references, its bounds and its share of the depth and reference limits only, so
- * subtrees do not depend on each other.
  */
 #include "mlrta/build.h"
 
@@ -25,25 +26,25 @@
 
 struct preset {
     struct mlrt_cost_model model;
-    double minimum_cell; /* rule 3: part of the scene's surface area; smaller cells are not split */
+    double minimum_cell; /* rule 3: cells of less than this part of the scene's surface area are not split */
 };
 
 /*
- * Measured per 4x4 packet from the root, at 1024 x 1024, as cells / triangle tests.
+ * Measured per 4x4 packet that starts at the root, at 1024 x 1024, as cells / triangle tests.
  *
  * Intersection cost 1, 1.5, 2.5, 4, 8: erw6 21.5 / 2.4, 21.9 / 2.2, 22.1 / 2.0, 22.3 / 2.0, 22.4 / 1.9; conference
- * 55.9 / 5.2, 56.9 / 4.7, 58.3 / 4.1, 58.8 / 4.0, 59.6 / 3.8; with 3.2, 4.4, 6.1, 7.4, 8.7 nodes per triangle. So 2.5
- * is where smaller leaves stop paying.
+ * 55.9 / 5.2, 56.9 / 4.7, 58.3 / 4.1, 58.8 / 4.0, 59.6 / 3.8; with 3.2, 4.4, 6.1, 7.4, 8.7 nodes per triangle. So
+ * leaves that are smaller than those of 2.5 do not pay.
  *
- * The empty factor hardly matters: expected costs for 1, 0.9, 0.8, 0.7 differ by less than 1 %.
+ * Empty factor: expected costs for 1, 0.9, 0.8, 0.7 differ by less than 1 %.
  *
- * Minimum cell 1e-8, 1e-6, 2e-5, 1e-4, preset `paper`, by method packet4 (which tests no triangle twice in a row of
- * leaves and leaves out those its rays do not overlap): conference 64.8 / 6.7, 59.6 / 6.2, 56.9 / 6.3, 55.0 / 6.9; a
- * ship seen from inside (cruiser) 84.6 / 10.0, 75.0 / 8.5, 71.9 / 8.6, 69.4 / 9.9; a dense scan (dragon, 7.8 M
- * triangles) 333 / 51, 146 / 51, 42.9 / 43, 30.4 / 37. Build times fall by a third at each step. But leaves grow, and
- * time follows neither: frames of cruiser take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5, those of the dragon 969, 749, 694.
- * So 1e-6 is a compromise. At 2e-5 the dragon's cells are those that the paper counts for its own dragon without
- * beams, 42.2.
+ * Minimum cell 1e-8, 1e-6, 2e-5, 1e-4, with preset `paper` and method packet4 (which skips a triangle that it tested in
+ * a leaf just before, and triangles whose outlines its rays do not overlap): conference 64.8 / 6.7, 59.6 / 6.2,
+ * 56.9 / 6.3, 55.0 / 6.9; a ship seen from inside (cruiser) 84.6 / 10.0, 75.0 / 8.5, 71.9 / 8.6, 69.4 / 9.9; a dense
+ * scan (dragon, 7.8 M triangles) 333 / 51, 146 / 51, 42.9 / 43, 30.4 / 37. Build times fall by a third at each step.
+ * But leaves grow, and frame times follow neither count: frames of cruiser take 169, 220, 432 ms at 1e-6, 4e-6, 2e-5,
+ * those of the dragon 969, 749, 694 ms. So 1e-6 is a compromise. At 2e-5 the dragon's cells match those that the paper
+ * counts for its own dragon without beams, 42.2.
  */
 static const struct preset PRESETS[] = {
     {{1.0, 2.5, 0.9}, 2e-5}, /* MLRT_KDTREE_PAPER */
@@ -51,23 +52,25 @@ static const struct preset PRESETS[] = {
 };
 
 /*
- * On one path this many splits that do not pay are allowed, in the hope that those below them do, and retraction takes
- * back the rest. In cells of fewer references than the minimum they hardly ever help: without it, trees cost at most
- * 0.05 % less and took 30 to 40 % longer to build (erw6, conference, dragon); without bad splits, up to 0.7 % more.
+ * A path may have this many bad splits, which do not pay by themselves, in the hope that splits below them do;
+ * retraction removes subtrees that do not pay in the end. In cells of fewer references than the minimum, bad splits
+ * hardly ever help: without the minimum, trees had at most 0.05 % lower costs and took 30 to 40 % longer to build
+ * (erw6, conference, dragon). Without bad splits, costs were up to 0.7 % higher.
  */
 #define BAD_REFINEMENT_LIMIT   3
 #define BAD_REFINEMENT_MINIMUM 8
 
 /*
- * Cells of more references than this are split by bins first. 512, 2048, 16384, 131072: expected cost of dragon 39.85,
- * 39.81, 39.82, 39.84, of conference 27.12, 27.13, 27.12, 27.07; dragon took 2.2, 2.0, 2.15, 2.3 s to build.
+ * In cells of more references than this, the search for a plane begins with bins. With 512, 2048, 16384, 131072 the
+ * expected cost of dragon is 39.85, 39.81, 39.82, 39.84, that of conference 27.12, 27.13, 27.12, 27.07, and dragon took
+ * 2.2, 2.0, 2.15, 2.3 s to build.
  */
 #define BINNING_THRESHOLD 2048
 
-/* A leaf's entry count and a node's number have 30 bits. */
+/* A leaf's entry count and a child's node number have 30 bits. */
 #define COUNT_LIMIT 0x3FFFFFFFu
 
-/* Cells of so many references look whether the build is to go on before they are split, leaves always. */
+/* The build checks for cancellation at each leaf, and before it splits a cell of at least this many references. */
 #define CHECKED_SIZE 256
 
 struct settings {
@@ -78,9 +81,9 @@ struct settings {
 };
 
 /*
- * The usual 8 + 1.3 log2 n, and room for empty sides and covered planes. Up to 60 levels instead make no difference to
- * expected costs in four digits (erw6, conference, cruiser, dragon, 2 million triangles of rooms). Nor would 36 matter,
- * at most 0.4 %; with 32, costs rise by up to 4 %, with 28 by up to 31 % (examples/depth.c).
+ * The usual 8 + 1.3 log2 n, plus 12 levels for empty sides and covered planes. With 60 levels in its place, expected
+ * costs are the same in four digits (erw6, conference, cruiser, dragon, 2 million triangles of rooms). With 36 levels
+ * they are at most 0.4 % higher, with 32 up to 4 %, with 28 up to 31 % (examples/depth.c).
  */
 static uint32_t default_depth(uint32_t triangle_count)
 {
@@ -110,6 +113,7 @@ struct array {
     size_t capacity;
 };
 
+/* Makes room for `needed` elements of `size` bytes and keeps the contents. Returns 0 if there is no memory. */
 static int reserve(struct mlrt_memory *memory, struct array *array, size_t needed, size_t size)
 {
     if (needed <= array->capacity) return 1;
@@ -122,7 +126,7 @@ static int reserve(struct mlrt_memory *memory, struct array *array, size_t neede
     return 1;
 }
 
-/* Like reserve, for contents that need not be kept. */
+/* Likewise, but the contents are lost. */
 static int reserve_scratch(struct mlrt_memory *memory, struct array *array, size_t needed, size_t size)
 {
     if (needed <= array->capacity) return 1;
@@ -141,7 +145,7 @@ static void release(struct mlrt_memory *memory, struct array *array, size_t size
     array->capacity = 0;
 }
 
-/* Gives back what an array has too much. */
+/* Gives back the memory past `count` elements. Returns 0 if there is no memory. */
 static int trim(struct mlrt_memory *memory, struct array *array, size_t count, size_t size)
 {
     void *elements = mlrt_resize(memory, array->elements, array->capacity, count, size);
@@ -159,7 +163,7 @@ struct build {
     struct settings settings;
     double scene_area;
     float tiny;           /* as in mlrt_clip_halves */
-    struct array pending; /* struct mlrt_reference: the cell at work on top, below it those that wait */
+    struct array pending; /* struct mlrt_reference: those of the siblings that wait, then those of the current cell */
     struct array keys;    /* uint32_t */
     struct array areas;   /* double */
     struct array nodes;   /* struct mlrt_node */
@@ -170,7 +174,7 @@ struct build {
     struct mlrt_progress *progress;
 };
 
-/* A cell to be built: its references are `count` pending ones from `first`, and the last that are pending. */
+/* A cell to be built. Its references are the pending ones from `first` to `first + count`, the last of all. */
 struct cell {
     struct mlrt_box box;
     uint32_t node;
@@ -178,8 +182,8 @@ struct cell {
     uint32_t bad_refinement_count;
     size_t first;
     size_t count;
-    uint64_t reference_limit; /* entries that the leaves of this cell may have; at least `count` */
-    double work;              /* its part of all there is */
+    uint64_t reference_limit; /* entries that the leaves of this cell may have in all; at least `count` */
+    double work;              /* its share of the progress of the build */
 };
 
 static struct mlrt_reference *pending_at(const struct build *build, size_t index)
@@ -228,6 +232,7 @@ static double leaf_cost(const struct build *build, size_t count)
     return build->settings.preset.model.intersection * (double)count;
 }
 
+/* Makes the cell a leaf. Returns 0 if there is no memory, or the call is cancelled. */
 static int emit_leaf(struct build *build, const struct cell *cell, double *cost)
 {
     uint32_t offset = build->entry_count, count = (uint32_t)cell->count;
@@ -242,7 +247,7 @@ static int emit_leaf(struct build *build, const struct cell *cell, double *cost)
     return !mlrt_advance(build->progress, cell->work);
 }
 
-/* Makes the cell one leaf of everything that the leaves below it refer to, from entry `offset` on. */
+/* Replaces the subtree of a cell by one leaf. The entries of the subtree are those from `offset` on. */
 static int retract(struct build *build, const struct cell *cell, uint32_t offset, uint32_t first_child, double *cost)
 {
     uint32_t count = build->entry_count - offset;
@@ -282,9 +287,10 @@ static struct side_counts count_sides(const struct build *build, const struct ce
 enum choice { CHOICE_FAILED, CHOICE_LEAF, CHOICE_SPLIT };
 
 /*
- * Rule 2, but not where the plane cuts through so many other triangles that there would be more tests than before, even
- * if steps were free: expected costs fell by 3 % on conference and did not change on erw6. To ask that it pays with its
- * step included goes too far: walls of a room that take one step each, once and for all, are then left in (erw6: 13 %).
+ * Rule 2, unless the plane cuts so many other triangles that the split would cost more than a leaf even if steps were
+ * free. With this condition, expected costs fell by 3 % on conference and did not change on erw6. It would be too
+ * strict to demand that the split pays with its step included: then walls of rooms are not split off, which takes one
+ * step for each (erw6: 13 %).
  */
 static enum choice try_covered_plane(struct build *build, const struct cell *cell, const struct mlrt_content *content,
                                      struct mlrt_split *split)
@@ -303,7 +309,7 @@ static enum choice try_covered_plane(struct build *build, const struct cell *cel
     return split->cost < limit ? CHOICE_SPLIT : CHOICE_LEAF;
 }
 
-/* The cheapest split, if it pays or the cell may still try one that does not. */
+/* The cheapest split, if it pays or the cell may have another bad split. */
 static enum choice try_cheapest_split(struct build *build, struct cell *cell, const struct mlrt_content *content,
                                       struct mlrt_split *split)
 {
@@ -339,8 +345,9 @@ static enum choice choose_split(struct build *build, struct cell *cell, struct m
     return try_cheapest_split(build, cell, &content, split);
 }
 
-/* ---- dealing out --------------------------------------------------------------------------------------------- */
+/* ---- partition ----------------------------------------------------------------------------------------------- */
 
+/* Bounds a triangle on both sides of a plane that cuts its box. */
 static void bound_halves(const struct build *build, const struct mlrt_reference *reference,
                          const struct mlrt_split *split, struct mlrt_halves *halves)
 {
@@ -358,14 +365,14 @@ static void bound_halves(const struct build *build, const struct mlrt_reference 
 }
 
 /*
- * Rearranges the references of a cell: first those of the upper side, behind them those of the lower one, which is
- * built first. There is room behind the cell's references for those that are on both sides. Sets the counts of both
- * sides.
+ * Partitions the references of a cell: first those of the upper side, behind them those of the lower side, which is
+ * built first. A triangle on both sides gets a reference in each; there is room for them behind the cell's references.
+ * A triangle that, clipped to the cell, touches neither side is dropped. Sets the counts of both sides.
  *
- * While it runs, [first, next) is above, [next, back) is not yet dealt with, and [back, end) is below.
+ * In the loop [0, next) is above, [next, back) is not yet partitioned, and [back, end) is below.
  */
-static void deal_out(struct build *build, const struct cell *cell, const struct mlrt_split *split, size_t *below_count,
-                     size_t *above_count)
+static void partition(struct build *build, const struct cell *cell, const struct mlrt_split *split, size_t *below_count,
+                      size_t *above_count)
 {
     struct mlrt_reference *references = pending_at(build, cell->first);
     size_t next = 0, back = cell->count, end = cell->count;
@@ -405,7 +412,10 @@ static void deal_out(struct build *build, const struct cell *cell, const struct 
 
 static int build_cell(struct build *build, struct cell *cell, double *cost);
 
-/* Whether a loop over the cell may have been broken off: then counts are too low, and there may be too little room. */
+/*
+ * 1 if the call is cancelled, so that a loop over the cell's references may have ended early. Its counts are then too
+ * low, and memory reserved by them too small.
+ */
 static int is_cancelled_at(const struct build *build, const struct cell *cell)
 {
     return cell->count >= MLRT_ROUNDS && mlrt_is_cancelled(build->progress);
@@ -421,7 +431,7 @@ static int add_children(struct build *build, uint32_t node, const struct mlrt_sp
     return 1;
 }
 
-/* Entries left over are shared out in proportion to what the sides have. */
+/* The part of `spare` entries that a child of `count` references gets: in proportion to the counts of both children. */
 static uint64_t share_of(uint64_t spare, size_t count, size_t other_count)
 {
     return count == 0 ? 0 : (uint64_t)((double)spare * ((double)count / ((double)count + (double)other_count)));
@@ -431,7 +441,7 @@ static int build_children(struct build *build, const struct cell *cell, const st
                           uint32_t first_child, double *cost)
 {
     struct cell below = *cell, above = *cell;
-    deal_out(build, cell, split, &below.count, &above.count);
+    partition(build, cell, split, &below.count, &above.count);
     if (is_cancelled_at(build, cell)) return 0;
     below.box.hi[split->axis] = split->position;
     above.box.lo[split->axis] = split->position;
@@ -452,7 +462,10 @@ static int build_children(struct build *build, const struct cell *cell, const st
     return 1;
 }
 
-/* Builds the subtree of a cell, whose references it uses up. *cost becomes that of a ray through the cell. */
+/*
+ * Builds the subtree of a cell and overwrites its references. *cost receives the expected cost of a ray through the
+ * cell. Returns 0 if there is no memory, or the call is cancelled.
+ */
 static int build_cell(struct build *build, struct cell *cell, double *cost)
 {
     struct mlrt_split split;
@@ -477,7 +490,7 @@ static int build_cell(struct build *build, struct cell *cell, double *cost)
 
 /* ---- the whole tree ------------------------------------------------------------------------------------------ */
 
-/* + 0 turns -0 into 0. */
+/* Adding 0 turns -0 into 0. */
 static struct mlrt_box triangle_bounds(const struct mlrt_triangle *triangle)
 {
     struct mlrt_box box;
@@ -490,8 +503,8 @@ static struct mlrt_box triangle_bounds(const struct mlrt_triangle *triangle)
     return box;
 }
 
-/* One reference for each triangle that can be hit. The others are counted. */
-static size_t refer_to_all(struct build *build, struct mlrt_tree *tree)
+/* Makes a reference for each triangle that can be hit and returns their number. Counts the other triangles. */
+static size_t make_references(struct build *build, struct mlrt_tree *tree)
 {
     size_t count = 0;
     for (uint32_t i = 0; i < tree->triangle_count && !mlrt_is_cancelled_in_round(build->progress, i + 1); i++) {
@@ -509,7 +522,7 @@ static size_t refer_to_all(struct build *build, struct mlrt_tree *tree)
     return count;
 }
 
-/* Moves bounds with a magnitude under `tiny` outward to 0 or +-tiny. */
+/* Moves bounds of a magnitude below `tiny` outward to 0 or +-tiny. */
 static void round_tiny(struct mlrt_box *box, float tiny)
 {
     for (int k = 0; k < 3; k++) {
@@ -519,8 +532,9 @@ static void round_tiny(struct mlrt_box *box, float tiny)
 }
 
 /*
- * If the scene's bounds are safe as kdtree.h has it, all coordinates are small enough, and only those near 0 are in the
- * way of a tree that is safe: they are rounded, here and after clipping. This never leads out of the scene's bounds.
+ * Makes the tree float-safe (scene/tree.h) if the scene's bounds are. Then no coordinate is too large, and those too
+ * close to 0 are rounded outward, here and after each clipping. They stay within the scene's bounds, which are 0 or at
+ * least `tiny` in magnitude.
  */
 static void make_safe(struct build *build, const struct mlrt_box *bounds, size_t count)
 {
@@ -541,7 +555,7 @@ static int build_tree(struct build *build, struct mlrt_tree *tree)
         !reserve(build->memory, &build->entries, 64, sizeof(uint32_t)))
         return 0;
     build->node_count = 1;
-    root.count = refer_to_all(build, tree);
+    root.count = make_references(build, tree);
     root.work *= tree->triangle_count;
     if (root.count > 0) root.box = mlrt_measure_content(pending_at(build, 0), root.count, build->progress).bounds;
     if (root.reference_limit < root.count) root.reference_limit = root.count;
@@ -582,12 +596,15 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
     return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
-/* Nodes and entries that scenes take are 24 to 54 bytes per triangle; while they are made there is as much again. */
+/*
+ * The nodes and entries of scenes take 24 to 54 bytes per triangle, and twice that while they are built. Entries are
+ * limited; each has 4 bytes and, if it is alone in its leaf, 16 bytes of nodes.
+ */
 struct mlrt_demand mlrt_foresee_nodes(const mlrt_kdtree_options *options, uint32_t triangle_count)
 {
     const struct settings settings = resolve_options(options, triangle_count);
     const uint64_t guess = 56 * (uint64_t)triangle_count + 64 * 12;
-    const uint64_t most = 4 * settings.reference_limit + 16 * (settings.reference_limit + 1); // a leaf each
+    const uint64_t most = 4 * settings.reference_limit + 16 * (settings.reference_limit + 1);
     const uint64_t held = guess < most ? guess : most;
     return (struct mlrt_demand){held, 2 * held + 36 * (uint64_t)triangle_count};
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Statistics of a tree and its invariants: see check.h. Both walk the tree without recursion: a tree that is
- * wrong may not end.
+ * Statistics of a tree and its invariants: see check.h. Neither walk is recursive: in a damaged tree a recursion might
+ * never end.
  */
 #include "mlrta/check.h"
 
@@ -20,7 +20,7 @@ struct visit {
     struct mlrt_box cell;
 };
 
-/* The upper children that wait while lower ones are visited: at most one per level, and the two of the deepest. */
+/* The nodes that wait to be visited: at most one upper child per level, and both children of the deepest node. */
 struct walk {
     struct visit waiting[MLRT_DEPTH_LIMIT + 2];
     uint32_t count;
@@ -34,7 +34,7 @@ static void start_walk(const struct mlrt_tree *tree, struct walk *walk)
     walk->count = 1;
 }
 
-/* The children of an inner node are visited next, the lower one first. */
+/* Makes the children of an inner node those that are visited next, the lower one first. */
 static void push_children(const struct mlrt_tree *tree, const struct visit *parent, struct walk *walk)
 {
     const struct mlrt_node *node = &tree->nodes[parent->node];
@@ -122,7 +122,7 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
 
-/* `next` is the number of the first entry of no leaf before. */
+/* Returns NULL, or the error. The leaf's entries must begin at `next`, behind those of all leaves before it. */
 static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t next)
 {
     const uint32_t count = mlrt_leaf_count(leaf), *entries = tree->references + next;
@@ -136,7 +136,7 @@ static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_no
     return NULL;
 }
 
-/* `next` is the number that the children must have: that of the first node not yet seen as a child. */
+/* Returns NULL, or the error. The first child must be node `next`, the first that no node before it has as a child. */
 static const char *check_inner(const struct mlrt_tree *tree, const struct visit *visit, uint32_t next)
 {
     const struct mlrt_node *node = &tree->nodes[visit->node];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Looks over a finished tree: its statistics, and whether it keeps the invariants of kdtree.h.
+ * The statistics of a finished kd-tree, and whether it keeps the invariants of kdtree.h.
  */
 #ifndef MLRT_MLRTA_CHECK_H
 #define MLRT_MLRTA_CHECK_H
@@ -9,9 +9,9 @@
 #include "scene/tree.h"
 
 /*
- * Sets what follows from nodes, references and bounds: float_safe, and in info depth, the counts of nodes and
- * references, tree_hash, sah_cost for these costs, and the bounds. If the call is cancelled meanwhile, all this may be
- * wrong.
+ * Sets all that follows from nodes, references and bounds: float_safe, and in tree->info the depth, the counts of
+ * nodes, leaves and references, tree_hash, the bounds, and sah_cost for the two costs given. If the call is cancelled
+ * meanwhile, these may be wrong.
  */
 void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
                        struct mlrt_progress *progress);
@@ -20,15 +20,16 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 void mlrt_find_float_safety(struct mlrt_tree *tree);
 
 /*
- * NULL if nodes and references are such that any ray may go through them, or else what is wrong: all invariants but I3,
- * and leaves in depth-first order that name no triangle that was left out. Nothing is trusted but the length of the
- * arrays, that bounds are finite, and the counts of triangles left out. Takes linear time and little stack.
+ * Checks that any ray can be traced through nodes and references: all invariants but I3, leaves in depth-first order,
+ * and no leaf that names a triangle that was left out. Returns NULL, or the first error as a static string. Relies only
+ * on the lengths of the arrays, finite bounds, and the counts of triangles left out. Takes linear time and little
+ * stack.
  */
 const char *mlrt_check_nodes(const struct mlrt_tree *tree);
 
 /*
- * NULL if the tree keeps invariants I1 to I5, or else what is wrong, as a static string. I3 is checked for points of
- * each triangle that double arithmetic holds exactly: its vertices, and points of edges and inside where possible.
+ * Checks invariants I1 to I5. Returns NULL, or the first error as a static string. I3 is checked for points of each
+ * triangle that double holds exactly: its vertices, and where possible points on its edges and inside.
  */
 const char *mlrt_check_tree(const struct mlrt_tree *tree);
 

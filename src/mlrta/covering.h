@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A beam with an apex against triangles: does one cover the beam, so that all rays hit it; do all rays miss one; is one
- * behind another for all rays.
+ * A beam with an apex against triangles: whether a triangle covers the beam (every ray hits it), whether every ray
+ * misses a triangle, and whether one triangle lies behind another for every ray.
  *
- * All rays are positive multiples of directions in a rectangle of slopes over the main axis. For a direction d and a
- * triangle seen from the apex, the edge functions e, D = d . n, and N D' - N' D for two triangles are linear in d. What
- * has one certain sign at the four corners of the rectangle has it for every ray; and the hit points of a covering
- * triangle lie among those of the corners.
+ * Every direction of the beam is a positive multiple of one in a rectangle of slopes over the main axis. For a
+ * direction d and a triangle seen from the apex, the edge functions e, D = d . n, and N D' - N' D of two triangles are
+ * linear in d. So a function that surely has one sign at the four corners of the rectangle has that sign for every ray,
+ * and the points where rays hit a covering triangle lie in the convex hull of those of the four corners.
  *
- * In double, with edge functions d . (a x b) of vertices relative to the apex: two differences, product, subtraction,
- * product, two sums are 7 roundings, and N has 8. So 16 u times the sum of magnitudes bounds the error, u = 2^-53.
+ * All of this is computed in double, with edge functions d . (a x b) of vertices relative to the apex. They take 7
+ * roundings: two differences, a product, a subtraction, a product and two sums; N takes 8. So 16 u times the sum of
+ * magnitudes bounds the error, with u = 2^-53.
  *
  * Based on: Reshetov et al. 2005, section 4.1 (a leaf with an object that every possible ray hits ends the search).
  */
@@ -22,10 +23,10 @@
 #include "exact/rounding.h"
 #include "mlrta/beam.h"
 
-/* What a triangle is at the corners of a beam. Index 3 of value and bound is the determinant D. */
+/* The terms of a triangle at the four corners of a beam. Index 3 of value and bound is the determinant D. */
 struct corner_terms {
     double value[4][4]; /* [edge][corner] */
-    double bound[4][4]; /* error bounds */
+    double bound[4][4]; /* of the errors of `value` */
     double distance;    /* N */
     double distance_bound;
 };
@@ -72,7 +73,10 @@ static void set_corner_terms(const struct mlrt_triangle *triangle, const struct 
     }
 }
 
-/* +1 or -1 if value i has this sign for the whole beam, else 0. Twice the bound keeps divisions by it tame. */
+/*
+ * +1 or -1 if value i surely has that sign for the whole beam, else 0. It must exceed twice its error bound, so that
+ * greatest_depth divides by more than half of |value|.
+ */
 MLRT_INLINE int certain_sign(const struct corner_terms *terms, int i)
 {
     int above = 1, below = 1;
@@ -83,7 +87,7 @@ MLRT_INLINE int certain_sign(const struct corner_terms *terms, int i)
     return above - below;
 }
 
-/* 1 if every ray of the beam hits the triangle, at some t > 0. */
+/* 1 if every ray of the beam surely hits the triangle at a t > 0. */
 static int covers_beam(const struct corner_terms *terms)
 {
     const int sign = certain_sign(terms, 3);
@@ -91,7 +95,10 @@ static int covers_beam(const struct corner_terms *terms)
            certain_sign(terms, 2) == sign && sign * terms->distance > terms->distance_bound;
 }
 
-/* 1 if no ray of the beam hits the triangle at some t > 0: it is beyond an edge, or behind the apex. */
+/*
+ * 1 if surely no ray of the beam hits the triangle at a t > 0: two of its edge functions have opposite signs, or the
+ * triangle is behind the apex.
+ */
 static int misses_beam(const struct corner_terms *terms)
 {
     const int ab = certain_sign(terms, 0), bc = certain_sign(terms, 1), ca = certain_sign(terms, 2);
@@ -99,7 +106,10 @@ static int misses_beam(const struct corner_terms *terms)
     return -certain_sign(terms, 3) * terms->distance > terms->distance_bound;
 }
 
-/* Distances along the main axis at which a corner ray crosses a plane whose D is certain there. */
+/*
+ * The least and the greatest depth, along the main axis, at which a corner ray can cross the triangle's plane. D has a
+ * certain sign there.
+ */
 MLRT_INLINE double least_depth(const struct corner_terms *terms, int corner)
 {
     return (fabs(terms->distance) - terms->distance_bound) / (fabs(terms->value[3][corner]) + terms->bound[3][corner]) *
@@ -112,7 +122,7 @@ MLRT_INLINE double greatest_depth(const struct corner_terms *terms, int corner)
            (1 + 0x1p-45);
 }
 
-/* 1 if every ray of the beam that crosses the plane of `other` in front of the apex does so behind `cover`. */
+/* 1 if every ray of the beam surely crosses the plane of `other` in front of the apex, and behind `cover`. */
 static int is_behind(const struct corner_terms *other, const struct corner_terms *cover)
 {
     const int sign = certain_sign(other, 3);
@@ -123,7 +133,7 @@ static int is_behind(const struct corner_terms *other, const struct corner_terms
     return 1;
 }
 
-/* Ends the beam's region at a covering triangle: nothing behind it matters. */
+/* Ends the beam's region at a triangle that covers it: hits behind that triangle decide nothing. */
 static void end_region_at_cover(const struct corner_terms *cover, struct mlrt_beam *beam)
 {
     struct mlrt_box end = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};

@@ -2,14 +2,16 @@
 /*
  * Entry-point search: the deepest node at which every ray of a beam may start.
  *
- * First a depth-first search, near child first, to the first leaf with potential: one that holds triangles and that the
- * beam may touch. Nodes where both children remained are kept on a LIFO stack, from which the search goes on when a
- * leaf has no potential. If the leaf found holds a triangle that all rays of the beam hit, nothing behind it matters,
- * and the beam's region ends there. Then the far children of the bifurcations that are left are searched: the highest
- * one that leads to another leaf with potential is the entry point, and if there is none, the first leaf is.
+ * First, a depth-first search, near child first, finds the first leaf with potential: a leaf that holds triangles and
+ * that the beam may touch. A bifurcation, a node with two children that the beam may reach, goes on a LIFO stack; where
+ * a leaf has no potential, the search goes on with the far child of the last bifurcation. If a triangle of the leaf
+ * covers the beam, hits behind it decide nothing, and the beam's region ends there. Then the far children of the
+ * bifurcations left on the stack are searched, the highest bifurcation first. The first that leads to another leaf with
+ * potential is the entry point; if none does, the first leaf is.
  *
- * The paper takes bifurcations from the top of the stack down and replaces its candidate each time; the result is the
- * same, the highest of them. Starting with the highest finds it at once: docs/reproduction.md has the steps of both.
+ * The paper takes bifurcations from the deepest up and lets each success replace its candidate. The result is the same,
+ * the highest one; from the highest down, the first success ends the search. docs/reproduction.md has the steps of
+ * both.
  *
  * Based on: Reshetov et al. 2005, section 4.1.
  */
@@ -25,21 +27,22 @@
 #include "mlrta/interval_traversal.h"
 #include "mlrta/outline.h"
 
-/* Triangles of a leaf that are tried as covers: in larger leaves one triangle rarely covers a beam. */
+/* Leaves of more triangles are not searched for a cover: there one triangle rarely covers a beam. */
 #define COVER_TRIAL_LIMIT 8
 
-/* What an entry-point search found. */
+/* Results of an entry-point search. */
 enum {
-    BEAM_MISSES,    /* no ray hits anything */
+    BEAM_MISSES,    /* no ray hits a triangle */
     BEAM_ENTERS,    /* all rays may start at the entry point */
-    BEAM_IS_COVERED /* all rays hit one triangle first */
+    BEAM_IS_COVERED /* the first hit of all rays is on the same triangle */
 };
 
+/* Goes down to a child of an inner node, `child` being the lower one. */
 MLRT_INLINE void enter_child(struct entry_point *cell, uint32_t child, int is_upper, int a, float c)
 {
     cell->node = child + (uint32_t)is_upper;
     ++cell->depth;
-    /* Only inward: the box may already be less than the cell. */
+    /* The box may already be smaller than the cell, so it is only cut. */
     if (is_upper) {
         if (c > cell->box.lo[a]) cell->box.lo[a] = c;
     } else {
@@ -47,11 +50,11 @@ MLRT_INLINE void enter_child(struct entry_point *cell, uint32_t child, int is_up
     }
 }
 
-/* Which children of a cell can rays of the beam reach: NEAR_CHILD and FAR_CHILD or-ed together, or 0. */
+/* The set of children of a cell that rays of the beam can reach: NEAR_CHILD, FAR_CHILD, both or 0. */
 MLRT_INLINE int reachable_children(const struct mlrt_job *job, const struct mlrt_beam *beam,
                                    const struct entry_point *cell, int a, float c, mlrt_counters *counters)
 {
-    /* The box may be less than the cell, and lie on one side of the plane. */
+    /* The box may be smaller than the cell and lie on one side of the plane. */
     if (c > cell->box.hi[a]) return beam->negative[a] ? FAR_CHILD : NEAR_CHILD;
     if (c < cell->box.lo[a]) return beam->negative[a] ? NEAR_CHILD : FAR_CHILD;
 
@@ -64,6 +67,7 @@ MLRT_INLINE int reachable_children(const struct mlrt_job *job, const struct mlrt
     return children;
 }
 
+/* 1 if the leaf holds triangles and the beam may touch its box. */
 MLRT_INLINE int has_potential(const struct mlrt_job *job, const struct mlrt_beam *beam, const struct mlrt_node *node,
                               const struct mlrt_box *box)
 {
@@ -80,8 +84,8 @@ MLRT_INLINE void enter_far_child(const struct mlrt_tree *tree, const struct mlrt
 }
 
 /*
- * Depth-first from `cell` to the first leaf with potential, which *leaf becomes. Returns 0 if there is none. Leaves the
- * bifurcations whose far child was not looked at on `stack`.
+ * Searches depth-first from `cell` for the first leaf with potential and stores it in *leaf. Returns 0 if there is
+ * none. `stack` receives the bifurcations whose far child was not searched.
  */
 static int find_first_leaf(const struct mlrt_job *job, const struct mlrt_beam *beam, struct entry_point cell,
                            struct entry_point *stack, int *stack_count, struct entry_point *leaf,
@@ -113,7 +117,10 @@ static int find_first_leaf(const struct mlrt_job *job, const struct mlrt_beam *b
     }
 }
 
-/* The first triangle that all rays of a beam hit, of those in a leaf; MLRT_NONE if none is proven to be. */
+/*
+ * The triangle that all rays of a beam surely hit before any other of the same leaf; MLRT_NONE if that is certain of no
+ * triangle.
+ */
 static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const struct corner_terms *terms)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -128,8 +135,8 @@ static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const 
 }
 
 /*
- * Ends the beam's region at the triangles of a leaf that cover it. Returns the one that all rays hit before any other
- * of the leaf, or MLRT_NONE.
+ * Ends the beam's region at the triangles of a leaf that cover the beam. Returns the one that all rays hit before any
+ * other of the leaf, or MLRT_NONE.
  */
 static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_point *leaf, struct mlrt_beam *beam)
 {
@@ -148,7 +155,7 @@ static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_po
     return is_covered ? find_first_cover(entries, count, terms) : MLRT_NONE;
 }
 
-/* What is left of `cell`'s far child in the beam's region; 0 if nothing. */
+/* Goes down to the far child of `cell` and cuts its box down to the beam's region. Returns 0 if nothing is left. */
 MLRT_INLINE int enter_far_region(const struct mlrt_tree *tree, const struct mlrt_beam *beam, struct entry_point *cell)
 {
     enter_far_child(tree, beam, cell);
@@ -156,8 +163,8 @@ MLRT_INLINE int enter_far_region(const struct mlrt_tree *tree, const struct mlrt
 }
 
 /*
- * Searches from *entry, where all rays of the beam may start. BEAM_ENTERS: *entry is the deepest such node, with what
- * of its cell is in the beam's region. BEAM_IS_COVERED: *cover is the triangle.
+ * Searches from *entry, where all rays of the beam may start. BEAM_ENTERS: *entry becomes the deepest such node, with
+ * the part of its cell that is in the beam's region. BEAM_IS_COVERED: *cover is the triangle.
  */
 static int find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
                             uint32_t *cover, mlrt_counters *counters)
@@ -183,9 +190,9 @@ static int find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, 
 }
 
 /*
- * The same, but the list receives all leaves with potential, front to back, in place of the node above them. The search
- * goes on behind each leaf as it did behind those without potential, until there are ENTRY_LIST_LEAVES; then what is
- * still on the stack is entered whole.
+ * The same, but `list` receives all leaves with potential, front to back, in place of the node above them: the search
+ * goes on behind each leaf as if that had no potential. Once there are ENTRY_LIST_LEAVES leaves, the far children of
+ * the bifurcations still on the stack join the list unsearched.
  */
 static int find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point from,
                            struct entry_list *list, uint32_t *cover, mlrt_counters *counters)

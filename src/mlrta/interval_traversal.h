@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Interval traversal: a packet goes down the tree as one, by the interval of distances at which its rays can be in a
- * cell. The cost of a step does not depend on the number of rays.
+ * Interval traversal: a group of rays goes down the tree as one, by the interval of distances within which its rays can
+ * be in a cell. The cost of a step does not depend on the number of rays.
  *
- * With all signs of a direction component equal, the distances of a group's rays to the plane x_k = c are within
- * (c - o_k) [1 / |d|_max, 1 / |d|_min]. c - o_k has one rounding, the reciprocals and the products one each: the
- * reciprocals are moved apart by a factor 1 -+ 2^-21, which pays for all of them; packet.h's limits on the magnitudes
- * rule out overflow, and should the last product underflow, its rounding still keeps the order. d_k = 0 makes a
- * reciprocal infinite; in the plane itself the product is then a NaN, every comparison is false, and both children are
- * visited. Comparisons are strict, so a ray that grazes a plane, and a cell without thickness, see both sides.
+ * If a direction component has the same sign in all rays of a group, their distances to the plane x_k = c lie within (c
+ * - o_k) [1 / |d|_max, 1 / |d|_min]. c - o_k has one rounding, and so has each reciprocal and each product. The
+ * reciprocals are moved apart by factors 1 -+ 2^-21, which covers all of these. The limits of packet.h on magnitudes
+ * rule out overflow; if the last product underflows, its rounding still keeps the order. d_k = 0 makes a reciprocal
+ * infinite; if the origin then lies in the plane, the product is a NaN, every comparison is false, and both children
+ * are visited. Comparisons are strict, so both children are visited too if a ray only touches the plane, or the cell
+ * has no thickness.
  *
  * Based on: Reshetov et al. 2005, section 4.3.
  */
@@ -26,7 +27,7 @@
 #include "mlrta/triangle_setup.h"
 #include "rays/extremes.h"
 
-/* A node, and a box that contains all that matters of its cell. */
+/* A node at which rays may start, and a box that contains the part of its cell that they have to search. */
 struct entry_point {
     uint32_t node;
     uint32_t depth;
@@ -34,36 +35,36 @@ struct entry_point {
 };
 
 /*
- * Where the packets of a tile start: one node, or several, each with all that is in front of the next for every ray.
- * Several are mostly leaves.
+ * Where the packets of a tile start: one node, or several, mostly leaves. Each ray meets them in the order of the list.
  */
 #define ENTRY_LIST_LEAVES 16
 #define ENTRY_LIST_SIZE   (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
 
 struct entry_list {
     uint32_t count;
-    uint32_t axis_code; /* of the outlines; NO_OUTLINES without */
+    uint32_t axis_code; /* of the outlines; NO_OUTLINES if there are none */
     struct entry_point entries[ENTRY_LIST_SIZE];
     struct mlrt_outline outlines[ENTRY_LIST_SIZE]; /* of the entries' boxes */
 };
 
-#define NO_OUTLINES 3 /* no axis */
+#define NO_OUTLINES 3 /* the axis code of no group */
 
 struct distance_interval {
     float lo;
     float hi;
 };
 
+/* The distances within which the rays of a group cross the plane x = c of this axis. */
 MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *axis, float c)
 {
     const float x = c - axis->origin_hi, y = c - axis->origin_lo;
     const float a = x * axis->small, b = x * axis->large;
     struct distance_interval t;
-    /* The operand that can be a NaN stands second, where the comparison keeps it. */
+    /* If a or b is a NaN, b is. As the second operand it then becomes both results. */
     t.lo = a < b ? a : b;
     t.hi = a > b ? a : b;
     if (x == y) return t;
-    /* Different origins: one of them may lie in the plane, and its ray too. */
+    /* Origins differ: if one of them lies in the plane, its ray may, too. */
     if ((x == 0 || y == 0) && isinf(axis->large)) return (struct distance_interval){-INFINITY, INFINITY};
     const float e = y * axis->small, f = y * axis->large;
     const float lo = e < f ? e : f, hi = e > f ? e : f;
@@ -72,7 +73,7 @@ MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *ax
     return t;
 }
 
-/* The distances at which the group can be in the closed box; lo > hi if nowhere. */
+/* Cuts `part` down to the distances at which the group can be in the closed box; lo > hi if it cannot. */
 MLRT_INLINE struct distance_interval box_distances(const struct group_axis axis[3], const struct mlrt_box *box,
                                                    struct distance_interval part)
 {
@@ -86,12 +87,15 @@ MLRT_INLINE struct distance_interval box_distances(const struct group_axis axis[
     return part;
 }
 
+/* A far child that waits on the stack. */
 struct pending_cell {
     uint32_t node;
     struct distance_interval part;
 };
 
-/* Tests a group against the triangles of a leaf. Lowers *farthest, the greatest distance at which its rays still look.
+/*
+ * Tests a group against the triangles of a leaf. Lowers *farthest, the distance beyond which no ray of the group can
+ * find a nearer hit.
  */
 static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf, float *farthest,
                        struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
@@ -118,10 +122,10 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
     }
     if (!changed) return;
     if (job->any) group->lanes &= ~changed;
-    *farthest = highest(packet->hi, group->lanes); /* -inf without lanes: nothing is left to look for */
+    *farthest = highest(packet->hi, group->lanes); /* -inf if no lane is left, which ends the search */
 }
 
-/* Traces a group through the subtree below `node`, in whose cell its rays are within `part`. */
+/* Traces a group through the subtree of `node`; its rays are in the cell of `node` at distances within `part`. */
 static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct distance_interval part, float *farthest,
                              struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -163,7 +167,7 @@ static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct d
     }
 }
 
-/* Traces a group from where it may start. */
+/* Traces a group from the nodes of a list. */
 static void traverse_list(const struct mlrt_job *job, const struct entry_list *list, struct ray_group *group,
                           struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -185,7 +189,7 @@ static void traverse_list(const struct mlrt_job *job, const struct entry_list *l
     }
 }
 
-/* Traces a packet's active rays from where they may start, in as many groups as they make. */
+/* Traces the active rays of a packet from the nodes of a list, one group after the other. */
 static void traverse_interval(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {

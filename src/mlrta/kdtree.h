@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kd-tree in memory, with what always holds. check.c verifies it.
+ * The kd-tree in memory and its invariants, which check.c checks.
  *
- * Nodes are 8 bytes. The root is nodes[0]; the two children of an inner node are adjacent, the one below the plane
- * first, and the tree lies in depth-first order: all nodes below the first child come before all below the second.
+ * Nodes are 8 bytes. The root is nodes[0]; the two children of an inner node are adjacent, the lower one first, and the
+ * tree lies in depth-first order: all nodes below the first child come before all below the second.
  *
  *   I1. Children lie behind their parent: child > parent. Every node but the root has one parent; node_count is odd.
  *   I2. A cell is a closed box. The root's is `bounds`; a plane x_k = c with lo_k <= c <= hi_k splits a cell into
  *       [lo, hi with hi_k = c] and [lo with lo_k = c, hi]. c == lo_k or c == hi_k makes a cell of zero thickness.
- *   I3. For every triangle that was not left out, and every point p of it, some leaf whose closed cell contains p
- * refers to the triangle. (Not every such leaf: a triangle that only touches a plane is on one side of it.) Here
- *       arithmetic is exact: bounds are rounded outward wherever they are computed.
+ *   I3. For every triangle that was not left out, and every point p of it, at least one leaf whose closed cell contains
+ *       p refers to the triangle. (Not every such leaf: a triangle that only touches a plane is on one side of it.)
+ *       This holds in exact arithmetic, since bounds are rounded outward wherever they are computed.
  *   I4. No path has more than MLRT_DEPTH_LIMIT inner nodes.
  *   I5. The entries of a leaf are ascending triangle numbers, each once.
  */
@@ -19,6 +19,7 @@
 
 #include "mlrt.h"
 
+/* Inner nodes of a path, at most: stacks have room for as many. Scenes need no more (default_depth in build.c). */
 #define MLRT_DEPTH_LIMIT 60
 
 struct mlrt_node {

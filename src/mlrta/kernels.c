@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kernels for the kd-tree, four lanes wide where every processor has them. Wider ones, or more of them, would add a
- * quarter to the library for what the hierarchy of boxes does faster (design.md). They always count, being there for
- * study.
+ * The kernels for the kd-tree: four lanes wide where every processor has SSE2, else plain C. They exist once, since a
+ * set for each instruction set would add a quarter to the library, and the hierarchy of boxes is faster
+ * (docs/design.md). They always count, since they are there for study.
  */
 #define MLRT_COUNTING 1
 #include "base/platform.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All kernels for the kd-tree, likewise (trace/kernels.h).
+ * All kernels for the kd-tree, in the words of the simd header that was included before. Everything is static but the
+ * table.
  */
 #ifndef MLRT_MLRTA_KERNELS_H
 #define MLRT_MLRTA_KERNELS_H

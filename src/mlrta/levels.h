@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The levels: a tile has a beam, the beam an entry point; from there the tile is cut into smaller tiles with beams and
- * entry points of their own, until packets of 4x4 rays are traced from the last one.
+ * The levels: each tile has a beam, and each beam an entry point. The tile is cut into smaller tiles, which search for
+ * entry points of their own from there. Tiles of the smallest size are traced as packets of 4x4 rays from theirs.
  *
- * A tile whose rays differ in sign has no beam. It is cut as well, and packets of such a tile start where the tile
- * above them started.
+ * A tile whose rays differ in sign has no beam. It is cut as well, and its pieces start where it started.
  *
  * Based on: Reshetov et al. 2005, section 4.2.
  */
@@ -14,7 +13,7 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "hits/shadow_ray.h"
 #include "mlrta/beam.h"
 #include "mlrta/entry_point.h"
@@ -36,7 +35,7 @@ MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_lis
     }
 }
 
-/* Traces a block of at most 4x4 rays from where they may start and writes the results. */
+/* Traces a block of at most 4x4 rays from the nodes of `list` and writes the results. */
 static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
                         const struct entry_list *list)
 {
@@ -67,7 +66,7 @@ static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
-/* Done with a tile that needs no rays to be traced. */
+/* Writes the results of a tile for BEAM_MISSES or BEAM_IS_COVERED: none of its rays has to be traced. */
 static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
                         const struct mlrt_rectangle *tile)
 {
@@ -80,6 +79,7 @@ static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, 
     }
 }
 
+/* Counts the nodes of `list` and traces the rays of a tile from them. */
 static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct entry_list *list,
                        const struct mlrt_rectangle *tile)
 {
@@ -90,7 +90,7 @@ static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
     trace_blocks(job, worker, tile, list);
 }
 
-/* A tile of the smallest size, whose rays may all start at `above`. */
+/* Traces a tile of the smallest size, whose rays may all start at `above`. */
 static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                              const struct entry_point *above)
 {
@@ -111,7 +111,7 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
     enter_tile(job, worker, &list, tile);
 }
 
-/* A tile of side at most `size`, whose rays may all start at `above`. */
+/* Traces a tile whose sides are at most `size`, and whose rays may all start at `above`. */
 static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                         uint32_t size, const struct entry_point *above)
 {

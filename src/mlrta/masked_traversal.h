@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Masked traversal: a packet of 2x2 rays goes down the tree together, each ray with its own interval of distances, and
- * visits a child if any of its rays does.
+ * Masked traversal: the rays of a 2x2 packet go down the tree together, each with its own interval of distances. They
+ * visit a child if at least one of them does.
  *
- * Per ray, the distance to a plane is computed and bounded as in interval_traversal.h.
+ * The distance of each ray to a plane is computed and bounded as in interval_traversal.h.
  *
  * Based on: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing",
  * Eurographics 2001.
@@ -20,7 +20,7 @@
 #include "rays/extremes.h"
 #include "simd/simd.h"
 
-/* Vectors that hold the four lanes of a 2x2 packet, or the one vector that holds them and others. */
+/* The vectors that hold the four lanes of a 2x2 packet: if VW > 4, one, which holds other lanes too. */
 #define PACKET2_VECTORS (VW < 4 ? 4 / VW : 1)
 
 struct masked_interval {
@@ -36,8 +36,8 @@ struct masked_cell {
 
 struct ray_axis {
     vf origin[PACKET2_VECTORS];
-    vf small[PACKET2_VECTORS]; /* 1 / d, moved down and up in magnitude */
-    vf large[PACKET2_VECTORS];
+    vf small[PACKET2_VECTORS]; /* 1 / d, decreased in magnitude by RECIPROCAL_SLACK of itself, */
+    vf large[PACKET2_VECTORS]; /* and increased */
 };
 
 struct lane_distances {
@@ -45,6 +45,7 @@ struct lane_distances {
     vf hi;
 };
 
+/* The distances within which the rays of vector i cross the plane x = c of this axis. */
 MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *axis, int i, float c)
 {
     const vf x = v_sub(v_set1(c), axis->origin[i]);
@@ -52,7 +53,7 @@ MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *ax
     return (struct lane_distances){v_min(a, b), v_max(a, b)};
 }
 
-/* Traces lanes of equal signs, all in the vectors from first_lane on. */
+/* Traces rays whose directions have the same signs. Their lanes are in the PACKET2_VECTORS from first_lane on. */
 static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
                                   struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -137,7 +138,7 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
         for (uint32_t i = 0; i < count; ++i) {
             struct mlrt_triangle_setup *setup = NULL;
             if (packet->has_apex) {
-                /* One entry is kept, for its terms only: this method looks at no outlines. */
+                /* The table has one entry, used for its terms only: this method tests no outlines. */
                 setup = &worker->setups[0];
                 if (setup->number != entries[i] || setup->main_axis != group.axis_code || !setup->has_terms) {
                     setup->number = entries[i];
@@ -174,7 +175,7 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
     }
 }
 
-/* Traces a packet's active rays, 2x2 at a time, from the root. */
+/* Traces the active rays of a packet from the root, 2x2 at a time. */
 static void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     for (int square = 0; square < MLRT_PACKET_RAYS; square += 4) {

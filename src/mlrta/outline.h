@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Outlines: where triangles and cells are seen from an apex, to leave out at once what no ray of a packet can hit.
+ * Outlines: where triangles and cells are seen from an apex. A packet skips a triangle or cell if its outline shows
+ * that no ray can hit it.
  *
- * Along a main axis with its sign, a point in front of the apex has a depth and slopes x_j / depth over the other two
- * axes. What lies wholly in front is seen between the slopes of its vertices, and so is every ray that hits it. A slope
- * of a vertex has three roundings, one of a ray two; both kinds of bounds are moved apart by 2^-20 of themselves. So
- * rays whose slopes do not overlap an outline surely miss what it is of. What is not wholly in front is seen
- * everywhere.
+ * Along a main axis with its sign, a point in front of the apex has a depth, and over each of the two other axes a
+ * slope x_j / depth. If all vertices of a triangle or box are in front of the apex, the slopes of every ray that hits
+ * it lie between those of its vertices. The slope of a vertex has three roundings, that of a ray two; bounds of both
+ * are moved apart by 2^-20 of themselves (SLOPE_SLACK). So rays whose slopes do not overlap an outline surely miss the
+ * triangle or box. If a vertex is not in front of the apex, the outline has no bounds.
  *
- * Groups are narrow (ray_group.h), so no ray of one has a main component of 0.
+ * Groups are narrow (ray_group.h), so none of their rays has a main component of 0.
  */
 #ifndef MLRT_MLRTA_OUTLINE_H
 #define MLRT_MLRTA_OUTLINE_H
@@ -18,10 +19,10 @@
 #include "job/job.h"
 #include "mlrta/covering.h"
 #include "mlrta/setups.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 
-/* An axis and its sign in one number. */
+/* An axis and its sign as one number. */
 MLRT_INLINE uint32_t axis_code(int axis, int negative)
 {
     return (uint32_t)axis | (negative ? 4u : 0);
@@ -62,13 +63,13 @@ MLRT_INLINE void set_box_outline(const struct mlrt_box *box, uint32_t code, cons
     }
 }
 
-/* Bounds of d_j / |d_main| of each ray of a packet, SLOPE_SLACK of itself apart. */
+/* Bounds of d_j / |d_main| for each ray of a packet, moved apart by SLOPE_SLACK. */
 struct ray_slopes {
     MLRT_ALIGNED(64) float lo[2][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float hi[2][MLRT_PACKET_RAYS];
 };
 
-/* Lanes whose rays overlap an outline. */
+/* The lanes whose slopes overlap an outline. */
 MLRT_INLINE uint32_t overlapping_lanes(const struct ray_slopes *slopes, const struct mlrt_outline *outline)
 {
     uint32_t lanes = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A packet against one triangle, as triangle_filter.h has it: rays of one origin by the triangle's set-up, others lane
- * by lane.
+ * A packet against one triangle, by the filter of hits/triangle_filter.h. For rays of a common origin the terms come
+ * from the triangle's set-up; for others they are computed lane by lane.
  */
 #ifndef MLRT_MLRTA_PACKET_FILTER_H
 #define MLRT_MLRTA_PACKET_FILTER_H
@@ -15,14 +15,14 @@
 #include "scene/masks.h"
 #include "simd/simd.h"
 
-/* What the rays of a packet need to know of a triangle. Index 3 of cross is the normal. */
+/* The terms of a triangle for a vector of rays. Index 3 of cross is the normal. */
 struct triangle_terms {
-    vf cross[4][3]; /* (a + b) x (b - a) and so on relative to the origin, and n; each scaled by its size */
+    vf cross[4][3]; /* (a + b) x (b - a) and so on relative to the origin, and n; each divided by its size */
     vf distance;    /* N' */
     vf distance_bound;
 };
 
-/* Terms for rays of different origins, lane by lane. */
+/* Computes the terms for rays of different origins. */
 MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin[3], uint32_t main_axis,
                            struct triangle_terms *terms)
 {
@@ -46,7 +46,7 @@ MLRT_INLINE void set_terms(const struct mlrt_triangle *triangle, const vf origin
     terms->distance_bound = v_add(v_mul(farthest, v_set1(DISTANCE_BOUND)), v_set1(DISTANCE_FLOOR));
 }
 
-/* Terms for rays of one origin, from what was set up. */
+/* Copies the terms for rays of a common origin from the triangle's set-up. */
 MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, struct triangle_terms *terms)
 {
     for (int i = 0; i < 4; ++i) {
@@ -56,7 +56,7 @@ MLRT_INLINE void set_apex_terms(const struct mlrt_triangle_setup *setup, struct 
     terms->distance_bound = v_set1(setup->distance_bound);
 }
 
-/* The best guess of a decision, for builds that measure what better ones cost (platform.h). */
+/* The filter of builds that measure what exactness costs (MLRT_GUESS, platform.h): signs as computed, no bounds. */
 MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, const struct mlrt_packet *packet, int v,
                                         vm active)
 {
@@ -78,7 +78,7 @@ MLRT_INLINE struct verdict guess_vector(const struct triangle_terms *terms, cons
     return verdict;
 }
 
-/* `reach` is R. */
+/* The verdict on the rays `active` of the vector at lane v. `reach` is R of triangle_filter.h. */
 MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, float reach,
                                          const struct mlrt_packet *packet, int v, vm active)
 {
@@ -102,7 +102,7 @@ MLRT_INLINE struct verdict filter_vector(const struct triangle_terms *terms, flo
                              v_load(packet->hi + v), 0);
 }
 
-/* The float part of test_triangle. `apex_terms` is NULL, or not, at compile time. */
+/* The float part of test_triangle. It is inlined, so the compiler knows whether `apex_terms` is NULL. */
 MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t number,
                                         const struct triangle_terms *apex_terms, const struct ray_group *group,
                                         uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
@@ -127,9 +127,8 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
 }
 
 /*
- * Tests the rays of `group` in the lanes `lanes` against triangle `number` and updates their nearest hits.
- * `apex_terms` are those of the triangle if the rays have a common origin, else NULL. Returns the lanes whose nearest
- * hit changed.
+ * Tests the rays `lanes` of `group` against triangle `number` and updates their nearest hits. `apex_terms` are the
+ * triangle's terms if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
  */
 MLRT_INLINE uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number,
                                    const struct triangle_terms *apex_terms, const struct ray_group *group,
@@ -141,7 +140,7 @@ MLRT_INLINE uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number
            decide_lanes(tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
 }
 
-/* The same for rays of one origin, and for rays of different ones. */
+/* test_triangle for rays of a common origin, and for rays of different origins. */
 static uint32_t test_triangle_from_apex(const struct mlrt_tree *tree, uint32_t number,
                                         const struct mlrt_triangle_setup *setup, const struct ray_group *group,
                                         uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray through the kd-tree: near child first, far child on a stack, nearest hit so far cuts both short.
+ * One ray through the kd-tree: near child first, far child on a stack, up to the nearest hit so far.
  *
- * Node tests are in double (ray_interval.h): a cell is left out only if its interval is surely empty or surely behind
- * the nearest hit.
+ * Node tests are in double (exact/ray_interval.h): a cell is skipped only if its interval is surely empty or surely
+ * behind the nearest hit.
  *
  * Based on: V. Havran, "Heuristic Ray Shooting Algorithms", 2000, appendix C (recursive traversal with a stack).
  */
@@ -16,7 +16,7 @@
 #include "scene/masks.h"
 #include "scene/tree.h"
 
-/* The part of the ray inside the closed box, or a little more. 0 if there is surely none. */
+/* Sets *part to the interval of the ray in the closed box, or a little more. Returns 0 if it surely is empty. */
 static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciprocal[3], const struct mlrt_box *box,
                        struct mlrt_interval *part)
 {
@@ -38,12 +38,16 @@ static int clip_to_box(const struct mlrt_ray_segment *ray, const double reciproc
     return part->enter <= part->exit;
 }
 
+/* A far child that waits on the stack. */
 struct pending {
     uint32_t node;
     struct mlrt_interval part;
 };
 
-/* With a list, all hits go there and none ends the search. */
+/*
+ * With a list, adds every hit to it and returns MLRT_NONE. Else returns the triangle of the nearest hit; if `any`, of
+ * the first hit found.
+ */
 MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
                            struct mlrt_hit_list *list, mlrt_counters *counters)
 {
@@ -92,7 +96,8 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
                 mlrt_gather_hit(tree->triangles, ray, entries[i], list, counters);
                 continue;
             }
-            if (mlrt_offer_triangle(tree->triangles, ray, entries[i], &nearest, counters) && any) return nearest.triangle;
+            if (mlrt_offer_triangle(tree->triangles, ray, entries[i], &nearest, counters) && any)
+                return nearest.triangle;
         }
         do {
             if (pending_count == 0) return nearest.triangle;

@@ -7,7 +7,7 @@
 
 #include "exact/hit_list.h"
 
-/* As mlrt_trace_boxes (bvh/ray.h), in the cells of a kd-tree. */
+/* Traces a ray through the cells of the kd-tree; arguments and result are those of mlrt_trace_boxes (bvh/ray.h). */
 uint32_t mlrt_trace_cells(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
                           struct mlrt_hit_list *list, mlrt_counters *counters);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays of a packet that go through the tree together, and what is to be known of them all: bounds of their origins and
- * directions, and with a common origin the frustum they lie in.
+ * A group: rays of a packet that go down the tree as one, with bounds of their origins and directions and, if they have
+ * a common origin, the frustum in which they lie.
  *
- * A group has common signs: d_k >= 0 for all its rays, or d_k < 0 for all. And it is narrow: traced as one, it visits
- * all that lies between its rays. What is left over forms further groups.
+ * The directions of a group have the same signs: on each axis d_k >= 0 for all rays, or d_k < 0 for all. And a group is
+ * narrow, since it visits all cells that lie between its rays. The other rays of the packet form further groups.
  */
 #ifndef MLRT_MLRTA_RAY_GROUP_H
 #define MLRT_MLRTA_RAY_GROUP_H
@@ -14,17 +14,21 @@
 #include "mlrta/outline.h"
 #include "mlrta/setups.h"
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 
-/* Directions of a group differ by at most this share of their length. Chosen on the shadow rays of conference, where
- * blocks on silhouettes are wide: 4600 ms without a limit, 500 ms at 0.1, 230 ms at 0.05, no further gain below. */
+/*
+ * Along each axis, directions of a group differ by at most this share of their greatest component. Measured on the
+ * shadow rays of conference, where blocks on silhouettes are wide: 4600 ms without a limit, 500 ms at 0.1, 230 ms at
+ * 0.05, no further gain below.
+ */
 #define GROUP_SPREAD 0.05f
 
 /*
- * And origins of a group differ by at most this share of the scene's extent, along each axis. Chosen on parallel rays
- * from anywhere (axis-parallel, at a sphere of 20,480 triangles), where groups of rays that have only their direction
- * in common were 200 times slower than single rays; a camera's parallel rays are far below it.
+ * Along each axis, origins of a group differ by at most this share of the scene's greatest extent. Measured on
+ * axis-parallel rays with origins anywhere, towards a sphere of 20,480 triangles: without the limit, groups of rays
+ * that have only their direction in common were 200 times slower than single rays. The origins of a parallel camera's
+ * packets differ by far less.
  */
 #define GROUP_EXTENT 0.03125f
 
@@ -32,26 +36,26 @@
 struct group_axis {
     float origin_lo;
     float origin_hi;
-    float small; /* bounds of the reciprocal directions, with their sign: smallest and largest magnitude, */
-    float large; /* moved apart by RECIPROCAL_SLACK. May be infinite */
+    float small; /* bounds of 1 / d_k, with its sign: of the smallest magnitude, */
+    float large; /* and of the largest. They are moved apart by RECIPROCAL_SLACK, and may be infinite */
     float reach; /* largest |d_k| */
     uint32_t negative;
 };
 
-/* A triangle lies in several leaves. All rays of a group are tested against it at once, so once is enough. */
+/* Entries of a group's mailbox. A triangle can lie in several leaves, but one test of it serves all rays of a group. */
 #define SEEN_COUNT 16
 
 struct ray_group {
     uint32_t lanes;
     struct group_axis axis[3];
-    uint32_t axis_code;        /* the main axis, where the directions are largest, and its sign (outline.h) */
-    float reach;               /* the larger of |d_main| and twice any other |d_k| (triangle_filter.h) */
-    int has_frustum;           /* a common origin; only then what follows is set */
-    struct ray_slopes slopes;  /* against the main axis */
+    uint32_t axis_code;        /* the main axis, that of the largest |d_k|, and its sign (outline.h) */
+    float reach;               /* the larger of |d_main| and twice any other |d_k|: R of triangle_filter.h */
+    int has_frustum;           /* the rays have a common origin, and `slopes` is set */
+    struct ray_slopes slopes;  /* over the main axis */
     uint32_t seen[SEEN_COUNT]; /* triangles tested lately: entry number % SEEN_COUNT */
 };
 
-/* Bounds of directions. */
+/* Bounds of the directions of some lanes. */
 struct direction_range {
     float lo[3];
     float hi[3];
@@ -82,7 +86,7 @@ MLRT_INLINE int are_narrow(const struct direction_range *range)
     return spread <= GROUP_SPREAD * length;
 }
 
-/* Of `lanes`, those that agree with the lowest of them in all three signs. */
+/* Of `lanes`, those whose directions have the same three signs as that of the lowest lane. */
 static uint32_t same_sign_lanes(const struct mlrt_packet *packet, uint32_t lanes)
 {
     const uint32_t seed = lanes & (0u - lanes);
@@ -97,7 +101,7 @@ static uint32_t same_sign_lanes(const struct mlrt_packet *packet, uint32_t lanes
     return same;
 }
 
-/* Of `lanes`, those whose directions are like that of the lowest. */
+/* Of `lanes`, those whose directions differ from that of the lowest by at most half of GROUP_SPREAD. */
 static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
 {
     uint32_t seed = 0;
@@ -116,7 +120,7 @@ static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
     return lanes & (similar | 1u << seed);
 }
 
-/* Of `lanes`, those whose origins are near that of the lowest. */
+/* Of `lanes`, those whose origins differ from that of the lowest by at most half of GROUP_EXTENT. */
 static uint32_t near_lanes(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *bounds)
 {
     uint32_t seed = 0, near = lanes;
@@ -138,7 +142,7 @@ MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes
                                 struct group_axis *axis)
 {
     axis->negative = lo < 0;
-    /* -0 + 0 is +0: the reciprocals of a group that is not negative are not either. */
+    /* Adding 0 turns -0 into 0, so that the reciprocals of a group that is not negative are not negative. */
     const float largest = (axis->negative ? lo : hi) + 0.0f, smallest = (axis->negative ? hi : lo) + 0.0f;
     axis->small = (1 / largest) * (1 - RECIPROCAL_SLACK);
     axis->large = (1 / smallest) * (1 + RECIPROCAL_SLACK);
@@ -181,7 +185,7 @@ MLRT_INLINE void set_frustum(const struct mlrt_packet *packet, struct ray_group 
     }
 }
 
-/* Makes a group of some of `lanes`, the lowest among them. */
+/* Makes a group from the lowest of `lanes` and those of the others that fit it. */
 static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *bounds,
                        struct ray_group *group)
 {
@@ -203,7 +207,7 @@ static void make_group(const struct mlrt_packet *packet, uint32_t lanes, const s
     for (int i = 0; i < SEEN_COUNT; ++i) group->seen[i] = MLRT_NONE;
 }
 
-/* 1 if the triangle was seen before; it is seen from now on. */
+/* Enters the triangle in the group's mailbox. Returns 1 if it was there. */
 MLRT_INLINE int was_seen(struct ray_group *group, uint32_t number)
 {
     uint32_t *entry = &group->seen[number % SEEN_COUNT];
@@ -213,8 +217,8 @@ MLRT_INLINE int was_seen(struct ray_group *group, uint32_t number)
 }
 
 /*
- * Lanes of a group with a frustum that may hit what has this outline nearer than at `farthest`: a ray that hits it at t
- * is there at the depth t |d_main|.
+ * The lanes of a group with a frustum that may hit the triangle or box of this outline at a distance of at most
+ * `farthest`. A ray that hits it at t is at the depth t |d_main| there.
  */
 MLRT_INLINE uint32_t touched_lanes(const struct ray_group *group, const struct mlrt_outline *outline, float farthest)
 {

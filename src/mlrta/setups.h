@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a worker keeps about triangles for packets of one apex.
+ * Set-ups of triangles, which a worker keeps for packets from one apex.
  */
 #ifndef MLRT_MLRTA_SETUPS_H
 #define MLRT_MLRTA_SETUPS_H
@@ -9,22 +9,19 @@
 
 #include "base/platform.h"
 
-/* Where something is seen from an apex, against a main axis: bounds of x_j / depth for the two other axes. */
+/* Where a triangle or box is seen from an apex (outline.h): bounds of x_j / depth over the two axes beside the main. */
 struct mlrt_outline {
     float slope_lo[2];
     float slope_hi[2];
     float least_depth; /* along the main axis */
 };
 
-/*
- * What packets of one apex share about a triangle (triangle_setup.h): where it is seen from the apex, and the terms of
- * its edge functions.
- */
+/* What packets from one apex share about a triangle: its outline, and the terms of its edge functions. */
 struct mlrt_triangle_setup {
     uint32_t number;    /* of the triangle; MLRT_NONE = empty entry */
     uint32_t main_axis; /* of the outline, with its sign: axis | negative << 2 */
-    int has_terms;
-    int in_plane; /* with terms: the apex lies in the triangle's plane, so no ray hits it at t > 0 */
+    int has_terms;      /* the fields below are set, but for the outline, which always is */
+    int in_plane;       /* the apex lies in the triangle's plane, so no ray hits it at t > 0 */
     struct mlrt_outline outline;
     float distance;
     float distance_bound;

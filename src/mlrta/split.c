@@ -2,8 +2,8 @@
 /*
  * Where to split a cell: see split.h.
  *
- * Areas, sums and costs are doubles: extents are at most 2^129 and at least 2^-149, so nothing here overflows, and a
- * cell with extents in two axes has an area above 0.
+ * Areas, sums and costs are doubles: an extent is 0 or from 2^-149 to 2^129, so nothing here overflows, and a cell with
+ * extents in two axes has an area above 0.
  */
 #include "mlrta/split.h"
 
@@ -31,7 +31,7 @@ static float key_float(uint32_t key)
 
 /* ---- sorting ------------------------------------------------------------------------------------------------- */
 
-/* Up to here, insertion beats counting digits: four passes over 256 counters cost as much as 48 keys inserted. */
+/* Up to so many keys, insertion sort is faster: four passes over 256 counters cost as much as inserting 48 keys. */
 #define INSERTION_LIMIT 48
 
 static void insertion_sort(uint32_t *keys, size_t count)
@@ -62,6 +62,7 @@ static void sort_by_digit(const uint32_t *keys, size_t count, int shift, const u
     for (size_t i = 0; i < count; i++) sorted[place[keys[i] >> shift & 255]++] = keys[i];
 }
 
+/* Radix sort by bytes, the lowest first; bytes that are equal in all keys are skipped. */
 void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count)
 {
     if (count <= INSERTION_LIMIT) {
@@ -120,7 +121,7 @@ struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references
 
 /* ---- rule 1: empty space ------------------------------------------------------------------------------------- */
 
-/* The paper's value: an empty side must be more than this part of the cell's volume. */
+/* An empty side must be more than this part of the cell's volume: the paper's value. */
 #define EMPTY_SIDE 0.1
 
 int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *content, struct mlrt_split *split)
@@ -140,10 +141,10 @@ int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *con
 
 /* ---- rule 2: covered planes ---------------------------------------------------------------------------------- */
 
-/* Areas of triangles that cover a rectangle add up to its own but for rounding: 2^-20 is far above the error. */
+/* The areas of triangles that cover a rectangle add up to its area but for rounding errors, far below 2^-20 of it. */
 #define COVERED (1 - 0x1p-20)
 
-/* Planar area is first added up in this many slices: few of them hold enough, and only those are looked at closely. */
+/* Planar area is first summed in this many slices. Few slices have enough, and only planes in these are measured. */
 #define SLICE_COUNT 64
 
 struct slicing {
@@ -151,7 +152,7 @@ struct slicing {
     double scale;
 };
 
-/* Slices (and bins) are numbered by a function that never decreases with x, so that counts per slice are exact. */
+/* Slices, and bins, have numbers that never decrease with x (slice_of), so that counts of whole slices are exact. */
 static struct slicing cut_slices(double lo, double hi, int count)
 {
     struct slicing slicing = {lo, count / (hi - lo)};
@@ -176,7 +177,10 @@ int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *
            may_be_covered_along(cell, content, 2);
 }
 
-/* The positions of planar references, sorted, each once, from slices that hold enough area. Returns how many. */
+/*
+ * Stores the positions of planar references in `keys`, ascending and each once, if their slices have enough area.
+ * Returns the number of positions.
+ */
 static size_t gather_planes(const struct mlrt_box *cell, const struct mlrt_reference *references, size_t count,
                             uint32_t axis, struct mlrt_progress *progress, uint32_t *keys)
 {
@@ -201,7 +205,7 @@ static size_t gather_planes(const struct mlrt_box *cell, const struct mlrt_refer
     return unique_count;
 }
 
-/* Where `key` is in ascending keys, or key_count. */
+/* The index of `key` in ascending keys, or key_count if it is not among them. */
 static size_t find_key(const uint32_t *keys, size_t key_count, uint32_t key)
 {
     size_t first = 0, last = key_count;
@@ -221,8 +225,8 @@ static int lies_in_plane(const struct mlrt_triangle *triangle, uint32_t axis)
 }
 
 /*
- * The area of each plane's references. Their boxes are added up first; only where these are `enough`, the triangles
- * themselves are. The others' area is set to -1.
+ * Sets the area of the triangles in each plane. First the boxes of its references are summed; only if these are
+ * `enough`, its clipped triangles are. Else its area is set to -1.
  */
 static void measure_planes(const struct mlrt_triangle *triangles, const struct mlrt_reference *references, size_t count,
                            uint32_t axis, double enough, const uint32_t *keys, size_t key_count,
@@ -270,14 +274,14 @@ int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct 
 
 /* ---- surface area heuristic ---------------------------------------------------------------------------------- */
 
-/* A cell as seen along an axis, and what a split of it costs. */
+/* An axis of a cell, and the terms of what a split across it costs. */
 struct sweep {
     const struct mlrt_cost_model *model;
-    double lo;
+    double lo; /* bounds of the cell */
     double hi;
     double cross_section;
-    double perimeter; /* half of it */
-    double per_area;
+    double perimeter; /* half of that of the cross section */
+    double per_area;  /* cost of a triangle test, per half area of the child that has it */
     uint32_t axis;
 };
 
@@ -317,8 +321,7 @@ static void offer_split(const struct sweep *sweep, float position, size_t below_
     }
 }
 
-/* Bounds of references along an axis, sorted: of those that are not planar where they start and end, and of the others.
- */
+/* Bounds of references along an axis, sorted: starts and ends of those not planar in it, positions of the planar. */
 struct events {
     uint32_t *starts;
     uint32_t *ends;
@@ -328,6 +331,7 @@ struct events {
     size_t planar_count;
 };
 
+/* Moves *next past the keys that are equal to `key`. Returns their number. */
 MLRT_INLINE size_t skip_equal(const uint32_t *keys, size_t count, size_t *next, uint32_t key)
 {
     size_t first = *next;
@@ -335,15 +339,17 @@ MLRT_INLINE size_t skip_equal(const uint32_t *keys, size_t count, size_t *next, 
     return *next - first;
 }
 
+/* The lesser of `key` and the next of `keys`. */
 static uint32_t first_key(const uint32_t *keys, size_t count, size_t next, uint32_t key)
 {
     return next < count && keys[next] < key ? keys[next] : key;
 }
 
 /*
- * Tries a split at every event: a plane first leaves behind what ends or is planar in it, then meets what starts there.
- * `below_count` references start before the first event, `above_count` do not end before it. A face of the cell is a
- * split only if that takes planar references out of the rest of the cell.
+ * Tries a split at every event. References that end at the plane leave the upper side before the split is tried, those
+ * that start there join the lower side after it; planar ones are tried on both sides. `below_count` references start
+ * before the first event, `above_count` do not end before it. A face of the cell is tried only if that takes planar
+ * references out of the rest of the cell.
  */
 static void sweep_events(const struct sweep *sweep, const struct events *events, size_t below_count, size_t above_count,
                          struct mlrt_split *best)
@@ -371,7 +377,7 @@ static void sort_events(struct events *events, uint32_t *spare)
     mlrt_sort_keys(events->planars, spare, events->planar_count);
 }
 
-/* Starts fill the keys from the front, planars from the middle down, ends from the middle up. */
+/* Starts are stored from keys[0] up, planars from keys[count - 1] down, and ends from keys[count] up. */
 static struct events gather_all_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
                                        uint32_t *keys)
 {
@@ -406,10 +412,10 @@ void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlr
 
 /* ---- the same with bins -------------------------------------------------------------------------------------- */
 
-/* Planes tried per axis before the exact search around the best of them. */
+/* Bins per axis: the planes between them are tried first, then the events in the two bins beside the best plane. */
 #define BIN_COUNT 256
 
-/* References that start and end in each bin. */
+/* The number of references that start and end in each bin of an axis. */
 struct bins {
     struct slicing slicing;
     uint32_t starts[BIN_COUNT];
@@ -431,7 +437,10 @@ static void fill_bins(const struct mlrt_reference *references, size_t count, con
     }
 }
 
-/* The bin boundary with the cheapest split, as the number of the bin above it; 0 = none is cheaper than *cost. */
+/*
+ * Lowers *cost to that of the cheapest split at a bin boundary and returns the number of the bin above it; 0 if no
+ * boundary is cheaper than *cost.
+ */
 static int find_best_boundary(const struct sweep *sweep, const struct bins *bins, size_t count, double *cost)
 {
     int best = 0;
@@ -449,7 +458,7 @@ static int find_best_boundary(const struct sweep *sweep, const struct bins *bins
     return best;
 }
 
-/* The events of the bins first_bin and first_bin + 1, as gather_all_events arranges them. */
+/* The events in the bins first_bin and first_bin + 1, stored as by gather_all_events. */
 static struct events gather_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
                                    const struct slicing *slicing, int first_bin, struct mlrt_progress *progress,
                                    uint32_t *keys)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where to split a cell: the surface area heuristic and the rules of the paper that come before it. Pure functions:
- * they look at the references of one cell and keep nothing. Those that are given a call's progress look whether it is
- * to end, and if so, do; then what they say means nothing. Less than MLRT_ROUNDS references are not worth a look.
+ * Where to split a cell: the surface area heuristic, and the rules of the paper that come before it. The functions read
+ * the references of one cell and keep no state. Those with a `progress` end early if the call is cancelled; then their
+ * results mean nothing. They check every MLRT_ROUNDS references, so never in smaller cells.
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Ingo Wald, Vlastimil Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", 2006.
@@ -17,7 +17,7 @@
 #include "base/progress.h"
 #include "exact/triangle.h"
 
-/* A triangle in a cell: `box` holds the part of it that lies in the cell, and is in the cell. */
+/* A triangle in a cell. `box` lies in the cell and contains the part of the triangle that does. */
 struct mlrt_reference {
     uint32_t triangle;
     struct mlrt_box box;
@@ -30,19 +30,19 @@ struct mlrt_cost_model {
 };
 
 struct mlrt_split {
-    double cost; /* of a ray that crosses the cell, by the model; HUGE_VAL = there is no split */
+    double cost; /* expected for a ray that crosses the cell; HUGE_VAL = there is no split */
     float position;
     uint32_t axis;
     int planar_above; /* 1 = references planar in the plane go to the upper side */
 };
 
-/* What the references of a cell have in common. */
+/* All references of a cell together. */
 struct mlrt_content {
     struct mlrt_box bounds;
-    double planar_area[3]; /* of the boxes that are planar in each axis, together */
+    double planar_area[3]; /* the sum over the boxes that are planar in this axis */
 };
 
-/* Keys sort as unsigned integers like the floats they stand for. */
+/* The key of a float: as unsigned integers, keys have the order of their floats. */
 uint32_t mlrt_float_key(float x);
 
 /* Sorts `count` keys ascending; `spare` has room for as many. */
@@ -59,7 +59,7 @@ static inline int mlrt_side_of_split(const struct mlrt_reference *reference, con
     return (lo >= split->position) - (hi <= split->position);
 }
 
-/* What a split costs by the model that leaves so many references on its sides. Not for cells of zero area. */
+/* The cost of a split that leaves these counts of references on its sides. The cell must have an area above 0. */
 double mlrt_split_cost(const struct mlrt_cost_model *model, const struct mlrt_box *cell, const struct mlrt_split *split,
                        size_t below_count, size_t above_count);
 
@@ -67,17 +67,17 @@ struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references
                                          struct mlrt_progress *progress);
 
 /*
- * Rule 1: the split that cuts off the largest empty side, if it is more than 10 % of the cell. Returns whether it is;
- * the cost is not set.
+ * Rule 1: the split that cuts off the largest empty side, if that is more than 10 % of the cell. Returns 1 if there is
+ * one. Does not set the cost.
  */
 int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *content, struct mlrt_split *split);
 
-/* Whether rule 2 may find a plane: enough area is planar in some axis. */
+/* 1 if rule 2 may find a plane: along an axis, enough area is planar. */
 int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *content);
 
 /*
- * Rule 2: a plane that triangles in it cover wholly; of several the one nearest to the middle of the cell. `keys` has
- * room for 2 * count, `areas` for count. Returns whether there is one; the cost is not set.
+ * Rule 2: a plane that the triangles in it cover wholly; of several, the one nearest to the middle of the cell. `keys`
+ * has room for 2 * count, `areas` for count. Returns 1 if there is one. Does not set the cost.
  */
 int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_box *cell,
                             const struct mlrt_reference *references, size_t count, const struct mlrt_content *content,
@@ -89,8 +89,8 @@ void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlr
                            struct mlrt_split *split);
 
 /*
- * The same for many references: the cheapest of a row of equidistant planes is looked for first, and then the cheapest
- * bound of a reference around it. The counts it goes by are exact. `keys` has room for 3 * count.
+ * The same for many references: finds the cheapest of equidistant planes first, then the cheapest bound of a reference
+ * near it. The counts on either side are exact. `keys` has room for 3 * count.
  */
 void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
                             const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,

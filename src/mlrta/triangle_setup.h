@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What packets with a common origin share about a triangle: where it is seen from there, and the terms of its edge
- * functions. A worker keeps a small table of both for the packets of the neighbourhood.
+ * Set-ups of triangles: the outline of a triangle as seen from an apex, and the terms of its edge functions, which all
+ * packets from that apex share. A worker keeps a small table of them for neighbouring packets.
  */
 #ifndef MLRT_MLRTA_TRIANGLE_SETUP_H
 #define MLRT_MLRTA_TRIANGLE_SETUP_H
@@ -15,13 +15,14 @@
 #include "mlrta/setups.h"
 #include "rays/extremes.h"
 
+/* Empties the worker's table for packets from another apex. */
 static void forget_setups(const float apex[3], struct mlrt_worker *worker)
 {
     for (uint32_t i = 0; i <= worker->setup_mask; ++i) worker->setups[i].number = MLRT_NONE;
     memcpy(worker->apex, apex, sizeof worker->apex);
 }
 
-/* The table's entry for a triangle. Its terms may still be missing. */
+/* The table's entry for a triangle, with its outline. Its terms are only set if has_terms says so. */
 MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, uint32_t number,
                                                   const struct ray_group *group, struct mlrt_worker *worker)
 {
@@ -34,10 +35,10 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
     return setup;
 }
 
-/* Of components, by main axis. */
+/* Weights of the components of a cross product in its size, by main axis (hits/triangle_filter.h). */
 static const float axis_weights[3][3] = {{1, 0.5f, 0.5f}, {0.5f, 1, 0.5f}, {0.5f, 0.5f, 1}};
 
-/* Works out the terms of an entry, four edges at a time; triangle_filter.h says what they are. */
+/* Sets the terms of an entry (hits/triangle_filter.h): those of the three edges and of the normal at once. */
 MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
                               struct mlrt_triangle_setup *setup)
 {

@@ -2,14 +2,14 @@
 /*
  * The beams of a camera's tiles.
  *
- * A tile's vectors p = d00 + x dx + y dy are affine in (x, y), so over the rectangle of sample positions each
- * component, and each ratio of two components whose denominator keeps its sign, has its extremes at the four corners.
- * The rays are those of *rounded* vectors: by the formula, component k is off by at most
+ * A tile's vectors p = d00 + x dx + y dy are affine in (x, y). So over the rectangle of sample positions, each
+ * component has its extremes at the four corners, and so has each ratio of two components whose denominator keeps its
+ * sign. But the rays have *rounded* vectors. By the formula of rays/camera.h, component k is off by at most
  *
  *     fl(x dx): u |x dx|;  first sum: u (|d00| + |x dx|)(1 + u);  fl(y dy): u |y dy|;  second sum: u of everything
  *
- * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), u = 2^-24: `pad` is 4 u of the largest such sum over
- * the corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
+ * so by less than 3 u (|d00_k| + |x dx_k| + |y dy_k|) (1 + 2 u), with u = 2^-24. `pad` is 4 u times the largest such
+ * sum over the corners, plus 2^-146 for underflow. With exact values A and pads p, a ratio is off by
  *
  *     |(A_j + e_j) / (A_a + e_a) - A_j / A_a| <= (p_j + |A_j / A_a| p_a) / (|A_a| - p_a).
  */
@@ -19,7 +19,7 @@
 #include "mlrta/beam.h"
 #include "rays/camera.h"
 
-/* p at the corners of a tile's sample positions, exact but for 2^-52, and the pad that covers every rounding. */
+/* The vectors p at the corners of a tile's sample positions, off by at most 2^-52 of their terms, and the pads. */
 struct corners {
     double p[3][4];
     double pad[3];
@@ -45,7 +45,7 @@ struct range {
     double hi;
 };
 
-/* All values of component k over the tile. */
+/* Bounds of component k over the rays of the tile. */
 static struct range component_range(const struct corners *corners, int k)
 {
     struct range range = {corners->p[k][0], corners->p[k][0]};
@@ -58,13 +58,13 @@ static struct range component_range(const struct corners *corners, int k)
     return range;
 }
 
-/* A component that is 0 for every pixel: the formula rounds nothing. */
+/* 1 if component k is exactly 0 for every pixel, so that it needs no pad. */
 static int is_zero_component(const struct mlrt_view *view, int k)
 {
     return view->d00[k] == 0 && view->dx[k] == 0 && view->dy[k] == 0;
 }
 
-/* The half of the axis in front of an origin range, cut at t_max. */
+/* Bounds the points of the rays along axis k: from the range of their origins forward, to t_max. */
 static void set_region(struct mlrt_beam *beam, int k, double direction_lo, double direction_hi, double t_max)
 {
     double lo = beam->origin_lo[k], hi = beam->origin_hi[k];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The camera: checking it. What its rays are is said in camera.h.
+ * The check of a camera. The formula of its rays is in camera.h.
  */
 #include "rays/camera.h"
 
@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Up to here float holds the number of a column or row exactly, and its sum with 0.5. */
 #define PIXEL_LIMIT (1u << 23)
 
 static int is_finite_vector(const float v[3])
@@ -20,7 +21,7 @@ static int is_zero_vector(const float v[3])
     return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
-/* The cross product of two float vectors is not zero, in double: enough to tell a picture from a line. */
+/* 1 if the vectors are not parallel, so that they span a picture. Exact: products of two floats are, in double. */
 static int spans_plane(const float a[3], const float b[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -30,6 +31,7 @@ static int spans_plane(const float a[3], const float b[3])
     return 0;
 }
 
+/* Resolves the length of a crop along one axis; 0 if it is not in the picture. */
 static int crop_range(uint32_t first, uint32_t count, uint32_t whole, uint32_t *resolved)
 {
     if (first >= whole || count > whole - first) return 0;
@@ -73,7 +75,7 @@ int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
     view->sample_x = camera->sample_x;
     view->sample_y = camera->sample_y;
     view->t_min = camera->t_min < 0 ? 0 : camera->t_min;
-    /* Below 0 there is no hit, nor up to 0; -inf must not pass for no limit. */
+    /* 0 stands for no limit. A t_max below 0 allows no hit and becomes 0: -inf would pass for no limit. */
     view->t_max = camera->t_max == 0 ? INFINITY : camera->t_max < 0 ? 0 : camera->t_max;
     return MLRT_OK;
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The camera: the one formula that makes a pixel's ray (rule R7).
+ * The camera: the formula that makes the ray of a pixel (rule R7).
  */
 #ifndef MLRT_RAYS_CAMERA_H
 #define MLRT_RAYS_CAMERA_H
 
 #include "mlrt.h"
 
-/* A checked camera. Pixels are counted from the crop's first. */
+/* A checked camera with defaults resolved. Pixel (0, 0) is the first of the crop. */
 struct mlrt_view {
     int parallel;
     uint32_t width; /* of the crop */
@@ -25,16 +25,16 @@ struct mlrt_view {
     float t_max; /* inf = no limit */
 };
 
-/* Checks a camera (its struct_size is right) and resolves its defaults. */
+/* Checks a camera, whose struct_size is right, and resolves its defaults. Returns a status. */
 int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view);
 
-/* fl(i + sample) for a pixel's column or row. */
+/* fl(first + i + sample): where column or row i of the crop is sampled. first + i is exact in float. */
 static inline float mlrt_sample_position(uint32_t first, uint32_t i, float sample)
 {
     return (float)(first + i) + sample;
 }
 
-/* p of the formula: the direction of a pinhole camera's ray, the origin of a parallel one's. */
+/* The vector p of a pixel: the direction of a pinhole camera's ray, the origin of a parallel camera's. */
 static inline void mlrt_view_point(const struct mlrt_view *view, uint32_t i, uint32_t j, float p[3])
 {
     const float x = mlrt_sample_position(view->first_x, i, view->sample_x);

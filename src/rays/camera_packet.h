@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rays of a camera's block: the formula of camera.h, a vector of pixels at a time, to the same bits.
+ * The rays of a pinhole camera's block: the formula of camera.h for a vector of pixels at a time, with the same bits.
  */
 #ifndef MLRT_RAYS_CAMERA_PACKET_H
 #define MLRT_RAYS_CAMERA_PACKET_H

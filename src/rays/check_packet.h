@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What nearest.h's mlrt_make_segment and source.h's mlrt_is_safe_ray say of one ray, for the rays of a packet as a source
- * gave them (mlrt_fetch_packet), a vector at a time.
+ * Checks the rays of a packet, as mlrt_fetch_packet read them, a vector at a time. The answers are those of
+ * mlrt_make_segment (exact/segment.h) and mlrt_is_safe_ray (source.h) for each ray.
  */
 #ifndef MLRT_RAYS_CHECK_PACKET_H
 #define MLRT_RAYS_CHECK_PACKET_H
@@ -11,32 +11,32 @@
 #include "rays/source.h"
 #include "simd/simd.h"
 
-/* What there is to know of vectors, a lane each. */
+/* What a check found of vectors, one in each lane. */
 struct checked_vectors {
-    vf size;      /* the greatest component, unless that is no number */
-    vm is_finite; /* all components are */
-    vm is_safe;   /* float arithmetic carries them safely: they are 0 or of magnitude 2^-60 .. 2^60 */
+    vf size;      /* the greatest magnitude of a component; NaNs are ignored */
+    vm is_finite; /* all components are finite */
+    vm is_safe;   /* all components are float-safe: 0 or of magnitude 2^-60 .. 2^60 */
 };
 
 MLRT_INLINE struct checked_vectors check_vectors(const vf a[3])
 {
     const vf zero = v_set1(0);
     struct checked_vectors checked = {zero, v_eq(zero, zero), v_eq(zero, zero)};
-    vf none = zero; /* or NaN where a component is not finite */
+    vf zero_or_nan = zero; /* NaN where a component is not finite */
     for (int k = 0; k < 3; ++k) {
         const vf size = v_abs(a[k]);
         checked.is_safe = m_and(checked.is_safe, m_or(v_eq(a[k], zero), v_ge(size, v_set1(MLRT_SAFE_MIN))));
         checked.size = v_max(size, checked.size);
-        none = v_mul_add(a[k], zero, none);
+        zero_or_nan = v_mul_add(a[k], zero, zero_or_nan);
     }
     checked.is_safe = m_and(checked.is_safe, v_le(checked.size, v_set1(MLRT_SAFE_MAX)));
-    checked.is_finite = v_eq(none, zero);
+    checked.is_finite = v_eq(zero_or_nan, zero);
     return checked;
 }
 
 /*
- * The same of many vectors, as long as none of them is unusual: the least component, and the greatest sum of three. One
- * that is no number makes the sum none, which is not dropped.
+ * A faster check of many vectors at once, which passes if all components are of usual magnitude: lane by lane, the
+ * least magnitude of a component, and the sum of all magnitudes. A NaN makes the sum a NaN, which fails the check.
  */
 struct usual_vectors {
     vf least;
@@ -52,15 +52,17 @@ MLRT_INLINE void add_usual_vectors(const vf a[3], struct usual_vectors *all)
     all->sum = v_add(v_add(v_add(x, y), z), all->sum);
 }
 
-/* Are all components surely of magnitude 2^-60 .. 2^60? */
+/* 1 if all components surely are of magnitude 2^-60 .. 2^60. */
 MLRT_INLINE int are_usual(const struct usual_vectors *all)
 {
     const vm small = v_le(all->sum, v_set1(MLRT_SAFE_MAX)), large = v_ge(all->least, v_set1(MLRT_SAFE_MIN));
     return MLRT_LIKELY(m_bits(m_and(small, large)) == ALL_LANES);
 }
 
-/* Lanes whose vectors are finite, carried by float, and not 0: origins and directions must be the first for a ray that
- * can hit something, directions the last. */
+/*
+ * The lanes whose vectors are finite, float-safe, and not 0. A ray can hit a triangle only if its origin and direction
+ * are finite and its direction is not 0.
+ */
 struct checked_lanes {
     uint32_t finite;
     uint32_t safe;
@@ -74,7 +76,7 @@ MLRT_INLINE void add_checked_vectors(const struct checked_vectors *checked, int 
     lanes->nonzero |= m_bits(v_gt(checked->size, v_set1(0))) << v;
 }
 
-/* Directions of VW lanes from lane v on: checked, and put where they belong. -0 becomes 0. */
+/* Checks the directions of the VW lanes from lane v on and stores them in the packet. -0 becomes 0. */
 MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packet, struct checked_lanes *lanes)
 {
     const struct checked_vectors checked = check_vectors(d);
@@ -82,6 +84,7 @@ MLRT_INLINE void take_directions(const vf d[3], int v, struct mlrt_packet *packe
     for (int k = 0; k < 3; ++k) v_store(packet->direction[k] + v, v_add(d[k], v_set1(0)));
 }
 
+/* Checks the vectors of all lanes: together, and only if that fails, each of them. */
 static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct checked_lanes *lanes)
 {
     struct usual_vectors all = NO_VECTORS;
@@ -99,7 +102,7 @@ static MLRT_NOINLINE void check_lanes(float (*rows)[MLRT_PACKET_RAYS], struct ch
     }
 }
 
-/* Where rays begin and end, and that nothing was hit so far. */
+/* Stores where rays begin and end, and that they have hit no triangle so far. */
 MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *packet)
 {
     v_store(packet->t_min + v, t_min);
@@ -109,7 +112,10 @@ MLRT_INLINE void take_limits(vf t_min, vf t_max, int v, struct mlrt_packet *pack
     i_store(packet->triangle + v, i_set1(MLRT_NONE));
 }
 
-/* Rule R1 (exact/nearest.h), and which rays float can carry (packet.h). */
+/*
+ * Sets `active` and `single` by rule R1 (mlrt_make_segment) and by which rays are float-safe (packet.h). `lanes` are
+ * those that exist.
+ */
 MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
 {
     struct checked_lanes origins = {0xFFFF, 0xFFFF, 0xFFFF}, directions; /* an apex is finite: source.c, camera.c */
@@ -134,7 +140,7 @@ MLRT_INLINE void check_packet(uint32_t lanes, struct mlrt_packet *packet)
     packet->single = valid & ~packet->active;
 }
 
-/* A mesh that was looked up, and its triangles. At first it is that of nothing. */
+/* The mesh that was looked up last, and its triangles; NO_MESH before the first. */
 struct known_mesh {
     uint32_t id;
     struct mlrt_mesh_range range;
@@ -142,12 +148,13 @@ struct known_mesh {
 
 #define NO_MESH ((struct known_mesh){MLRT_NONE, {0, 0}})
 
-/* Numbers of triangles of the mesh with this id. */
+/* Makes *known the mesh with this id. */
 MLRT_INLINE void find_mesh(const struct mlrt_tree *tree, uint32_t id, struct known_mesh *known)
 {
     if (known->id != id) *known = (struct known_mesh){id, mlrt_find_mesh(tree, id)};
 }
 
+/* The numbers of these triangles of a mesh; MLRT_NONE for those that it does not have. */
 MLRT_INLINE vi numbers_in_mesh(const struct known_mesh *mesh, vi triangle)
 {
     const vi number = i_sub(triangle, i_set1(0u - mesh->range.first));

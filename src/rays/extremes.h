@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The least and the greatest: of two numbers, of some lanes of sixteen, and of what comes along. And how far bounds of
- * quotients are moved apart, as shares of themselves, to be safe from rounding: those of reciprocals
- * (interval_traversal.h, trace/single.h) and of slopes (mlrta/outline.h, trace/hulls.h).
+ * The least and the greatest of two numbers, of chosen lanes of sixteen, and of vectors lane by lane.
  */
 #ifndef MLRT_RAYS_EXTREMES_H
 #define MLRT_RAYS_EXTREMES_H
@@ -12,14 +10,19 @@
 #include "rays/packet.h"
 #include "simd/simd.h"
 
+/*
+ * Bounds of reciprocals are moved apart by this share of themselves: more than what roundings change
+ * (mlrta/interval_traversal.h, trace/single_ray.h). SLOPE_SLACK in slope_limits.h is that of slopes.
+ */
 #define RECIPROCAL_SLACK 0x1p-21f
 
-/* fmaxf without its care for NaNs, which is a call. */
+/* fmaxf but for NaNs, for which the compiler would have to call it. */
 MLRT_INLINE float larger_of(float a, float b)
 {
     return a > b ? a : b;
 }
 
+/* The least of the values of `lanes`; inf without lanes. */
 MLRT_INLINE float lowest(const float *values, uint32_t lanes)
 {
     vf all = v_set1(INFINITY);
@@ -29,6 +32,7 @@ MLRT_INLINE float lowest(const float *values, uint32_t lanes)
     return v_hmin(all);
 }
 
+/* The greatest of the values of `lanes`; -inf without lanes. */
 MLRT_INLINE float highest(const float *values, uint32_t lanes)
 {
     vf all = v_set1(-INFINITY);
@@ -38,7 +42,7 @@ MLRT_INLINE float highest(const float *values, uint32_t lanes)
     return v_hmax(all);
 }
 
-/* Lane by lane, the least and the greatest so far: that one negated, so that the least counts of both. */
+/* Lane by lane, the least value so far, and the least negated value: minus the greatest. So v_min updates both. */
 struct extremes {
     vf least;
     vf negated;

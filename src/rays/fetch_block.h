@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rays of a picture's blocks.
+ * The rays of a block, of any source.
  */
 #ifndef MLRT_RAYS_FETCH_BLOCK_H
 #define MLRT_RAYS_FETCH_BLOCK_H
@@ -10,8 +10,9 @@
 #include "rays/rectangle.h"
 
 /*
- * The rays of a block of any source, in two steps. Who makes many packets should take the first step for all of them:
- * what it stores in pieces, the second loads in whole vectors, for which it would have to wait.
+ * A block is read in two steps: fetch_block reads the numbers of its rays, check_block checks them. If many packets are
+ * made, call fetch_block for all of them first. It stores in pieces what check_block loads as whole vectors; a load
+ * that directly follows such stores has to wait for them.
  */
 static void fetch_block(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
                         struct mlrt_packet *packet)

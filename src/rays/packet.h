@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sixteen rays as arrays: what the kernels trace together.
+ * A packet: sixteen rays as arrays, which the kernels trace together.
  *
  * Lanes 4q .. 4q + 3 are a square of 2x2 pixels, and the four squares make one of 4x4: lane l is the pixel
  * (mlrt_lane_x[l], mlrt_lane_y[l]) of its block. So one layout serves packets of both sizes.
  *
- * Only rays whose numbers float arithmetic carries without overflow or loss are `active`: on the kd-tree, their direction
- * components, origin coordinates (and those of the tree, kdtree.h's float_safe) are 0 or of magnitude 2^-60 .. 2^60; in
- * boxes that is asked in their units (units.h). Other rays that can hit something are `single`, and go through the
- * tree one by one in double.
+ * A ray is `active` if float arithmetic carries its numbers without overflow or loss. On the kd-tree, its direction
+ * components and origin coordinates, and the coordinates of the tree (float_safe in scene/tree.h), must be 0 or of
+ * magnitude 2^-60 .. 2^60; in the hierarchy of boxes they must be so in its units (trace/units.h). Other rays that can
+ * hit a triangle are `single`: they go through the tree one by one in double.
  */
 #ifndef MLRT_RAYS_PACKET_H
 #define MLRT_RAYS_PACKET_H
@@ -21,25 +21,25 @@
 
 struct mlrt_packet {
     MLRT_ALIGNED(64) float direction[3][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS]; /* not filled if has_apex */
+    MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS]; /* not set if has_apex */
     MLRT_ALIGNED(64) float t_min[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float t_max[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS]; /* the nearest hit so far, as struct mlrt_nearest */
+    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS]; /* the nearest hit so far: as in struct mlrt_nearest */
     MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) uint32_t triangle[MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS]; /* triangle number, MLRT_NONE = none; not filled if !has_skip */
-    MLRT_ALIGNED(64) uint32_t skip_mesh[MLRT_PACKET_RAYS]; /* before it is a number: the triangle's mesh */
-    MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS];      /* scene/masks.h; not filled if !has_masks */
+    MLRT_ALIGNED(64) uint32_t skip[MLRT_PACKET_RAYS];      /* triangle number, MLRT_NONE = none; not set if !has_skip */
+    MLRT_ALIGNED(64) uint32_t skip_mesh[MLRT_PACKET_RAYS]; /* mesh id, while `skip` is a position in that mesh */
+    MLRT_ALIGNED(64) uint32_t mask[MLRT_PACKET_RAYS];      /* scene/masks.h; not set if !has_masks */
     float apex[3];                                         /* the common origin, if has_apex */
     uint32_t active;                                       /* bit per lane */
     uint32_t single;                                       /* bit per lane */
     int has_apex;
     int has_skip;
     int has_limits; /* 0 = all t_min are 0 or less, and all t_max are equal */
-    int has_masks;  /* 0 = the rays see all, or the kernel takes care of the one mask that they have */
+    int has_masks;  /* 0 = the rays see all triangles, or have one mask, which the kernel applies to leaves */
 };
 
-/* What brings rays into the units of boxes (units.h) besides the unit, lane by lane: powers of two. */
+/* Powers of two by which each ray is scaled into the units of boxes (trace/units.h), besides the unit itself. */
 struct mlrt_ray_scales {
     MLRT_ALIGNED(64) float direction[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float time[MLRT_PACKET_RAYS]; /* t in units is t as given times this */
@@ -48,14 +48,14 @@ struct mlrt_ray_scales {
 
 struct mlrt_scaled_packet {
     struct mlrt_packet rays;   /* in units */
-    struct mlrt_packet *given; /* whose they are */
+    struct mlrt_packet *given; /* the packet that `rays` was made of */
     struct mlrt_ray_scales scales;
 };
 
 static const MLRT_ALIGNED(64) float mlrt_lane_x[MLRT_PACKET_RAYS] = {0, 1, 0, 1, 2, 3, 2, 3, 0, 1, 0, 1, 2, 3, 2, 3};
 static const MLRT_ALIGNED(64) float mlrt_lane_y[MLRT_PACKET_RAYS] = {0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3};
 
-/* Bits of the lanes whose pixel lies in a block of width x height, each at most 4. */
+/* The lanes whose pixels lie in a block of width x height; neither is more than 4. */
 static inline uint32_t mlrt_block_lanes(uint32_t width, uint32_t height)
 {
     static const uint16_t columns[5] = {0, 0x0505, 0x0F0F, 0x5F5F, 0xFFFF};

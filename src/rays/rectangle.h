@@ -15,7 +15,7 @@ struct mlrt_rectangle {
     uint32_t height;
 };
 
-/* The piece of `whole` that starts at (x, y) relative to it and has at most this side. */
+/* The piece of `whole` that starts at (x, y), relative to `whole`, and whose sides are at most `side`. */
 MLRT_INLINE struct mlrt_rectangle mlrt_cut_piece(const struct mlrt_rectangle *whole, uint32_t x, uint32_t y,
                                                  uint32_t side)
 {
@@ -23,7 +23,7 @@ MLRT_INLINE struct mlrt_rectangle mlrt_cut_piece(const struct mlrt_rectangle *wh
                                    whole->height - y < side ? whole->height - y : side};
 }
 
-/* Lanes of a block that exist: in the last row of a list some may not. */
+/* The lanes of a block that exist: the last row of a list may be short. */
 MLRT_INLINE uint32_t mlrt_existing_lanes(const struct mlrt_source *source, const struct mlrt_rectangle *block)
 {
     const uint32_t lanes = mlrt_block_lanes(block->width, block->height);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows of pixels in a list of rays whose caller did not say how long they are. Squares of neighbours are faster than
- * pieces of rows.
+ * Finds rows of pixels in a list of rays whose caller did not say how long they are. Tiles that are squares of pixels
+ * are faster than pieces of rows.
  */
 #ifndef MLRT_RAYS_ROWS_H
 #define MLRT_RAYS_ROWS_H
@@ -9,9 +9,9 @@
 #include "rays/source.h"
 
 /*
- * The number of rays in a row, or 0 if the rays do not look like rows. Right or wrong, it changes nothing but speed. It
- * looks at no more than a quarter of the directions, or of the origins where the directions are equal; where neighbours
- * have nothing in common, at a few.
+ * Returns the number of rays in a row, or 0 if the rays do not look like rows of pixels. A wrong answer costs speed
+ * only. Reads at most a quarter of the directions (if these are equal, of the origins), and only a few if neighbours
+ * have nothing in common.
  */
 uint32_t mlrt_find_row_length(const struct mlrt_source *rays);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where rays come from: reading them out of the caller's arrays, one by one and sixteen at a time.
+ * Sources of rays: checks them, and reads their rays one by one or sixteen at a time.
  *
- * Arrays are aligned to 4 bytes only and have any stride, and nothing beside their elements may be read. A whole block
- * is four rows of four neighbours, which are read together; elements of other blocks one by one. What is known of all
- * sixteen rays is found on vectors (check_packet.h).
+ * Arrays are aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. A whole block
+ * is read as four rows of four neighbours, other blocks element by element. check_packet.h checks the rays that were
+ * read.
  */
 #include "rays/source.h"
 
@@ -17,7 +17,9 @@
 
 /* ---- checking ---- */
 
-/* Resolves a stride: bytes from element to element, or 0 if all rays have one. 0: it cannot be read as 4-byte numbers.
+/*
+ * Resolves the stride of an array: the bytes from element to element, or 0 if one element serves all rays. Returns 0 if
+ * the array is required but missing, or cannot be read as 4-byte numbers.
  */
 static int resolve_array(const mlrt_const_array *array, size_t element_size, int required, mlrt_const_array *resolved)
 {
@@ -36,14 +38,14 @@ void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
     source->height = source->count / source->width + (source->count % source->width != 0);
 }
 
-/* Do the elements of an array lie beside those of another, in one struct? */
+/* 1 if the elements of two arrays lie within 63 bytes of each other, as in one struct. */
 static int lie_together(const mlrt_const_array *array, const mlrt_const_array *other)
 {
     const uintptr_t apart = (uintptr_t)array->data - (uintptr_t)other->data;
     return array->stride == other->stride && apart + 63 <= 126;
 }
 
-/* Finds the arrays that have an element for each ray, one of those that lie together. */
+/* Finds the arrays that are prefetched: those with an element for each ray; of those that lie together, the first. */
 static void find_streams(struct mlrt_source *source)
 {
     const mlrt_const_array *arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
@@ -167,13 +169,13 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
     return number_in_mesh(mlrt_find_mesh(tree, mesh_id), triangle);
 }
 
-/* The element of ray i in an array with one for each `group` rays. Mostly that is 1, and not worth a division. */
+/* The element of ray i in an array with one for each `group` rays. That is nearly always 1, and needs no division. */
 MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
 {
     return MLRT_LIKELY(group == 1) ? i : i / group;
 }
 
-/* What ray i skips. */
+/* The number of the triangle that ray i passes through, or MLRT_NONE. */
 static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
 {
     if (!source->skip.data) return MLRT_NONE;
@@ -233,8 +235,8 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
 /* ---- packets ---- */
 
 /*
- * A block of at most 4x4 elements: its first, the distance between rows, and the lanes that exist, the first among
- * them. Behind the end of a short last row there are none; then the first is any other element.
+ * A block of at most 4x4 elements: its first element, the distance between its rows, and the lanes that exist, the
+ * first among them. Past the end of a short last row no lane exists; then `first` is 0.
  */
 struct block {
     uint32_t first;
@@ -242,10 +244,7 @@ struct block {
     uint32_t lanes;
 };
 
-/*
- * The element of a lane. Lanes that do not exist get that of the block's first ray, which does: nothing may be read
- * beside the elements.
- */
+/* The element of a lane. Lanes that do not exist get the block's first, since no byte outside elements may be read. */
 MLRT_INLINE uint32_t element_of_lane(const struct block *block, uint32_t lane)
 {
     const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
@@ -257,20 +256,23 @@ MLRT_INLINE int is_whole(const struct block *block)
     return block->lanes == 0xFFFF;
 }
 
-/* Puts two rows of a block, an even one and the next, where their lanes are. */
+/* Stores two rows of a block, an even one and the next, in the order of lanes: as two squares of 2x2. */
 MLRT_INLINE void put_rows(f4 even, f4 odd, void *lanes)
 {
     f4_store_any(lanes, f4_low(even, odd));
     f4_store_any((unsigned char *)lanes + 16, f4_high(even, odd));
 }
 
-/* A row of four elements: where it begins, and the distance between neighbours. */
+/* A row of four elements: its first, and the bytes from one to the next. */
 struct row {
     const unsigned char *at;
     size_t step;
 };
 
-/* Are the rows of a block evenly spaced elements? With an element for several rays they are, if whole rows share one. */
+/*
+ * 1 if the rows of a block can be read as struct row: all lanes exist, and if an element serves several rays, whole
+ * rows share one.
+ */
 MLRT_INLINE int has_rows(const struct block *block, uint32_t group)
 {
     return MLRT_LIKELY(is_whole(block) && group % 4 <= (group == 1));
@@ -283,7 +285,7 @@ MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct 
     return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
 }
 
-/* The vectors of a row, by axis. */
+/* Loads the vectors of a row: by_axis[k] receives component k of all four. */
 MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
 {
     const float *at = (const float *)(const void *)row.at;
@@ -294,7 +296,7 @@ MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
     }
 }
 
-/* Words of elements, lane by lane: word k of lane l goes to words[k][l]. The array has one for each `group` rays. */
+/* Copies elements lane by lane: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
 static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
                         void *const *words)
 {
@@ -321,7 +323,7 @@ static void fetch_vectors(const mlrt_const_array *array, const struct block *blo
     }
 }
 
-/* The numbers of a row. */
+/* Loads the four numbers of a row. */
 MLRT_INLINE f4 load_numbers(struct row row)
 {
     const float *at = (const float *)(const void *)row.at;
@@ -333,7 +335,7 @@ MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
     for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) f4_store(numbers + lane, f4_set1(value));
 }
 
-/* Numbers out of an array, or `standard` if there is none. */
+/* Reads the numbers of a block; without an array, all are `standard`. */
 MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block *block, uint32_t group, float standard,
                                float numbers[MLRT_PACKET_RAYS])
 {
@@ -351,7 +353,7 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
     }
 }
 
-/* Pairs of words of a row, firsts and seconds. */
+/* Loads the pairs of a row: the first words, and the second words. */
 MLRT_INLINE void load_pairs(struct row row, f4 *firsts, f4 *seconds)
 {
     uint32_t pairs[8];
@@ -415,7 +417,7 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
     memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 
-/* Those of lanes that do not exist are anything. */
+/* Sets the masks of all rays. Those of lanes that do not exist are not specified. */
 static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     mlrt_set_common_mask(source, packet);
@@ -473,10 +475,12 @@ uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32
     return lanes;
 }
 
-/* ---- ahead of time ---- */
+/* ---- prefetching ---- */
 
-/* Of an array, a row of `width` elements from `first` on. Always inlined: to the compiler a function that only prefetches
- * does nothing, and a call of it is dropped. */
+/*
+ * Prefetches `width` elements from `first` on. Always inlined: to the compiler, a function that only prefetches has no
+ * effect, and it drops a call.
+ */
 MLRT_INLINE void prefetch_elements(const mlrt_const_array *array, size_t first, uint32_t width)
 {
     const char *row = (const char *)array->data + first * array->stride;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All hits of rays: one by one, shared out among workers in pieces of a few hundred.
+ * All hits of rays: one ray after the other. Workers claim pieces of ITEM_RAYS rays.
  */
 #include "run/all_hits.h"
 
@@ -12,12 +12,12 @@
 #include "base/scheduler.h"
 #include "base/structs.h"
 #include "exact/hit_list.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "run/trace_ray.h"
 
 #define ITEM_RAYS 256
 
-/* The caller's arrays, with strides resolved. */
+/* Indices of the caller's arrays. */
 enum { T, U, V, MESH, TRIANGLE, FACING, CROSSING, TOTAL, CROSSING_TOTAL, ARRAY_COUNT };
 
 struct worker {
@@ -28,9 +28,9 @@ struct worker {
 struct run {
     const struct mlrt_tree *tree;
     const struct mlrt_source *source;
-    uint32_t capacity; /* 0 = no arrays of hits */
-    mlrt_array arrays[ARRAY_COUNT];
-    uint32_t outputs; /* what mlrt_report_hit has to work out */
+    uint32_t capacity;              /* places of a ray in the arrays of hits; 0 without such arrays */
+    mlrt_array arrays[ARRAY_COUNT]; /* with strides resolved */
+    uint32_t outputs;               /* for mlrt_report_hit */
     int counting;
     struct worker *workers;
     struct mlrt_progress progress; /* by items */
@@ -51,7 +51,7 @@ static int32_t resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
             return MLRT_ERROR_ARGUMENT;
         if (c >= TOTAL) continue;
         if (lists->capacity == 0) return MLRT_ERROR_ARGUMENT;
-        run->capacity = lists->capacity; // without arrays of hits nothing has to be put in order
+        run->capacity = lists->capacity; // without arrays of hits it stays 0, and no hits are put in order
     }
     run->outputs = (lists->t.data ? MLRT_OUTPUT_T : 0u) | (lists->u.data || lists->v.data ? MLRT_OUTPUT_UV : 0u) |
                    (lists->facing.data ? MLRT_OUTPUT_FACING : 0u);
@@ -73,7 +73,7 @@ static void write_float(const mlrt_array *array, size_t i, float value)
     if (array->data) *(float *)element(array, i) = value;
 }
 
-/* One hit of a ray, or with number = MLRT_NONE a miss, to element i. */
+/* Writes a hit of a ray to element i; if number is MLRT_NONE, a miss. */
 static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray, uint32_t number, int crossing,
                       size_t i)
 {
@@ -102,7 +102,7 @@ static uint32_t count_crossings(const struct run *run, const struct mlrt_ray_seg
     return count;
 }
 
-/* Ray i, from reading it to its results. Returns 0 if there was no memory. */
+/* Reads ray i, gathers its hits and writes them. Returns 0 if there was no memory. */
 static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
 {
     const struct mlrt_source *source = run->source;

@@ -8,7 +8,7 @@
 #include "base/run_options.h"
 #include "rays/source.h"
 
-/* Traces the rays of a source (not a camera). Returns a status. */
+/* Traces the rays of a source, which must not be a camera. Returns a status. */
 int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source *source, const mlrt_hit_lists *lists,
                           const struct mlrt_run_options *options);
 

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which processor gets which kernels. What it can do is asked once per process: CPUID takes long in a virtual machine.
+ * Which processor gets which kernels. Instruction sets are looked up once per process: CPUID takes long in a virtual
+ * machine.
  *
- * Who counts gets the kernels in plain C, which do the same work in more steps: one that counts for each instruction
- * set is not worth its size. Where there is SSE nobody is in a hurry with plain C, and it always counts. So do the
- * kernels of the kd-tree.
+ * With counters, the scalar kernels run, which do the same work in more steps: counting kernels for every instruction
+ * set would nearly double the size of the library. If there is SSE, the scalar kernels serve no other purpose and
+ * always count. So do the kernels of the kd-tree.
  */
 #include "run/dispatch.h"
 
 #if MLRT_HAVE_SSE
 #include <cpuid.h>
 
-/* What of the wide registers the operating system saves. */
+/* Bits of the wide registers that the operating system saves (XCR0). */
 static uint32_t saved_registers(void)
 {
     uint32_t low, high;
@@ -20,8 +21,9 @@ static uint32_t saved_registers(void)
 }
 
 /*
- * The widest instruction set that there is. The bits: Intel, "Intel 64 and IA-32 Architectures Software Developer's
- * Manual", volume 1, sections 14.3 and 15.2-15.4: OSXSAVE and FMA; AVX2, AVX512F and AVX512DQ; the registers.
+ * The widest instruction set that processor and operating system support. The bits are from Intel, "Intel 64 and IA-32
+ * Architectures Software Developer's Manual", volume 1, sections 14.3 and 15.2-15.4: OSXSAVE and FMA; AVX2, AVX512F and
+ * AVX512DQ; the saved registers.
  */
 static int32_t find_widest(void)
 {
@@ -33,9 +35,9 @@ static int32_t find_widest(void)
     return (b & avx512) == avx512 && (saved & 0xE6) == 0xE6 ? MLRT_ISA_AVX512 : MLRT_ISA_AVX2;
 }
 
-static int32_t known_isa; /* all that the library ever writes down for itself; 0: not yet */
+static int32_t known_isa; /* the only static data that the library writes; 0 = not looked up yet */
 
-/* Looked up once. Threads that come together find the same. */
+/* The widest instruction set, looked up once. Threads that look it up at the same time find the same. */
 static int32_t widest_isa(void)
 {
     int32_t isa = __atomic_load_n(&known_isa, __ATOMIC_RELAXED);
@@ -44,7 +46,7 @@ static int32_t widest_isa(void)
 }
 #endif
 
-/* The kernels for boxes of each instruction set, MLRT_ISA_*. */
+/* The kernels for the hierarchy of boxes, by MLRT_ISA_*. */
 static const struct mlrt_kernels *const kernels_of_isa[MLRT_ISA_AVX512 + 1] = {
 #if MLRT_HAVE_SSE
     [MLRT_ISA_SCALAR] = &mlrt_kernels_scalar_counting,

@@ -17,63 +17,20 @@ typedef __m512i vi;
 typedef __mmask16 vm;
 typedef __m512d vd;
 
-/* clang-format off: a table of words */
-MLRT_INLINE vf v_set1(float a)
-{
-    return _mm512_set1_ps(a);
-}
-MLRT_INLINE vf v_load(const float *p)
-{
-    return _mm512_load_ps(p);
-}
-MLRT_INLINE vf v_load_any(const float *p)
-{
-    return _mm512_loadu_ps(p);
-}
-MLRT_INLINE void v_store(float *p, vf a)
-{
-    _mm512_store_ps(p, a);
-}
-MLRT_INLINE vf v_add(vf a, vf b)
-{
-    return _mm512_add_ps(a, b);
-}
-MLRT_INLINE vf v_sub(vf a, vf b)
-{
-    return _mm512_sub_ps(a, b);
-}
-MLRT_INLINE vf v_mul(vf a, vf b)
-{
-    return _mm512_mul_ps(a, b);
-}
-MLRT_INLINE vf v_mul_add(vf a, vf b, vf c)
-{
-    return _mm512_fmadd_ps(a, b, c);
-}
-MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c)
-{
-    return _mm512_fmsub_ps(a, b, c);
-}
-MLRT_INLINE vf v_div(vf a, vf b)
-{
-    return _mm512_div_ps(a, b);
-}
-MLRT_INLINE vf v_min(vf a, vf b)
-{
-    return _mm512_min_ps(a, b);
-}
-MLRT_INLINE vf v_max(vf a, vf b)
-{
-    return _mm512_max_ps(a, b);
-}
-MLRT_INLINE vf v_abs(vf a)
-{
-    return _mm512_abs_ps(a);
-}
-MLRT_INLINE vf v_flip(vf a, vf b)
-{
-    return _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0f)));
-}
+MLRT_INLINE vf v_set1(float a) { return _mm512_set1_ps(a); }
+MLRT_INLINE vf v_load(const float *p) { return _mm512_load_ps(p); }
+MLRT_INLINE vf v_load_any(const float *p) { return _mm512_loadu_ps(p); }
+MLRT_INLINE void v_store(float *p, vf a) { _mm512_store_ps(p, a); }
+MLRT_INLINE vf v_add(vf a, vf b) { return _mm512_add_ps(a, b); }
+MLRT_INLINE vf v_sub(vf a, vf b) { return _mm512_sub_ps(a, b); }
+MLRT_INLINE vf v_mul(vf a, vf b) { return _mm512_mul_ps(a, b); }
+MLRT_INLINE vf v_mul_add(vf a, vf b, vf c) { return _mm512_fmadd_ps(a, b, c); }
+MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c) { return _mm512_fmsub_ps(a, b, c); }
+MLRT_INLINE vf v_div(vf a, vf b) { return _mm512_div_ps(a, b); }
+MLRT_INLINE vf v_min(vf a, vf b) { return _mm512_min_ps(a, b); }
+MLRT_INLINE vf v_max(vf a, vf b) { return _mm512_max_ps(a, b); }
+MLRT_INLINE vf v_abs(vf a) { return _mm512_abs_ps(a); }
+MLRT_INLINE vf v_flip(vf a, vf b) { return _mm512_xor_ps(a, _mm512_and_ps(b, _mm512_set1_ps(-0.0f))); }
 MLRT_INLINE float v_hmin(vf a)
 {
     const __m256 b = _mm256_min_ps(_mm512_castps512_ps256(a), _mm512_extractf32x8_ps(a, 1));
@@ -94,84 +51,27 @@ MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
     return _mm_min_ps(_mm256_castps256_ps128(half), _mm256_extractf128_ps(half, 1));
 }
 
-MLRT_INLINE vm v_lt(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
-}
-MLRT_INLINE vm v_le(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
-}
-MLRT_INLINE vm v_gt(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ);
-}
-MLRT_INLINE vm v_ge(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ);
-}
-MLRT_INLINE vm v_eq(vf a, vf b)
-{
-    return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
-}
-MLRT_INLINE vf v_select(vm m, vf a, vf b)
-{
-    return _mm512_mask_blend_ps(m, b, a);
-}
+MLRT_INLINE vm v_lt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+MLRT_INLINE vm v_le(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+MLRT_INLINE vm v_gt(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ); }
+MLRT_INLINE vm v_ge(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_GE_OQ); }
+MLRT_INLINE vm v_eq(vf a, vf b) { return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ); }
+MLRT_INLINE vf v_select(vm m, vf a, vf b) { return _mm512_mask_blend_ps(m, b, a); }
 
-MLRT_INLINE vm m_and(vm a, vm b)
-{
-    return _kand_mask16(a, b);
-}
-MLRT_INLINE vm m_or(vm a, vm b)
-{
-    return _kor_mask16(a, b);
-}
-MLRT_INLINE vm m_andnot(vm a, vm b)
-{
-    return _kandn_mask16(b, a);
-}
-MLRT_INLINE unsigned m_bits(vm a)
-{
-    return a;
-}
-MLRT_INLINE vm m_from_bits(unsigned bits)
-{
-    return (vm)bits;
-}
+MLRT_INLINE vm m_and(vm a, vm b) { return _kand_mask16(a, b); }
+MLRT_INLINE vm m_or(vm a, vm b) { return _kor_mask16(a, b); }
+MLRT_INLINE vm m_andnot(vm a, vm b) { return _kandn_mask16(b, a); }
+MLRT_INLINE unsigned m_bits(vm a) { return a; }
+MLRT_INLINE vm m_from_bits(unsigned bits) { return (vm)bits; }
 
-MLRT_INLINE vi i_set1(uint32_t a)
-{
-    return _mm512_set1_epi32((int)a);
-}
-MLRT_INLINE vi i_load(const uint32_t *p)
-{
-    return _mm512_load_si512((const void *)p);
-}
-MLRT_INLINE vi i_load_any(const uint32_t *p)
-{
-    return _mm512_loadu_si512((const void *)p);
-}
-MLRT_INLINE void i_store(uint32_t *p, vi a)
-{
-    _mm512_store_si512((void *)p, a);
-}
-MLRT_INLINE vi i_sub(vi a, vi b)
-{
-    return _mm512_sub_epi32(a, b);
-}
-MLRT_INLINE vm i_lt(vi a, vi b)
-{
-    return _mm512_cmplt_epu32_mask(a, b);
-}
-MLRT_INLINE vm i_eq(vi a, vi b)
-{
-    return _mm512_cmpeq_epi32_mask(a, b);
-}
-MLRT_INLINE vi i_select(vm m, vi a, vi b)
-{
-    return _mm512_mask_blend_epi32(m, b, a);
-}
+MLRT_INLINE vi i_set1(uint32_t a) { return _mm512_set1_epi32((int)a); }
+MLRT_INLINE vi i_load(const uint32_t *p) { return _mm512_load_si512((const void *)p); }
+MLRT_INLINE vi i_load_any(const uint32_t *p) { return _mm512_loadu_si512((const void *)p); }
+MLRT_INLINE void i_store(uint32_t *p, vi a) { _mm512_store_si512((void *)p, a); }
+MLRT_INLINE vi i_sub(vi a, vi b) { return _mm512_sub_epi32(a, b); }
+MLRT_INLINE vm i_lt(vi a, vi b) { return _mm512_cmplt_epu32_mask(a, b); }
+MLRT_INLINE vm i_eq(vi a, vi b) { return _mm512_cmpeq_epi32_mask(a, b); }
+MLRT_INLINE vi i_select(vm m, vi a, vi b) { return _mm512_mask_blend_epi32(m, b, a); }
 
 MLRT_INLINE __m128 triple_at(const unsigned char *p)
 {
@@ -257,62 +157,20 @@ MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step
     *seconds = _mm512_castps_si512(_mm512_shuffle_ps(upper, lower, _MM_SHUFFLE(3, 1, 3, 1)));
 }
 
-MLRT_INLINE vd d_set1(double a)
-{
-    return _mm512_set1_pd(a);
-}
-MLRT_INLINE vd d_load(const float *p)
-{
-    return _mm512_cvtps_pd(_mm256_load_ps(p));
-}
-MLRT_INLINE void d_store(float *p, vd a)
-{
-    _mm256_store_ps(p, _mm512_cvtpd_ps(a));
-}
-MLRT_INLINE double d_first(vd a)
-{
-    return _mm_cvtsd_f64(_mm512_castpd512_pd128(a));
-}
-MLRT_INLINE vd d_add(vd a, vd b)
-{
-    return _mm512_add_pd(a, b);
-}
-MLRT_INLINE vd d_sub(vd a, vd b)
-{
-    return _mm512_sub_pd(a, b);
-}
-MLRT_INLINE vd d_mul(vd a, vd b)
-{
-    return _mm512_mul_pd(a, b);
-}
-MLRT_INLINE vd d_mul_add(vd a, vd b, vd c)
-{
-    return _mm512_fmadd_pd(a, b, c);
-}
-MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c)
-{
-    return _mm512_fmsub_pd(a, b, c);
-}
-MLRT_INLINE vd d_div(vd a, vd b)
-{
-    return _mm512_div_pd(a, b);
-}
-MLRT_INLINE vd d_abs(vd a)
-{
-    return _mm512_abs_pd(a);
-}
-MLRT_INLINE vd d_max(vd a, vd b)
-{
-    return _mm512_max_pd(a, b);
-}
-MLRT_INLINE vd d_flip(vd a, vd b)
-{
-    return _mm512_xor_pd(a, _mm512_and_pd(b, _mm512_set1_pd(-0.0)));
-}
-MLRT_INLINE unsigned d_gt(vd a, vd b)
-{
-    return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ);
-}
+MLRT_INLINE vd d_set1(double a) { return _mm512_set1_pd(a); }
+MLRT_INLINE vd d_load(const float *p) { return _mm512_cvtps_pd(_mm256_load_ps(p)); }
+MLRT_INLINE void d_store(float *p, vd a) { _mm256_store_ps(p, _mm512_cvtpd_ps(a)); }
+MLRT_INLINE double d_first(vd a) { return _mm_cvtsd_f64(_mm512_castpd512_pd128(a)); }
+MLRT_INLINE vd d_add(vd a, vd b) { return _mm512_add_pd(a, b); }
+MLRT_INLINE vd d_sub(vd a, vd b) { return _mm512_sub_pd(a, b); }
+MLRT_INLINE vd d_mul(vd a, vd b) { return _mm512_mul_pd(a, b); }
+MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return _mm512_fmadd_pd(a, b, c); }
+MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return _mm512_fmsub_pd(a, b, c); }
+MLRT_INLINE vd d_div(vd a, vd b) { return _mm512_div_pd(a, b); }
+MLRT_INLINE vd d_abs(vd a) { return _mm512_abs_pd(a); }
+MLRT_INLINE vd d_max(vd a, vd b) { return _mm512_max_pd(a, b); }
+MLRT_INLINE vd d_flip(vd a, vd b) { return _mm512_xor_pd(a, _mm512_and_pd(b, _mm512_set1_pd(-0.0))); }
+MLRT_INLINE unsigned d_gt(vd a, vd b) { return _mm512_cmp_pd_mask(a, b, _CMP_GT_OQ); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {
     return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(_mm512_cvtpd_ps(a), _mm512_cvtpd_ps(b), _CMP_EQ_OQ));

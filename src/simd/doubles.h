@@ -27,9 +27,6 @@ MLRT_INLINE vd dot_product_of_sizes(const vd a[3], const vd b[3])
     return d_add(d_add(d_mul(d_abs(a[0]), b[0]), d_mul(d_abs(a[1]), b[1])), d_mul(d_abs(a[2]), b[2]));
 }
 
-MLRT_INLINE vd size_of_doubles(const vd a[3])
-{
-    return d_add(d_add(d_abs(a[0]), d_abs(a[1])), d_abs(a[2]));
-}
+MLRT_INLINE vd size_of_doubles(const vd a[3]) { return d_add(d_add(d_abs(a[0]), d_abs(a[1])), d_abs(a[2])); }
 
 #endif

@@ -12,22 +12,12 @@
 
 #include "base/platform.h"
 
-/* clang-format off: a table of words */
 typedef struct {
     float x[4];
 } f4;
-MLRT_INLINE f4 f4_set1(float a)
-{
-    return (f4){{a, a, a, a}};
-}
-MLRT_INLINE f4 f4_load(const float *p)
-{
-    return (f4){{p[0], p[1], p[2], p[3]}};
-} /* aligned to 16 bytes */
-MLRT_INLINE void f4_store(float *p, f4 a)
-{
-    memcpy(p, a.x, sizeof a.x);
-} /* aligned to 16 bytes */
+MLRT_INLINE f4 f4_set1(float a) { return (f4){{a, a, a, a}}; }
+MLRT_INLINE f4 f4_load(const float *p) { return (f4){{p[0], p[1], p[2], p[3]}}; } /* aligned to 16 bytes */
+MLRT_INLINE void f4_store(float *p, f4 a) { memcpy(p, a.x, sizeof a.x); }         /* aligned to 16 bytes */
 /* any four words, as they are, aligned or not */
 MLRT_INLINE f4 f4_load_any(const void *p)
 {
@@ -35,19 +25,10 @@ MLRT_INLINE f4 f4_load_any(const void *p)
     memcpy(a.x, p, sizeof a.x);
     return a;
 }
-MLRT_INLINE void f4_store_any(void *p, f4 a)
-{
-    memcpy(p, a.x, sizeof a.x);
-}
+MLRT_INLINE void f4_store_any(void *p, f4 a) { memcpy(p, a.x, sizeof a.x); }
 /* two of them: the first ones, the last ones */
-MLRT_INLINE void f4_store_low(void *p, f4 a)
-{
-    memcpy(p, a.x, 2 * sizeof a.x[0]);
-}
-MLRT_INLINE void f4_store_high(void *p, f4 a)
-{
-    memcpy(p, a.x + 2, 2 * sizeof a.x[0]);
-}
+MLRT_INLINE void f4_store_low(void *p, f4 a) { memcpy(p, a.x, 2 * sizeof a.x[0]); }
+MLRT_INLINE void f4_store_high(void *p, f4 a) { memcpy(p, a.x + 2, 2 * sizeof a.x[0]); }
 /* bits of those of any four words that are `word` */
 MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
 {
@@ -67,10 +48,7 @@ MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
     return bits;
 }
 /* the last three, and the last one again */
-MLRT_INLINE f4 f4_rest(f4 a)
-{
-    return (f4){{a.x[1], a.x[2], a.x[3], a.x[3]}};
-}
+MLRT_INLINE f4 f4_rest(f4 a) { return (f4){{a.x[1], a.x[2], a.x[3], a.x[3]}}; }
 /* a where the sign bit of `sign` is set, else b */
 MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
 {
@@ -94,22 +72,10 @@ MLRT_INLINE unsigned f4_signs(f4 a)
     memcpy(words, a.x, sizeof words);
     return (words[0] >> 31) | (words[1] >> 31) << 1 | (words[2] >> 31) << 2 | (words[3] >> 31) << 3;
 }
-MLRT_INLINE f4 f4_add(f4 a, f4 b)
-{
-    return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}};
-}
-MLRT_INLINE f4 f4_sub(f4 a, f4 b)
-{
-    return (f4){{a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2], a.x[3] - b.x[3]}};
-}
-MLRT_INLINE f4 f4_mul(f4 a, f4 b)
-{
-    return (f4){{a.x[0] * b.x[0], a.x[1] * b.x[1], a.x[2] * b.x[2], a.x[3] * b.x[3]}};
-}
-MLRT_INLINE f4 f4_div(f4 a, f4 b)
-{
-    return (f4){{a.x[0] / b.x[0], a.x[1] / b.x[1], a.x[2] / b.x[2], a.x[3] / b.x[3]}};
-}
+MLRT_INLINE f4 f4_add(f4 a, f4 b) { return (f4){{a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]}}; }
+MLRT_INLINE f4 f4_sub(f4 a, f4 b) { return (f4){{a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2], a.x[3] - b.x[3]}}; }
+MLRT_INLINE f4 f4_mul(f4 a, f4 b) { return (f4){{a.x[0] * b.x[0], a.x[1] * b.x[1], a.x[2] * b.x[2], a.x[3] * b.x[3]}}; }
+MLRT_INLINE f4 f4_div(f4 a, f4 b) { return (f4){{a.x[0] / b.x[0], a.x[1] / b.x[1], a.x[2] / b.x[2], a.x[3] / b.x[3]}}; }
 MLRT_INLINE f4 f4_min(f4 a, f4 b)
 {
     return (f4){{a.x[0] < b.x[0] ? a.x[0] : b.x[0], a.x[1] < b.x[1] ? a.x[1] : b.x[1],
@@ -120,29 +86,14 @@ MLRT_INLINE f4 f4_max(f4 a, f4 b)
     return (f4){{a.x[0] > b.x[0] ? a.x[0] : b.x[0], a.x[1] > b.x[1] ? a.x[1] : b.x[1],
                  a.x[2] > b.x[2] ? a.x[2] : b.x[2], a.x[3] > b.x[3] ? a.x[3] : b.x[3]}};
 }
-MLRT_INLINE f4 f4_abs(f4 a)
-{
-    return (f4){{fabsf(a.x[0]), fabsf(a.x[1]), fabsf(a.x[2]), fabsf(a.x[3])}};
-}
+MLRT_INLINE f4 f4_abs(f4 a) { return (f4){{fabsf(a.x[0]), fabsf(a.x[1]), fabsf(a.x[2]), fabsf(a.x[3])}}; }
 /* a, negated if b is negative */
-MLRT_INLINE f4 f4_flip(f4 a, float b)
-{
-    return b < 0 ? (f4){{-a.x[0], -a.x[1], -a.x[2], -a.x[3]}} : a;
-}
+MLRT_INLINE f4 f4_flip(f4 a, float b) { return b < 0 ? (f4){{-a.x[0], -a.x[1], -a.x[2], -a.x[3]}} : a; }
 /* 1, 2, 0, 1 of a */
-MLRT_INLINE f4 f4_next(f4 a)
-{
-    return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}};
-}
+MLRT_INLINE f4 f4_next(f4 a) { return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}}; }
 /* 0, 1, 2 of a, and 2 of b */
-MLRT_INLINE f4 f4_join(f4 a, f4 b)
-{
-    return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}};
-}
-MLRT_INLINE float f4_last(f4 a)
-{
-    return a.x[3];
-}
+MLRT_INLINE f4 f4_join(f4 a, f4 b) { return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}}; }
+MLRT_INLINE float f4_last(f4 a) { return a.x[3]; }
 MLRT_INLINE float f4_hmin(f4 a)
 {
     const float b = a.x[0] < a.x[2] ? a.x[0] : a.x[2], c = a.x[1] < a.x[3] ? a.x[1] : a.x[3];
@@ -154,39 +105,21 @@ MLRT_INLINE float f4_hmax(f4 a)
     return b > c ? b : c;
 }
 /* 0, 1 of a and of b */
-MLRT_INLINE f4 f4_low(f4 a, f4 b)
-{
-    return (f4){{a.x[0], a.x[1], b.x[0], b.x[1]}};
-}
+MLRT_INLINE f4 f4_low(f4 a, f4 b) { return (f4){{a.x[0], a.x[1], b.x[0], b.x[1]}}; }
 /* 2, 3 of a and of b */
-MLRT_INLINE f4 f4_high(f4 a, f4 b)
-{
-    return (f4){{a.x[2], a.x[3], b.x[2], b.x[3]}};
-}
+MLRT_INLINE f4 f4_high(f4 a, f4 b) { return (f4){{a.x[2], a.x[3], b.x[2], b.x[3]}}; }
 /* 0, 2 of a and of b */
-MLRT_INLINE f4 f4_evens(f4 a, f4 b)
-{
-    return (f4){{a.x[0], a.x[2], b.x[0], b.x[2]}};
-}
+MLRT_INLINE f4 f4_evens(f4 a, f4 b) { return (f4){{a.x[0], a.x[2], b.x[0], b.x[2]}}; }
 /* 1, 3 of a and of b */
-MLRT_INLINE f4 f4_odds(f4 a, f4 b)
-{
-    return (f4){{a.x[1], a.x[3], b.x[1], b.x[3]}};
-}
+MLRT_INLINE f4 f4_odds(f4 a, f4 b) { return (f4){{a.x[1], a.x[3], b.x[1], b.x[3]}}; }
 /* Four vectors of three coordinates, whose starts are `step` floats apart: by_axis[k] has those along axis k. */
-MLRT_INLINE f4 f4_gather(const float *p, size_t step)
-{
-    return (f4){{p[0], p[step], p[2 * step], p[3 * step]}};
-}
+MLRT_INLINE f4 f4_gather(const float *p, size_t step) { return (f4){{p[0], p[step], p[2 * step], p[3 * step]}}; }
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {
     for (int k = 0; k < 3; ++k, ++p) by_axis[k] = (f4){{p[0], p[step], p[2 * step], p[3 * step]}};
 }
 /* The same of vectors that lie side by side. */
-MLRT_INLINE void f4_triples(const float *p, f4 by_axis[3])
-{
-    f4_gather_triples(p, 3, by_axis);
-}
+MLRT_INLINE void f4_triples(const float *p, f4 by_axis[3]) { f4_gather_triples(p, 3, by_axis); }
 /* From three corners of three coordinates each: corner[k] has those along axis k, of a, b, c and a. */
 MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
 {

@@ -10,55 +10,27 @@
 
 #include "base/platform.h"
 
-/* clang-format off: a table of words */
 typedef __m128 f4;
-MLRT_INLINE f4 f4_set1(float a)
-{
-    return _mm_set1_ps(a);
-}
-MLRT_INLINE f4 f4_load(const float *p)
-{
-    return _mm_load_ps(p);
-}
-MLRT_INLINE void f4_store(float *p, f4 a)
-{
-    _mm_store_ps(p, a);
-}
-MLRT_INLINE f4 f4_load_any(const void *p)
-{
-    return _mm_loadu_ps(p);
-}
-MLRT_INLINE void f4_store_any(void *p, f4 a)
-{
-    _mm_storeu_ps(p, a);
-}
-MLRT_INLINE void f4_store_low(void *p, f4 a)
-{
-    _mm_storel_pi(p, a);
-}
-MLRT_INLINE void f4_store_high(void *p, f4 a)
-{
-    _mm_storeh_pi(p, a);
-}
+MLRT_INLINE f4 f4_set1(float a) { return _mm_set1_ps(a); }
+MLRT_INLINE f4 f4_load(const float *p) { return _mm_load_ps(p); }
+MLRT_INLINE void f4_store(float *p, f4 a) { _mm_store_ps(p, a); }
+MLRT_INLINE f4 f4_load_any(const void *p) { return _mm_loadu_ps(p); }
+MLRT_INLINE void f4_store_any(void *p, f4 a) { _mm_storeu_ps(p, a); }
+MLRT_INLINE void f4_store_low(void *p, f4 a) { _mm_storel_pi(p, a); }
+MLRT_INLINE void f4_store_high(void *p, f4 a) { _mm_storeh_pi(p, a); }
 MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
 {
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_set1_epi32((int)word));
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
-MLRT_INLINE unsigned f4_zeros(f4 a)
-{
-    return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(a, _mm_setzero_ps()));
-}
+MLRT_INLINE unsigned f4_zeros(f4 a) { return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(a, _mm_setzero_ps())); }
 MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
 {
     const __m128 b = _mm_andnot_ps(_mm_set1_ps(-0.0f), a), zero = _mm_cmpeq_ps(a, _mm_setzero_ps());
     const __m128 within = _mm_and_ps(_mm_cmple_ps(_mm_set1_ps(lo), b), _mm_cmple_ps(b, _mm_set1_ps(hi)));
     return (unsigned)_mm_movemask_ps(_mm_or_ps(zero, within));
 }
-MLRT_INLINE f4 f4_rest(f4 a)
-{
-    return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 2, 1));
-}
+MLRT_INLINE f4 f4_rest(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 2, 1)); }
 MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
 {
     const __m128 mask = _mm_castsi128_ps(_mm_srai_epi32(_mm_castps_si128(sign), 31));
@@ -68,54 +40,18 @@ MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
 {
     return _mm_and_ps(so_far, _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_loadu_si128(p), _mm_castps_si128(a))));
 }
-MLRT_INLINE unsigned f4_signs(f4 a)
-{
-    return (unsigned)_mm_movemask_ps(a);
-}
-MLRT_INLINE f4 f4_add(f4 a, f4 b)
-{
-    return _mm_add_ps(a, b);
-}
-MLRT_INLINE f4 f4_sub(f4 a, f4 b)
-{
-    return _mm_sub_ps(a, b);
-}
-MLRT_INLINE f4 f4_mul(f4 a, f4 b)
-{
-    return _mm_mul_ps(a, b);
-}
-MLRT_INLINE f4 f4_div(f4 a, f4 b)
-{
-    return _mm_div_ps(a, b);
-}
-MLRT_INLINE f4 f4_min(f4 a, f4 b)
-{
-    return _mm_min_ps(a, b);
-}
-MLRT_INLINE f4 f4_max(f4 a, f4 b)
-{
-    return _mm_max_ps(a, b);
-}
-MLRT_INLINE f4 f4_abs(f4 a)
-{
-    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
-}
-MLRT_INLINE f4 f4_flip(f4 a, float b)
-{
-    return _mm_xor_ps(a, _mm_and_ps(_mm_set1_ps(b), _mm_set1_ps(-0.0f)));
-}
-MLRT_INLINE f4 f4_next(f4 a)
-{
-    return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1));
-}
-MLRT_INLINE f4 f4_join(f4 a, f4 b)
-{
-    return _mm_shuffle_ps(a, _mm_unpackhi_ps(a, b), _MM_SHUFFLE(1, 0, 1, 0));
-}
-MLRT_INLINE float f4_last(f4 a)
-{
-    return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3)));
-}
+MLRT_INLINE unsigned f4_signs(f4 a) { return (unsigned)_mm_movemask_ps(a); }
+MLRT_INLINE f4 f4_add(f4 a, f4 b) { return _mm_add_ps(a, b); }
+MLRT_INLINE f4 f4_sub(f4 a, f4 b) { return _mm_sub_ps(a, b); }
+MLRT_INLINE f4 f4_mul(f4 a, f4 b) { return _mm_mul_ps(a, b); }
+MLRT_INLINE f4 f4_div(f4 a, f4 b) { return _mm_div_ps(a, b); }
+MLRT_INLINE f4 f4_min(f4 a, f4 b) { return _mm_min_ps(a, b); }
+MLRT_INLINE f4 f4_max(f4 a, f4 b) { return _mm_max_ps(a, b); }
+MLRT_INLINE f4 f4_abs(f4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
+MLRT_INLINE f4 f4_flip(f4 a, float b) { return _mm_xor_ps(a, _mm_and_ps(_mm_set1_ps(b), _mm_set1_ps(-0.0f))); }
+MLRT_INLINE f4 f4_next(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); }
+MLRT_INLINE f4 f4_join(f4 a, f4 b) { return _mm_shuffle_ps(a, _mm_unpackhi_ps(a, b), _MM_SHUFFLE(1, 0, 1, 0)); }
+MLRT_INLINE float f4_last(f4 a) { return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3))); }
 MLRT_INLINE float f4_hmin(f4 a)
 {
     a = _mm_min_ps(a, _mm_movehl_ps(a, a));
@@ -126,31 +62,13 @@ MLRT_INLINE float f4_hmax(f4 a)
     a = _mm_max_ps(a, _mm_movehl_ps(a, a));
     return _mm_cvtss_f32(_mm_max_ss(a, _mm_shuffle_ps(a, a, 1)));
 }
-MLRT_INLINE f4 f4_low(f4 a, f4 b)
-{
-    return _mm_movelh_ps(a, b);
-}
-MLRT_INLINE f4 f4_high(f4 a, f4 b)
-{
-    return _mm_movehl_ps(b, a);
-}
-MLRT_INLINE f4 f4_evens(f4 a, f4 b)
-{
-    return _mm_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0));
-}
-MLRT_INLINE f4 f4_odds(f4 a, f4 b)
-{
-    return _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1));
-}
-MLRT_INLINE f4 f4_gather(const float *p, size_t step)
-{
-    return _mm_setr_ps(p[0], p[step], p[2 * step], p[3 * step]);
-}
+MLRT_INLINE f4 f4_low(f4 a, f4 b) { return _mm_movelh_ps(a, b); }
+MLRT_INLINE f4 f4_high(f4 a, f4 b) { return _mm_movehl_ps(b, a); }
+MLRT_INLINE f4 f4_evens(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)); }
+MLRT_INLINE f4 f4_odds(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)); }
+MLRT_INLINE f4 f4_gather(const float *p, size_t step) { return _mm_setr_ps(p[0], p[step], p[2 * step], p[3 * step]); }
 /* Words of elements, for vocabularies: four that lie side by side; two of two; one of each of two in two rows. */
-MLRT_INLINE __m128 quad_at(const unsigned char *p)
-{
-    return _mm_loadu_ps((const float *)(const void *)p);
-}
+MLRT_INLINE __m128 quad_at(const unsigned char *p) { return _mm_loadu_ps((const float *)(const void *)p); }
 MLRT_INLINE __m128 pairs_at(const unsigned char *p, size_t step)
 {
     const __m128 first = _mm_castsi128_ps(_mm_loadl_epi64((const void *)p));

@@ -31,7 +31,6 @@ typedef uint32_t vi;
 typedef uint32_t vm;
 typedef double vd;
 
-/* clang-format off: a table of words */
 MLRT_INLINE uint32_t bits_of(float a)
 {
     uint32_t bits;
@@ -45,156 +44,48 @@ MLRT_INLINE float float_of(uint32_t bits)
     return a;
 }
 
-MLRT_INLINE vf v_set1(float a)
-{
-    return a;
-}
-MLRT_INLINE vf v_load(const float *p)
-{
-    return *p;
-}
-MLRT_INLINE vf v_load_any(const float *p)
-{
-    return *p;
-} /* aligned to 4 bytes */
-MLRT_INLINE void v_store(float *p, vf a)
-{
-    *p = a;
-}
-MLRT_INLINE vf v_add(vf a, vf b)
-{
-    return a + b;
-}
-MLRT_INLINE vf v_sub(vf a, vf b)
-{
-    return a - b;
-}
-MLRT_INLINE vf v_mul(vf a, vf b)
-{
-    return a * b;
-}
-MLRT_INLINE vf v_mul_add(vf a, vf b, vf c)
-{
-    return a * b + c;
-}
-MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c)
-{
-    return a * b - c;
-}
-MLRT_INLINE vf v_div(vf a, vf b)
-{
-    return a / b;
-}
-MLRT_INLINE vf v_min(vf a, vf b)
-{
-    return a < b ? a : b;
-}
-MLRT_INLINE vf v_max(vf a, vf b)
-{
-    return a > b ? a : b;
-}
-MLRT_INLINE vf v_abs(vf a)
-{
-    return float_of(bits_of(a) & 0x7FFFFFFFu);
-}
+MLRT_INLINE vf v_set1(float a) { return a; }
+MLRT_INLINE vf v_load(const float *p) { return *p; }
+MLRT_INLINE vf v_load_any(const float *p) { return *p; } /* aligned to 4 bytes */
+MLRT_INLINE void v_store(float *p, vf a) { *p = a; }
+MLRT_INLINE vf v_add(vf a, vf b) { return a + b; }
+MLRT_INLINE vf v_sub(vf a, vf b) { return a - b; }
+MLRT_INLINE vf v_mul(vf a, vf b) { return a * b; }
+MLRT_INLINE vf v_mul_add(vf a, vf b, vf c) { return a * b + c; }
+MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c) { return a * b - c; }
+MLRT_INLINE vf v_div(vf a, vf b) { return a / b; }
+MLRT_INLINE vf v_min(vf a, vf b) { return a < b ? a : b; }
+MLRT_INLINE vf v_max(vf a, vf b) { return a > b ? a : b; }
+MLRT_INLINE vf v_abs(vf a) { return float_of(bits_of(a) & 0x7FFFFFFFu); }
 /* a with its sign flipped where b is negative */
-MLRT_INLINE vf v_flip(vf a, vf b)
-{
-    return float_of(bits_of(a) ^ (bits_of(b) & 0x80000000u));
-}
-MLRT_INLINE float v_hmin(vf a)
-{
-    return a;
-}
-MLRT_INLINE float v_hmax(vf a)
-{
-    return a;
-}
-MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
-{
-    return (f4){{a, b, c, d}};
-}
+MLRT_INLINE vf v_flip(vf a, vf b) { return float_of(bits_of(a) ^ (bits_of(b) & 0x80000000u)); }
+MLRT_INLINE float v_hmin(vf a) { return a; }
+MLRT_INLINE float v_hmax(vf a) { return a; }
+MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d) { return (f4){{a, b, c, d}}; }
 
-MLRT_INLINE vm v_lt(vf a, vf b)
-{
-    return a < b ? 0xFFFFFFFFu : 0;
-}
-MLRT_INLINE vm v_le(vf a, vf b)
-{
-    return a <= b ? 0xFFFFFFFFu : 0;
-}
-MLRT_INLINE vm v_gt(vf a, vf b)
-{
-    return a > b ? 0xFFFFFFFFu : 0;
-}
-MLRT_INLINE vm v_ge(vf a, vf b)
-{
-    return a >= b ? 0xFFFFFFFFu : 0;
-}
-MLRT_INLINE vm v_eq(vf a, vf b)
-{
-    return a == b ? 0xFFFFFFFFu : 0;
-}
-MLRT_INLINE vf v_select(vm m, vf a, vf b)
-{
-    return m ? a : b;
-}
+MLRT_INLINE vm v_lt(vf a, vf b) { return a < b ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vm v_le(vf a, vf b) { return a <= b ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vm v_gt(vf a, vf b) { return a > b ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vm v_ge(vf a, vf b) { return a >= b ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vm v_eq(vf a, vf b) { return a == b ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vf v_select(vm m, vf a, vf b) { return m ? a : b; }
 
-MLRT_INLINE vm m_and(vm a, vm b)
-{
-    return a & b;
-}
-MLRT_INLINE vm m_or(vm a, vm b)
-{
-    return a | b;
-}
+MLRT_INLINE vm m_and(vm a, vm b) { return a & b; }
+MLRT_INLINE vm m_or(vm a, vm b) { return a | b; }
 /* a and not b */
-MLRT_INLINE vm m_andnot(vm a, vm b)
-{
-    return a & ~b;
-}
-MLRT_INLINE unsigned m_bits(vm a)
-{
-    return a & 1;
-}
-MLRT_INLINE vm m_from_bits(unsigned bits)
-{
-    return (bits & 1) ? 0xFFFFFFFFu : 0;
-}
+MLRT_INLINE vm m_andnot(vm a, vm b) { return a & ~b; }
+MLRT_INLINE unsigned m_bits(vm a) { return a & 1; }
+MLRT_INLINE vm m_from_bits(unsigned bits) { return (bits & 1) ? 0xFFFFFFFFu : 0; }
 
-MLRT_INLINE vi i_set1(uint32_t a)
-{
-    return a;
-}
-MLRT_INLINE vi i_load(const uint32_t *p)
-{
-    return *p;
-}
-MLRT_INLINE vi i_load_any(const uint32_t *p)
-{
-    return *p;
-} /* aligned to 4 bytes */
-MLRT_INLINE void i_store(uint32_t *p, vi a)
-{
-    *p = a;
-}
-MLRT_INLINE vi i_sub(vi a, vi b)
-{
-    return a - b;
-}
+MLRT_INLINE vi i_set1(uint32_t a) { return a; }
+MLRT_INLINE vi i_load(const uint32_t *p) { return *p; }
+MLRT_INLINE vi i_load_any(const uint32_t *p) { return *p; } /* aligned to 4 bytes */
+MLRT_INLINE void i_store(uint32_t *p, vi a) { *p = a; }
+MLRT_INLINE vi i_sub(vi a, vi b) { return a - b; }
 /* as unsigned numbers */
-MLRT_INLINE vm i_lt(vi a, vi b)
-{
-    return a < b ? 0xFFFFFFFFu : 0;
-}
-MLRT_INLINE vm i_eq(vi a, vi b)
-{
-    return a == b ? 0xFFFFFFFFu : 0;
-}
-MLRT_INLINE vi i_select(vm m, vi a, vi b)
-{
-    return m ? a : b;
-}
+MLRT_INLINE vm i_lt(vi a, vi b) { return a < b ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vm i_eq(vi a, vi b) { return a == b ? 0xFFFFFFFFu : 0; }
+MLRT_INLINE vi i_select(vm m, vi a, vi b) { return m ? a : b; }
 
 MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_step, vf by_axis[3])
 {
@@ -228,69 +119,24 @@ MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step
     memcpy(seconds, p + 4, 4);
 }
 
-MLRT_INLINE vd d_set1(double a)
-{
-    return a;
-}
-MLRT_INLINE vd d_load(const float *p)
-{
-    return *p;
-}
-MLRT_INLINE void d_store(float *p, vd a)
-{
-    *p = (float)a;
-}
-MLRT_INLINE double d_first(vd a)
-{
-    return a;
-}
-MLRT_INLINE vd d_add(vd a, vd b)
-{
-    return a + b;
-}
-MLRT_INLINE vd d_sub(vd a, vd b)
-{
-    return a - b;
-}
-MLRT_INLINE vd d_mul(vd a, vd b)
-{
-    return a * b;
-}
-MLRT_INLINE vd d_mul_add(vd a, vd b, vd c)
-{
-    return d_add(d_mul(a, b), c);
-}
-MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c)
-{
-    return d_sub(d_mul(a, b), c);
-}
-MLRT_INLINE vd d_div(vd a, vd b)
-{
-    return a / b;
-}
-MLRT_INLINE vd d_abs(vd a)
-{
-    return fabs(a);
-}
+MLRT_INLINE vd d_set1(double a) { return a; }
+MLRT_INLINE vd d_load(const float *p) { return *p; }
+MLRT_INLINE void d_store(float *p, vd a) { *p = (float)a; }
+MLRT_INLINE double d_first(vd a) { return a; }
+MLRT_INLINE vd d_add(vd a, vd b) { return a + b; }
+MLRT_INLINE vd d_sub(vd a, vd b) { return a - b; }
+MLRT_INLINE vd d_mul(vd a, vd b) { return a * b; }
+MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return d_add(d_mul(a, b), c); }
+MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return d_sub(d_mul(a, b), c); }
+MLRT_INLINE vd d_div(vd a, vd b) { return a / b; }
+MLRT_INLINE vd d_abs(vd a) { return fabs(a); }
 /* the second if either is a NaN */
-MLRT_INLINE vd d_max(vd a, vd b)
-{
-    return a > b ? a : b;
-}
+MLRT_INLINE vd d_max(vd a, vd b) { return a > b ? a : b; }
 /* a with its sign flipped where b is negative */
-MLRT_INLINE vd d_flip(vd a, vd b)
-{
-    return copysign(a, copysign(1, a) * copysign(1, b));
-}
+MLRT_INLINE vd d_flip(vd a, vd b) { return copysign(a, copysign(1, a) * copysign(1, b)); }
 /* bits of the lanes where a > b */
-MLRT_INLINE unsigned d_gt(vd a, vd b)
-{
-    return a > b;
-}
+MLRT_INLINE unsigned d_gt(vd a, vd b) { return a > b; }
 /* bits of the lanes where both round to one float */
-MLRT_INLINE unsigned d_same_float(vd a, vd b)
-{
-    return (float)a == (float)b;
-}
+MLRT_INLINE unsigned d_same_float(vd a, vd b) { return (float)a == (float)b; }
 
 #endif

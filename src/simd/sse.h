@@ -17,63 +17,20 @@ typedef __m128i vi;
 typedef __m128 vm;
 typedef __m128d vd;
 
-/* clang-format off: a table of words */
-MLRT_INLINE vf v_set1(float a)
-{
-    return _mm_set1_ps(a);
-}
-MLRT_INLINE vf v_load(const float *p)
-{
-    return _mm_load_ps(p);
-}
-MLRT_INLINE vf v_load_any(const float *p)
-{
-    return _mm_loadu_ps(p);
-}
-MLRT_INLINE void v_store(float *p, vf a)
-{
-    _mm_store_ps(p, a);
-}
-MLRT_INLINE vf v_add(vf a, vf b)
-{
-    return _mm_add_ps(a, b);
-}
-MLRT_INLINE vf v_sub(vf a, vf b)
-{
-    return _mm_sub_ps(a, b);
-}
-MLRT_INLINE vf v_mul(vf a, vf b)
-{
-    return _mm_mul_ps(a, b);
-}
-MLRT_INLINE vf v_mul_add(vf a, vf b, vf c)
-{
-    return _mm_add_ps(_mm_mul_ps(a, b), c);
-}
-MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c)
-{
-    return _mm_sub_ps(_mm_mul_ps(a, b), c);
-}
-MLRT_INLINE vf v_div(vf a, vf b)
-{
-    return _mm_div_ps(a, b);
-}
-MLRT_INLINE vf v_min(vf a, vf b)
-{
-    return _mm_min_ps(a, b);
-}
-MLRT_INLINE vf v_max(vf a, vf b)
-{
-    return _mm_max_ps(a, b);
-}
-MLRT_INLINE vf v_abs(vf a)
-{
-    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
-}
-MLRT_INLINE vf v_flip(vf a, vf b)
-{
-    return _mm_xor_ps(a, _mm_and_ps(b, _mm_set1_ps(-0.0f)));
-}
+MLRT_INLINE vf v_set1(float a) { return _mm_set1_ps(a); }
+MLRT_INLINE vf v_load(const float *p) { return _mm_load_ps(p); }
+MLRT_INLINE vf v_load_any(const float *p) { return _mm_loadu_ps(p); }
+MLRT_INLINE void v_store(float *p, vf a) { _mm_store_ps(p, a); }
+MLRT_INLINE vf v_add(vf a, vf b) { return _mm_add_ps(a, b); }
+MLRT_INLINE vf v_sub(vf a, vf b) { return _mm_sub_ps(a, b); }
+MLRT_INLINE vf v_mul(vf a, vf b) { return _mm_mul_ps(a, b); }
+MLRT_INLINE vf v_mul_add(vf a, vf b, vf c) { return _mm_add_ps(_mm_mul_ps(a, b), c); }
+MLRT_INLINE vf v_mul_sub(vf a, vf b, vf c) { return _mm_sub_ps(_mm_mul_ps(a, b), c); }
+MLRT_INLINE vf v_div(vf a, vf b) { return _mm_div_ps(a, b); }
+MLRT_INLINE vf v_min(vf a, vf b) { return _mm_min_ps(a, b); }
+MLRT_INLINE vf v_max(vf a, vf b) { return _mm_max_ps(a, b); }
+MLRT_INLINE vf v_abs(vf a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
+MLRT_INLINE vf v_flip(vf a, vf b) { return _mm_xor_ps(a, _mm_and_ps(b, _mm_set1_ps(-0.0f))); }
 MLRT_INLINE float v_hmin(vf a)
 {
     a = _mm_min_ps(a, _mm_movehl_ps(a, a));
@@ -91,82 +48,34 @@ MLRT_INLINE f4 v_hmin4(vf a, vf b, vf c, vf d)
     return _mm_min_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab));
 }
 
-MLRT_INLINE vm v_lt(vf a, vf b)
-{
-    return _mm_cmplt_ps(a, b);
-}
-MLRT_INLINE vm v_le(vf a, vf b)
-{
-    return _mm_cmple_ps(a, b);
-}
-MLRT_INLINE vm v_gt(vf a, vf b)
-{
-    return _mm_cmpgt_ps(a, b);
-}
-MLRT_INLINE vm v_ge(vf a, vf b)
-{
-    return _mm_cmpge_ps(a, b);
-}
-MLRT_INLINE vm v_eq(vf a, vf b)
-{
-    return _mm_cmpeq_ps(a, b);
-}
-MLRT_INLINE vf v_select(vm m, vf a, vf b)
-{
-    return _mm_or_ps(_mm_and_ps(m, a), _mm_andnot_ps(m, b));
-}
+MLRT_INLINE vm v_lt(vf a, vf b) { return _mm_cmplt_ps(a, b); }
+MLRT_INLINE vm v_le(vf a, vf b) { return _mm_cmple_ps(a, b); }
+MLRT_INLINE vm v_gt(vf a, vf b) { return _mm_cmpgt_ps(a, b); }
+MLRT_INLINE vm v_ge(vf a, vf b) { return _mm_cmpge_ps(a, b); }
+MLRT_INLINE vm v_eq(vf a, vf b) { return _mm_cmpeq_ps(a, b); }
+MLRT_INLINE vf v_select(vm m, vf a, vf b) { return _mm_or_ps(_mm_and_ps(m, a), _mm_andnot_ps(m, b)); }
 
-MLRT_INLINE vm m_and(vm a, vm b)
-{
-    return _mm_and_ps(a, b);
-}
-MLRT_INLINE vm m_or(vm a, vm b)
-{
-    return _mm_or_ps(a, b);
-}
-MLRT_INLINE vm m_andnot(vm a, vm b)
-{
-    return _mm_andnot_ps(b, a);
-}
-MLRT_INLINE unsigned m_bits(vm a)
-{
-    return (unsigned)_mm_movemask_ps(a);
-}
+MLRT_INLINE vm m_and(vm a, vm b) { return _mm_and_ps(a, b); }
+MLRT_INLINE vm m_or(vm a, vm b) { return _mm_or_ps(a, b); }
+MLRT_INLINE vm m_andnot(vm a, vm b) { return _mm_andnot_ps(b, a); }
+MLRT_INLINE unsigned m_bits(vm a) { return (unsigned)_mm_movemask_ps(a); }
 MLRT_INLINE vm m_from_bits(unsigned bits)
 {
     const __m128i lanes = _mm_set_epi32(8, 4, 2, 1);
     return _mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int)bits), lanes), lanes));
 }
 
-MLRT_INLINE vi i_set1(uint32_t a)
-{
-    return _mm_set1_epi32((int)a);
-}
-MLRT_INLINE vi i_load(const uint32_t *p)
-{
-    return _mm_load_si128((const __m128i *)(const void *)p);
-}
-MLRT_INLINE vi i_load_any(const uint32_t *p)
-{
-    return _mm_loadu_si128((const void *)p);
-}
-MLRT_INLINE void i_store(uint32_t *p, vi a)
-{
-    _mm_store_si128((__m128i *)(void *)p, a);
-}
-MLRT_INLINE vi i_sub(vi a, vi b)
-{
-    return _mm_sub_epi32(a, b);
-}
+MLRT_INLINE vi i_set1(uint32_t a) { return _mm_set1_epi32((int)a); }
+MLRT_INLINE vi i_load(const uint32_t *p) { return _mm_load_si128((const __m128i *)(const void *)p); }
+MLRT_INLINE vi i_load_any(const uint32_t *p) { return _mm_loadu_si128((const void *)p); }
+MLRT_INLINE void i_store(uint32_t *p, vi a) { _mm_store_si128((__m128i *)(void *)p, a); }
+MLRT_INLINE vi i_sub(vi a, vi b) { return _mm_sub_epi32(a, b); }
 MLRT_INLINE vm i_lt(vi a, vi b)
 {
     const __m128i flip = _mm_set1_epi32((int)0x80000000u);
     return _mm_castsi128_ps(_mm_cmplt_epi32(_mm_xor_si128(a, flip), _mm_xor_si128(b, flip)));
 }
-MLRT_INLINE vm i_eq(vi a, vi b)
-{
-    return _mm_castsi128_ps(_mm_cmpeq_epi32(a, b));
-}
+MLRT_INLINE vm i_eq(vi a, vi b) { return _mm_castsi128_ps(_mm_cmpeq_epi32(a, b)); }
 MLRT_INLINE vi i_select(vm m, vi a, vi b)
 {
     const __m128i mask = _mm_castps_si128(m);
@@ -224,62 +133,20 @@ MLRT_INLINE void i_pairs_at(const unsigned char *p, size_t step, size_t row_step
     *seconds = _mm_castps_si128(_mm_shuffle_ps(upper, lower, _MM_SHUFFLE(3, 1, 3, 1)));
 }
 
-MLRT_INLINE vd d_set1(double a)
-{
-    return _mm_set1_pd(a);
-}
-MLRT_INLINE vd d_load(const float *p)
-{
-    return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const void *)p)));
-}
-MLRT_INLINE void d_store(float *p, vd a)
-{
-    _mm_storel_pi((void *)p, _mm_cvtpd_ps(a));
-}
-MLRT_INLINE double d_first(vd a)
-{
-    return _mm_cvtsd_f64(a);
-}
-MLRT_INLINE vd d_add(vd a, vd b)
-{
-    return _mm_add_pd(a, b);
-}
-MLRT_INLINE vd d_sub(vd a, vd b)
-{
-    return _mm_sub_pd(a, b);
-}
-MLRT_INLINE vd d_mul(vd a, vd b)
-{
-    return _mm_mul_pd(a, b);
-}
-MLRT_INLINE vd d_mul_add(vd a, vd b, vd c)
-{
-    return d_add(d_mul(a, b), c);
-}
-MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c)
-{
-    return d_sub(d_mul(a, b), c);
-}
-MLRT_INLINE vd d_div(vd a, vd b)
-{
-    return _mm_div_pd(a, b);
-}
-MLRT_INLINE vd d_abs(vd a)
-{
-    return _mm_andnot_pd(_mm_set1_pd(-0.0), a);
-}
-MLRT_INLINE vd d_max(vd a, vd b)
-{
-    return _mm_max_pd(a, b);
-}
-MLRT_INLINE vd d_flip(vd a, vd b)
-{
-    return _mm_xor_pd(a, _mm_and_pd(b, _mm_set1_pd(-0.0)));
-}
-MLRT_INLINE unsigned d_gt(vd a, vd b)
-{
-    return (unsigned)_mm_movemask_pd(_mm_cmpgt_pd(a, b));
-}
+MLRT_INLINE vd d_set1(double a) { return _mm_set1_pd(a); }
+MLRT_INLINE vd d_load(const float *p) { return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const void *)p))); }
+MLRT_INLINE void d_store(float *p, vd a) { _mm_storel_pi((void *)p, _mm_cvtpd_ps(a)); }
+MLRT_INLINE double d_first(vd a) { return _mm_cvtsd_f64(a); }
+MLRT_INLINE vd d_add(vd a, vd b) { return _mm_add_pd(a, b); }
+MLRT_INLINE vd d_sub(vd a, vd b) { return _mm_sub_pd(a, b); }
+MLRT_INLINE vd d_mul(vd a, vd b) { return _mm_mul_pd(a, b); }
+MLRT_INLINE vd d_mul_add(vd a, vd b, vd c) { return d_add(d_mul(a, b), c); }
+MLRT_INLINE vd d_mul_sub(vd a, vd b, vd c) { return d_sub(d_mul(a, b), c); }
+MLRT_INLINE vd d_div(vd a, vd b) { return _mm_div_pd(a, b); }
+MLRT_INLINE vd d_abs(vd a) { return _mm_andnot_pd(_mm_set1_pd(-0.0), a); }
+MLRT_INLINE vd d_max(vd a, vd b) { return _mm_max_pd(a, b); }
+MLRT_INLINE vd d_flip(vd a, vd b) { return _mm_xor_pd(a, _mm_and_pd(b, _mm_set1_pd(-0.0))); }
+MLRT_INLINE unsigned d_gt(vd a, vd b) { return (unsigned)_mm_movemask_pd(_mm_cmpgt_pd(a, b)); }
 MLRT_INLINE unsigned d_same_float(vd a, vd b)
 {
     return (unsigned)_mm_movemask_ps(_mm_cmpeq_ps(_mm_cvtpd_ps(a), _mm_cvtpd_ps(b))) & 3;

@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/ray_tile.h"
@@ -96,7 +96,7 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
  *
  * A ray's direction before rounding is affine in column and row, so that ratios of two components have their extremes
  * over a cell at its corners. Rounding moves component k of any ray by at most 3.001 u (|d00_k| + |x dx_k| + |y dy_k|)
- * (camera.c); `pad` is 8 u of it and 2^-100 for underflow. A ratio so differs from the extreme of those computed at
+ * (view_beam.c); `pad` is 8 u of it and 2^-100 for underflow. A ratio so differs from the extreme of those computed at
  * the corners by at most 2 (p_j + |slope| p_main) / (|d_main| - 2 p_main), with p = 0.38 pad: less than with pad and
  * |d_main| alone, since that is more than 4 pad_main. So it is more than 2^-98, and reciprocals are finite: an infinite
  * slope times 0 would be a NaN.

@@ -22,7 +22,7 @@
 #include <string.h>
 
 #include "hits/shadow_ray.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/quad.h"
 
 /* The least D, and what places are off by: per z / D, and per what else there is. */

@@ -78,7 +78,7 @@ static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, 
     return carried;
 }
 
-/* Rule R1 (nearest.h) says which rays of `lanes` can hit something; those that float carries in units remain active. */
+/* Rule R1 (segment.h) says which rays of `lanes` can hit something; those that float carries in units remain active. */
 static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, struct mlrt_packet *packet)
 {
     struct mlrt_ray_scales scales;

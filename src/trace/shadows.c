@@ -3,47 +3,16 @@
  * Where one triangle covers a cell of the picture, the light sees a cell there, too, as a rule, and it needs no rays as
  * long as nothing lies between, or one triangle shades all of it. Other packets have rays of their own to the light.
  */
-#include "trace/shade.h"
+#include "trace/shadows.h"
 
 #include <string.h>
 
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "hits/shadow_ray.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "simd/sixteen.h"
 #include "trace/make_rays.h"
 #include "trace/shadow_cells.h"
-
-static uint32_t lanes_with_hit(const struct mlrt_packet *packet)
-{
-    return ~mlrt_same_words(packet->triangle, MLRT_NONE) & 0xFFFF;
-}
-
-/* Which lanes of a picture's packet hit something. The rays of one that is closed are made, if they are not there. */
-static uint32_t find_seen(const struct mlrt_job *picture, struct mlrt_ray_tile *seen, uint32_t place)
-{
-    struct mlrt_packet *packet = &seen->packets[place];
-    const struct mlrt_rectangle block = mlrt_block_of_tile(seen, place);
-    const uint32_t lanes = mlrt_existing_lanes(&picture->source, &block);
-    if (!(seen->made >> place & 1)) {
-        mlrt_make_rays(picture, seen, place);
-        mlrt_fill_words(packet->triangle, seen->cells->hulls.cover[place]);
-    }
-    return lanes & lanes_with_hit(packet);
-}
-
-void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
-{
-    struct mlrt_packet *packet = &tile->packets[place];
-    const uint32_t hit = find_seen(tile->picture, tile->seen, place);
-    tile->dark[place] = 0;
-    if (hit) {
-        tile->dark[place] = job->kernels->make_shadow_packet(job, &tile->seen->packets[place], hit, packet);
-        return;
-    }
-    packet->active = packet->single = 0;
-    mlrt_fill_words(packet->triangle, MLRT_NONE);
-}
 
 /* Makes a bundle without rays of what a point light sees of closed cells of a picture. Returns those; *dark receives those
  * that are behind. */
@@ -119,7 +88,7 @@ static void shade_rays(const struct mlrt_job *job, struct mlrt_worker *worker, s
 {
     for (uint32_t left = seen->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        const uint32_t hit = find_seen(job, seen, place);
+        const uint32_t hit = mlrt_find_seen(job, seen, place);
         mlrt_find_shadows(job, &seen->packets[place], hit, shadows[place], &worker->counters);
     }
 }
@@ -152,7 +121,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
         if (!(made >> place & 1)) continue;
         mlrt_finish_packet(light, worker, &tile.packets[place]);
-        dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);
+        dark_lanes[place] = tile.dark[place] | mlrt_lanes_with_hit(&tile.packets[place]);
     }
 }
 

@@ -3,7 +3,7 @@
  * Results on their way out: where they go. What nobody reads is not computed: the numbers of a hit (rule R5) are worked
  * out by the kernels (hit_numbers.h), and only for channels that a sink has.
  */
-#include "job/sink.h"
+#include "job/write_arrays.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,8 +3,8 @@
  * What comes after the search: rays that have to be traced one by one, and results of packets and of whole rectangles
  * on their way to frame and callback.
  */
-#ifndef MLRT_HITS_RESULTS_H
-#define MLRT_HITS_RESULTS_H
+#ifndef MLRT_HITS_FINISH_H
+#define MLRT_HITS_FINISH_H
 
 #include "job/job.h"
 #include "rays/rectangle.h"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From a job to its results: the picture is cut into tiles of initial_tile_size, which workers trace one by one, each
- * into the caller's frame and into its own tile buffer for the callback.
+ * Runs a job: cuts the picture into tiles of initial_tile_size, the items that workers claim. A worker writes results
+ * to the caller's frame and, for the callback, to a tile buffer of its own.
  */
-#include "run/workers.h"
+#include "run/run_job.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,7 +13,7 @@
 #include "base/run_options.h"
 #include "base/scheduler.h"
 #include "hits/undecided.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "mlrta/setups.h"
 #include "rays/rectangle.h"
 #include "simd/sixteen.h"
@@ -31,7 +31,7 @@ static uint32_t tile_count(uint32_t length, uint32_t size)
     return length / size + (length % size != 0);
 }
 
-/* The tile for the callback: the arrays that it asked for, over a tile of this width. */
+/* Describes a traced tile to the callback: its place in the picture, and the arrays that were asked for. */
 static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *worker, uint32_t number, uint32_t width,
                           uint32_t height, mlrt_tile *tile)
 {
@@ -51,6 +51,7 @@ static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *
                         sink->channel[MLRT_CHANNEL_OCCLUDED].data};
 }
 
+/* Traces a tile to the frame and to the worker's tile buffer, whose rows are as wide as the tile. */
 static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *worker,
                                      const struct mlrt_rectangle *area)
 {
@@ -86,6 +87,7 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     return mlrt_advance(&run->progress, (double)area.width * area.height - worker->pixels_told);
 }
 
+/* 1 if the callback gets this channel. */
 static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
 {
     static const uint32_t output[MLRT_CHANNEL_COUNT] = {
@@ -96,7 +98,7 @@ static int wants_channel(const struct mlrt_job *job, enum mlrt_channel channel)
     return job->any ? channel == MLRT_CHANNEL_OCCLUDED : (job->outputs & output[channel]) != 0;
 }
 
-/* Bytes of tile buffers per worker. */
+/* The bytes of a worker's tile buffer. */
 static size_t tile_buffer_size(const struct mlrt_job *job)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
@@ -107,13 +109,13 @@ static size_t tile_buffer_size(const struct mlrt_job *job)
     return size;
 }
 
-/* So few rays that they would not pay for large tables? */
+/* 1 if there are so few rays that large tables would not pay. */
 static int is_small(const struct mlrt_job *job)
 {
     return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
 }
 
-/* As a power of two, how many set-ups of leaves are kept. */
+/* Tables of a worker have 1 << so many entries: set-ups of leaves, pairs of triangles, triangles of known planes. */
 static uint32_t leaf_setup_bits(const struct mlrt_job *job)
 {
     return is_small(job) ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
@@ -129,7 +131,10 @@ static uint32_t known_plane_bits(const struct mlrt_job *job)
     return is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
 }
 
-/* Closest hits (0) and any hits (1) have set-ups of their own: a picture's shadows go in turn with its tiles. */
+/*
+ * 1 if workers keep set-ups of leaves for closest hits (any = 0) or any hits (1). These have tables of their own, since
+ * a picture's tiles and their shadows are traced in turns.
+ */
 static int keeps_leaves(const struct mlrt_job *job, int any)
 {
     return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
@@ -140,16 +145,13 @@ static int uses_bundles(const struct mlrt_job *job)
     return job->method == MLRT_METHOD_TILE;
 }
 
-/* Of the methods of the kd-tree only multilevel shares set-up triangles among packets. */
+/* The entries of a worker's table of triangle set-ups: only multilevel shares set-ups among packets. */
 static uint32_t setup_count(const struct mlrt_job *job)
 {
     return uses_bundles(job) ? 0 : job->shared_setups ? MLRT_SETUP_COUNT : 1;
 }
 
-/*
- * Bytes that a worker has besides its state: set-ups of leaves and of triangles, known planes and pairs, and the
- * callback's arrays.
- */
+/* The bytes of a worker's share of memory, beside its state: its tables and its tile buffer. */
 static size_t share_size(const struct mlrt_job *job)
 {
     size_t size = tile_buffer_size(job) + (sizeof(struct mlrt_known_plane) << known_plane_bits(job)) +
@@ -159,12 +161,16 @@ static size_t share_size(const struct mlrt_job *job)
             size += sizeof(struct mlrt_bundle_leaf) << leaf_setup_bits(job);
         }
     }
-    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) + setup_count(job) * sizeof(struct mlrt_triangle_setup);
+    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) +
+            setup_count(job) * sizeof(struct mlrt_triangle_setup);
     return (size + 63) / 64 * 64;
 }
 
-/* Leaves first, since their lines are whole. Returns what is left. */
-static unsigned char *share_out_leaves(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
+/*
+ * Lays out the set-ups of leaves from `next` on, then their tables' heads. Leaves come first, since they fill whole
+ * cache lines. Returns the end.
+ */
+static unsigned char *lay_out_leaves(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
 {
     struct mlrt_bundle_leaf *leaves = (struct mlrt_bundle_leaf *)(void *)next;
     const uint32_t bits = leaf_setup_bits(job);
@@ -181,13 +187,13 @@ static unsigned char *share_out_leaves(const struct mlrt_job *job, unsigned char
     return next + 2 * sizeof *worker->bundle_caches;
 }
 
-static void share_out(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
+static void lay_out_share(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
     worker->setups = (struct mlrt_triangle_setup *)(void *)next;
     next += setup_count(job) * sizeof *worker->setups;
     worker->setup_mask = setup_count(job) - 1;
-    if (uses_bundles(job)) next = share_out_leaves(job, next, worker);
+    if (uses_bundles(job)) next = lay_out_leaves(job, next, worker);
     worker->planes = (struct mlrt_known_plane *)(void *)next;
     next += sizeof *worker->planes << known_plane_bits(job);
     worker->pairs = (struct mlrt_triangle_pair *)(void *)next;
@@ -200,12 +206,15 @@ static void share_out(const struct mlrt_job *job, unsigned char *next, struct ml
     }
 }
 
-/* A call of few rays should not pay for clearing tables: an apex that no ray has says that they are empty. */
+/*
+ * Sets a worker's state as it begins. Its table of triangle set-ups is not cleared, which would slow down calls of few
+ * rays: its apex is one that no packet has, so that the first packet clears it (forget_setups).
+ */
 static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
 {
     memset(&worker->counters, 0, sizeof worker->counters);
     memset(&worker->tile, 0, sizeof worker->tile);
-    share_out(job, share, worker);
+    lay_out_share(job, share, worker);
     mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
     for (int k = 0; k < 3; ++k) {
         worker->apex[k] = NAN;

@@ -2,8 +2,8 @@
 /*
  * Results on their way out: to the caller's frame, to the buffer of a tile callback, or to both.
  */
-#ifndef MLRT_JOB_SINK_H
-#define MLRT_JOB_SINK_H
+#ifndef MLRT_JOB_WRITE_ARRAYS_H
+#define MLRT_JOB_WRITE_ARRAYS_H
 
 #include "exact/predicate.h"
 #include "rays/packet.h"

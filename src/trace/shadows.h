@@ -2,8 +2,8 @@
 /*
  * Which lights reach what a picture's rays hit (mlrt.h, "Shadows of a picture"), in the tile method.
  */
-#ifndef MLRT_TRACE_SHADE_H
-#define MLRT_TRACE_SHADE_H
+#ifndef MLRT_TRACE_SHADOWS_H
+#define MLRT_TRACE_SHADOWS_H
 
 #include "trace/ray_tile.h"
 
@@ -22,8 +22,5 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
  */
 void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                      const struct mlrt_known_lights *known);
-
-/* Makes the rays of a tile's packet to the light of a job; those of the picture, too, if it has none yet. */
-void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place);
 
 #endif

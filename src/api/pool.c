@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Pools of threads, as programs make them.
+ */
+#include "base/scheduler.h"
+#include "base/structs.h"
+#include "mlrt.h"
+
+MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool)
+{
+    if (!pool) return MLRT_ERROR_ARGUMENT;
+    *pool = NULL;
+    if (!options) return MLRT_ERROR_ARGUMENT;
+    mlrt_pool_options own;
+    const int32_t status = mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_pool_options, finish), &own, sizeof own);
+    return status == MLRT_OK ? mlrt_make_pool(&own, pool) : status;
+}
+
+MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool)
+{
+    const mlrt_pool_options options = {.struct_size = sizeof options, .thread_count = thread_count};
+    return mlrt_create_pool_with_options(&options, pool);
+}
+
+MLRT_API void mlrt_destroy_pool(mlrt_pool *pool)
+{
+    if (pool) mlrt_end_pool(pool);
+}
