@@ -46,10 +46,10 @@ static void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t 
     layout->has_word = 0;
 }
 
-/* Does an element of `other` follow each of these, twelve bytes from where it begins? */
+/* Does an element of `other` follow each of these, twelve bytes from where it begins? Not where that is in the next one. */
 static int is_followed_by(const struct array_layout *array, const struct array_layout *other)
 {
-    return array->data && other->data == array->data + 12 && array->stride && array->stride == other->stride &&
+    return array->data && other->data == array->data + 12 && array->stride > 12 && array->stride == other->stride &&
            array->step == other->step;
 }
 
