@@ -223,9 +223,9 @@ typedef void (*mlrt_free_callback)(void *user, void *block, size_t size, size_t 
 
 /* The kinds of messages: `level` of mlrt_log_callback */
 enum {
-    MLRT_LOG_ERROR = 0,   /* why a call fails, in words */
+    MLRT_LOG_ERROR = 0,   /* the reason why a call fails */
     MLRT_LOG_WARNING = 1, /* something was left out */
-    MLRT_LOG_INFO = 2     /* what was built, and how long it took */
+    MLRT_LOG_INFO = 2     /* a tree was built, its size and time; or the host stopped a build */
 };
 
 /* Receives one line (UTF-8, no newline, 255 bytes at most). `message` is valid until the function returns. */
