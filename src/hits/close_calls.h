@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Close calls: lanes that the float filters leave undecided for a triangle are decided in double, many at once. Only lanes
- * that double leaves undecided too go to the judge, one by one (undecided.h). The answers are those of the judge; the
- * bounds of t that are kept with a hit are a little wider than the judge's.
+ * Close calls: lanes that the float filters leave undecided for a triangle are decided in double, many at once. Only
+ * lanes that double leaves undecided too go to the judge, one by one (undecided.h). The answers are those of the
+ * judge; the bounds of t that are kept with a hit are a little wider than the judge's.
  *
  * WHAT IS COMPUTED. The determinants at the head of predicate.c, with p = a - o and n = b-a cross c-a:
  *
  *     D = d . n     N = p . n     e_ab = (d cross p) . b-a     e_ca = -(d cross p) . c-a     e_bc = D - e_ab - e_ca
  *
- * The size s(x) of a determinant is the sum of the magnitudes of its six products. It is computed in the same way as the
- * determinant, with all factors and sums positive. (It is not the product of the sizes of its vectors.) As in
+ * The size s(x) of a determinant is the sum of the magnitudes of its six products. It is computed in the same way as
+ * the determinant, with all factors and sums positive. (It is not the product of the sizes of its vectors.) As in
  * predicate.c, with u = 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc: gamma_9
- * times the sum of three). A size as computed has at most 8 factors (e_bc: 10), so it is at least (1 - u)^10 of the true
- * one. That makes 8.001 u and 9.001 u of the computed size. If a size is 0, all six products are 0, and so is the
+ * times the sum of three). A size as computed has at most 8 factors (e_bc: 10), so it is at least (1 - u)^10 of the
+ * true one. That makes 8.001 u and 9.001 u of the computed size. If a size is 0, all six products are 0, and so is the
  * determinant: nothing here underflows (predicate.c, "RANGE").
  *
  * BOUNDS. In signs that make D positive, let E = 12 u s(N) and W = 12 u s(D). N -+ E and D -+ W have one more rounding
  * each, of at most 1.001 u of the size, and that of the bound, of less than 0.001 u: so they are bounds of the true
- * numerator and denominator with 2.9 u of the size to spare. The size is at least (1 - 9 u) of the magnitude. So there is
- * room for one rounding, by u of itself, of a product of one of these bounds with a float or with another bound:
+ * numerator and denominator with 2.9 u of the size to spare. The size is at least (1 - 9 u) of the magnitude. So there
+ * is room for one rounding, by u of itself, of a product of one of these bounds with a float or with another bound:
  *
  *     t > x     if N - E > x (D + W)                          t < x     if N + E < x (D - W)         for x >= 0
  *     t > t'    if (N - E) (D' - W') > (N' + E') (D + W)      t < t'    likewise, with the triangles exchanged
@@ -30,8 +30,8 @@
  * comparison. The other side has a sum, and is at least 2^-894, or exactly 0, which means t = 0: that is no hit.
  *
  * If D > W, take the edge functions with the sign that makes D positive, and their bounds 12 u s(e). A ray is surely
- * inside if each is at least its bound. It is surely outside if one is less than its negative bound: D is the sum of the
- * three, so another one is positive.
+ * inside if each is at least its bound. It is surely outside if one is less than its negative bound: D is the sum of
+ * the three, so another one is positive.
  */
 #ifndef MLRT_HITS_CLOSE_CALLS_H
 #define MLRT_HITS_CLOSE_CALLS_H
@@ -142,7 +142,9 @@ MLRT_INLINE void bound_edges(const struct close_triangle *triangle, const struct
     bound[0] = d_mul(error, ab_size), bound[1] = d_mul(error, bc_size), bound[2] = d_mul(error, ca_size);
 }
 
-/* Sets the lanes, of DW, that are surely inside the edges, and surely outside. True only where the sign of D is sure. */
+/*
+ * Sets the lanes, of DW, that are surely inside the edges, and surely outside. True only where the sign of D is sure.
+ */
 MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct close_bounds *bounds,
                             const struct mlrt_packet *packet, uint32_t lane, uint32_t *inside, uint32_t *outside)
 {
@@ -163,8 +165,8 @@ struct close_verdict {
 };
 
 /*
- * Tests DW lanes from `lane` on; bit 0 of all sets is that lane. `inside`: those already known to be inside the edges. The
- * nearest hits so far, or the ends of the rays, lie between t = `lo` and `hi`.
+ * Tests DW lanes from `lane` on; bit 0 of all sets is that lane. `inside`: those already known to be inside the edges.
+ * The nearest hits so far, or the ends of the rays, lie between t = `lo` and `hi`.
  */
 MLRT_INLINE struct close_verdict test_lanes(const struct close_triangle *triangle, const struct mlrt_packet *packet,
                                             uint32_t lane, uint32_t lanes, uint32_t inside, vd lo, vd hi,
@@ -191,8 +193,9 @@ MLRT_INLINE struct close_verdict test_lanes(const struct close_triangle *triangl
 }
 
 /*
- * Compares the distances of a triangle, bounded by `of_triangle`, with those of triangle `nearest`, the nearest hit so far
- * of all `lanes`. Returns the lanes where the first is surely nearer; *farther receives those where it surely is farther.
+ * Compares the distances of a triangle, bounded by `of_triangle`, with those of triangle `nearest`, the nearest hit so
+ * far of all `lanes`. Returns the lanes where the first is surely nearer; *farther receives those where it surely is
+ * farther.
  */
 static MLRT_NOINLINE uint32_t compare_with_nearest(const struct mlrt_tree *tree, uint32_t nearest,
                                                    const struct mlrt_packet *packet, uint32_t lanes,
@@ -271,8 +274,9 @@ MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint3
 }
 
 /*
- * Makes the triangle the nearest hit of the lanes `nearer`. Rounding the bounds of t to floats can move them inward by half
- * a unit in the last place, so they are moved outward by more than that; 2^-149 is for bounds that become denormal.
+ * Makes the triangle the nearest hit of the lanes `nearer`. Rounding the bounds of t to floats can move them inward by
+ * half a unit in the last place, so they are moved outward by more than that; 2^-149 is for bounds that become
+ * denormal.
  */
 MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct close_bounds *of_triangle,
                                  struct mlrt_packet *packet)
@@ -296,9 +300,9 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
 }
 
 /*
- * Decides `lanes` that have no hit yet, and surely hit the triangle unless they end before it. Rays from a light often end
- * in the plane of a wall; if that plane is across an axis, mlrt_reaches_flat decides whether they reach the triangle.
- * Returns the lanes that reach it; *passed receives those that end before it. Other lanes remain undecided.
+ * Decides `lanes` that have no hit yet, and surely hit the triangle unless they end before it. Rays from a light often
+ * end in the plane of a wall; if that plane is across an axis, mlrt_reaches_flat decides whether they reach the
+ * triangle. Returns the lanes that reach it; *passed receives those that end before it. Other lanes remain undecided.
  */
 static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *triangle, const struct mlrt_packet *packet,
                                                 uint32_t lanes, uint32_t *passed)
@@ -356,8 +360,9 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
 }
 
 /*
- * As mlrt_decide_lanes (undecided.h), which it calls for the lanes that it leaves undecided. It first looks up the order of
- * the two triangles, then tests the triangle in double, then compares its distances with those of the nearest hits.
+ * As mlrt_decide_lanes (undecided.h), which it calls for the lanes that it leaves undecided. It first looks up the
+ * order of the two triangles, then tests the triangle in double, then compares its distances with those of the nearest
+ * hits.
  */
 static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
                                            uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,

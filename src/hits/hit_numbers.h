@@ -8,28 +8,28 @@
  *     normal = (c-a) x (a-b)     D = d . normal     e_ca = (c-a) . (p x d) = d . ((c-a) x p)
  *                                N = p . normal     e_ab = (a-b) . (p x d) = d . ((a-b) x p)
  *
- * Count the factors (1 + delta) of each. A component of a cross product has one for its product, one for its difference,
- * and those of its operands: 1 for a side or p, none for d. The dot product adds those of its other vector, one product
- * and at most two sums. So there are 7 factors, for N 8, as in predicate.c, and the errors are at most 8.001 u of the
- * sizes. With fused multiply-add there are fewer.
+ * Count the factors (1 + delta) of each. A component of a cross product has one for its product, one for its
+ * difference, and those of its operands: 1 for a side or p, none for d. The dot product adds those of its other
+ * vector, one product and at most two sums. So there are 7 factors, for N 8, as in predicate.c, and the errors are at
+ * most 8.001 u of the sizes. With fused multiply-add there are fewer.
  *
  * WIDTHS. Let X and D be the determinants as computed, x and d the true ones, and s(X) and s(D) upper bounds of their
- * sizes, since all lanes of a packet share one bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain, the
- * judge computes the numbers (mlrt_report_lane). Elsewhere |D - d| < 2^-37 |D|, so facing is the sign of D, and
+ * sizes, since all lanes of a packet share one bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain,
+ * the judge computes the numbers (mlrt_report_lane). Elsewhere |D - d| < 2^-37 |D|, so facing is the sign of D, and
  *
  *     x / d - X / D = ((x - X) + (x / d) (D - d)) / D.
  *
  * u and v are at most 1 where a ray hits, so this is at most 8.001 u (s(X) + s(D)) / |D|. t is at most 1 + 2^-36 times
- * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D) is
- * rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. The sum is less than w / |D| with the
- * width
+ * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D)
+ * is rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. The sum is less than w / |D|
+ * with the width
  *
  *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
  *
  * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as
- * that. If both ends round to one float, that is the answer; else the judge computes it. For a direction of usual length
- * the width is 2^-38 of t, and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit in
- * thousands goes to the judge.
+ * that. If both ends round to one float, that is the answer; else the judge computes it. For a direction of usual
+ * length the width is 2^-38 of t, and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit
+ * in thousands goes to the judge.
  *
  * hit_terms.h caches the terms that all rays that hit a triangle share, and those that also depend on one origin:
  * neighbours mostly hit the same triangle. A packet that hits more than FEW_TRIANGLES triangles computes the terms for
@@ -49,7 +49,9 @@
 
 #define FEW_TRIANGLES 2
 
-/* Loads the corners of the triangles that the lanes hit. Lanes without a hit get the triangle of a lane that has one. */
+/*
+ * Loads the corners of the triangles that the lanes hit. Lanes without a hit get the triangle of a lane that has one.
+ */
 static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                            float corners[9][MLRT_PACKET_RAYS])
 {
@@ -385,8 +387,8 @@ static MLRT_NOINLINE uint32_t report_several(const struct mlrt_tree *tree, const
 }
 
 /*
- * Computes the numbers of a packet's lanes that `outputs` asks for; `hit` are the lanes with a hit. Lanes whose numbers are
- * not certain are left to the judge.
+ * Computes the numbers of a packet's lanes that `outputs` asks for; `hit` are the lanes with a hit. Lanes whose
+ * numbers are not certain are left to the judge.
  */
 static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                           uint32_t outputs, struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)

@@ -17,8 +17,8 @@ struct outcome {
 };
 
 /*
- * The lanes, of the vector from v on, that must test triangle `number`: those of `lanes` that do not skip it, and do not
- * already have it as their nearest hit (a triangle can be in several leaves).
+ * The lanes, of the vector from v on, that must test triangle `number`: those of `lanes` that do not skip it, and do
+ * not already have it as their nearest hit (a triangle can be in several leaves).
  */
 MLRT_INLINE vm concerned_rays(const struct mlrt_packet *packet, uint32_t lanes, uint32_t number, int v)
 {
@@ -26,7 +26,9 @@ MLRT_INLINE vm concerned_rays(const struct mlrt_packet *packet, uint32_t lanes, 
     return packet->has_skip ? m_andnot(rays, i_eq(i_load(packet->skip + v), i_set1(number))) : rays;
 }
 
-/* Makes the triangle the nearest hit of the lanes where it is nearer, and adds the verdict on a vector to the outcome. */
+/*
+ * Makes the triangle the nearest hit of the lanes where it is nearer, and adds the verdict on a vector to the outcome.
+ */
 MLRT_INLINE void keep_verdict(const struct verdict *verdict, uint32_t number, int v, struct mlrt_packet *packet,
                               struct outcome *outcome)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The steps around the traversal that are compiled once: rays that are traced one by one in double, and results of packets
- * and of whole rectangles, which are written to frame and callback.
+ * The steps around the traversal that are compiled once: rays that are traced one by one in double, and results of
+ * packets and of whole rectangles, which are written to frame and callback.
  */
 #ifndef MLRT_HITS_RESULTS_H
 #define MLRT_HITS_RESULTS_H

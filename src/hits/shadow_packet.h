@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The shadow rays of a packet's hits, a vector of doubles at a time: the steps of shadow_ray.h, to the same bits. If its
- * conditions do not hold for a lane, shadow_ray.c makes the ray.
+ * The shadow rays of a packet's hits, a vector of doubles at a time: the steps of shadow_ray.h, to the same bits. If
+ * its conditions do not hold for a lane, shadow_ray.c makes the ray.
  */
 #ifndef MLRT_HITS_SHADOW_PACKET_H
 #define MLRT_HITS_SHADOW_PACKET_H
@@ -21,10 +21,10 @@
 /* For a vector of rays: the terms of shadow_ray.h that depend on triangle, origin and light, not on the direction. */
 struct shadow_terms {
     vd m[3];
-    vd n;          /* p . m */
-    vd from[3];    /* from the light to the origin */
-    vd plane_size; /* the greatest |p_k| / 32 */
-    vd height;     /* H */
+    vd n;             /* p . m */
+    vd from[3];       /* from the light to the origin */
+    vd plane_size;    /* the greatest |p_k| / 32 */
+    vd height;        /* H */
     uint32_t certain; /* lanes where the conditions on n and H hold */
 };
 
@@ -66,8 +66,9 @@ static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, 
 }
 
 /*
- * Computes q of DW lanes: the directions of rays from a point light, or the origins of rays to a directional one. Returns
- * the lanes where the conditions of shadow_ray.h hold; *facing receives those that have the light on the ray's side.
+ * Computes q of DW lanes: the directions of rays from a point light, or the origins of rays to a directional one.
+ * Returns the lanes where the conditions of shadow_ray.h hold; *facing receives those that have the light on the ray's
+ * side.
  */
 MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const struct mlrt_packet *seen, uint32_t lane,
                                         uint32_t *facing, float (*ends)[MLRT_PACKET_RAYS])
@@ -105,8 +106,8 @@ static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packe
 }
 
 /*
- * Makes the shadow rays of the lanes `hit` of packet `seen` to the light of a job. Returns the lanes where the light is on
- * the other side of the surface: they get no ray.
+ * Makes the shadow rays of the lanes `hit` of packet `seen` to the light of a job. Returns the lanes where the light
+ * is on the other side of the surface: they get no ray.
  */
 static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, const struct mlrt_packet *seen,
                                                  uint32_t hit, struct mlrt_packet *packet)

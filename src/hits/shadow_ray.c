@@ -47,7 +47,10 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
     surface->height_size = size_of(to_light);
 }
 
-/* Computes the ray by the steps of shadow_ray.h. Returns 0 if its conditions do not hold; the results are then invalid. */
+/*
+ * Computes the ray by the steps of shadow_ray.h. Returns 0 if its conditions do not hold; the results are then
+ * invalid.
+ */
 static int find_end(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
                     const struct mlrt_ray_segment *ray, int *faces, float end[3])
 {
@@ -71,8 +74,8 @@ static int find_end(const struct mlrt_source *light, const struct mlrt_triangle 
 }
 
 /*
- * Likewise for any numbers, with exact sides. If there is no float point on the ray's side, the light counts as being on
- * the other side.
+ * Likewise for any numbers, with exact sides. If there is no float point on the ray's side, the light counts as being
+ * on the other side.
  */
 static MLRT_NOINLINE void find_end_exactly(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
                                            const struct mlrt_ray_segment *ray, int *faces, float end[3])

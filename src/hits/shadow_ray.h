@@ -2,8 +2,8 @@
 /*
  * Shadow rays: from the hits of a picture's rays to lights (mlrt.h, "Shadows of a picture").
  *
- * THE RAY is computed in double, each step rounded, for a ray o + t d that hits a triangle a b c, and a point light at L
- * (for a directional light with direction l, L = 0):
+ * THE RAY is computed in double, each step rounded, for a ray o + t d that hits a triangle a b c, and a point light at
+ * L (for a directional light with direction l, L = 0):
  *
  *     n = (b - a) cross (c - a)      S = |b - a| |c - a|     (|x| = |x_0| + |x_1| + |x_2|)
  *     m = n (1 / greatest |n_k|)        p = a - o               N = p . m       D = d . m       t = N / D
@@ -12,24 +12,24 @@
  *     q_k = the float nearest to x_k + step m_k, step = 2^-22 size with the sign of -D
  *     H = (a - L) . m, or -l . m     h = |a - L|, or |l|
  *
- * The light is on the ray's side if H and D have one sign. The shadow ray of a point light goes from L to L + q, that of a
- * directional light begins at q. This is valid if
+ * The light is on the ray's side if H and D have one sign. The shadow ray of a point light goes from L to L + q, that
+ * of a directional light begins at q. This is valid if
  *
  *     greatest |n_k| > 2^-16 S      |D| > 2^-14 |d|      |H| > 2^-32 h      2^-100 < size < 2^100
  *
  * and otherwise the sides are found exactly, and q by offset.c.
  *
- * ITS SIDE. Let u = 2^-53, and n^ the exact normal, divided by the greatest component of n. A component of n has 4 factors
- * (1 + delta), on magnitudes that sum up to S at most: it is off by 4.01 u S, and m_k by 2^16 times that and two
- * roundings, less than 2^-34. Let P be the greatest |p_k| and E the greatest |d_k|: N is off by 3.1 * 2^-34 P, and D by
- * 3.1 * 2^-34 E. So the point o + t d lies at a height
+ * ITS SIDE. Let u = 2^-53, and n^ the exact normal, divided by the greatest component of n. A component of n has 4
+ * factors (1 + delta), on magnitudes that sum up to S at most: it is off by 4.01 u S, and m_k by 2^16 times that and
+ * two roundings, less than 2^-34. Let P be the greatest |p_k| and E the greatest |d_k|: N is off by 3.1 * 2^-34 P, and
+ * D by 3.1 * 2^-34 E. So the point o + t d lies at a height
  *
  *     |n^ . (o + t d - a)| <= 3.1 * 2^-34 (P + t E) <= 3.1 * 2^-34 * 33 size < 2^-27 size.
  *
- * Rounding x_k and the sum takes 2^-49 size, and rounding to float takes 2^-24 |q_k| each, 3.01 * 2^-24 size in all. The
- * step gives 2^-22 size (1 - 2^-30), which is more than their sum. So L + q, or q, is strictly on the ray's side, in exact
- * arithmetic. The signs of D and H are right, since the conditions on them exceed their errors, which are at most 2^-32 of
- * |d| or h with all roundings.
+ * Rounding x_k and the sum takes 2^-49 size, and rounding to float takes 2^-24 |q_k| each, 3.01 * 2^-24 size in all.
+ * The step gives 2^-22 size (1 - 2^-30), which is more than their sum. So L + q, or q, is strictly on the ray's side,
+ * in exact arithmetic. The signs of D and H are right, since the conditions on them exceed their errors, which are at
+ * most 2^-32 of |d| or h with all roundings.
  *
  * ITS PLACE. t is off by 3.1 * 2^-34 (P + t E) / |D|. This moves the point along the ray by less than
  * 3.1 * 2^-34 (P + t E) E / |D|: at most 2^-18 (P + t E), and far less unless the ray nearly lies in the plane.

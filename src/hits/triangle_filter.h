@@ -10,19 +10,19 @@
  *     D' = d . (n / size)                  n = (a - c) x (b - a)
  *     N' = fl(a - o) . (n / size)          so t = N' / D'
  *
- * where each cross product has its own size. Let M_k be the sum of the magnitudes of the two products in its component k,
- * with |a| + |b| in place of |a + b|. The size is M_main + (M_j + M_l) / 2, where the main axis is that along which the
- * rays go. |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, which are computed already, but for 3 u of itself;
- * for n, a larger value does no harm. (a + b) x g = 2 (a x b); but a x b cancels for a small triangle far away, and
- * (a + b) x g does not: its error shrinks with the edge. Only the signs of e' and the ratios of N' and D' matter, so they
- * can be scaled, and with this scale one bound holds for all triangles.
+ * where each cross product has its own size. Let M_k be the sum of the magnitudes of the two products in its component
+ * k, with |a| + |b| in place of |a + b|. The size is M_main + (M_j + M_l) / 2, where the main axis is that along which
+ * the rays go. |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, which are computed already, but for 3 u of
+ * itself; for n, a larger value does no harm. (a + b) x g = 2 (a x b); but a x b cancels for a small triangle far
+ * away, and (a + b) x g does not: its error shrinks with the edge. Only the signs of e' and the ratios of N' and D'
+ * matter, so they can be scaled, and with this scale one bound holds for all triangles.
  *
- * EDGES. Let u = 2^-24, and R at least |d_main|, 2 |d_j| and 2 |d_l| of all rays of the packet. Roundings of a component
- * of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be
- * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, 1 / size 1, the product with
- * it 1; in the dot product the products have 1 and the sums 2. That makes 10, relative to the sum of |d_k| M_k / size,
- * which is at most R for the size without rounding. The size as computed is smaller by at most 8 roundings. So
- * |e' - exact| <= 10.001 u R.
+ * EDGES. Let u = 2^-24, and R at least |d_main|, 2 |d_j| and 2 |d_l| of all rays of the packet. Roundings of a
+ * component of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which
+ * can be much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, 1 / size 1, the
+ * product with it 1; in the dot product the products have 1 and the sums 2. That makes 10, relative to the sum of
+ * |d_k| M_k / size, which is at most R for the size without rounding. The size as computed is smaller by at most 8
+ * roundings. So |e' - exact| <= 10.001 u R.
  *
  * With fused multiply-add, cross and dot products have one rounding where a product and a sum have one each: fewer than
  * are counted here.
@@ -33,18 +33,19 @@
  * 2^60 make sizes of at most 2^125, whose reciprocals are not denormal. So all numbers are finite, and there is no NaN,
  * which v_min would drop. Without the least size there could be one, since a cross product can underflow to 0.
  *
- * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10. With A for the components of a
- * as R is for those of d, N' is off by 10.001 u A, and by 2^-148 where its products underflow, and |N'| < 1.001 A. In
- * signs that make D' positive, let E = 12 u A + 2^-82 and W = 16 u R. Then N' - E and N' + E, as rounded, are bounds of
- * the true numerator with 2^-83 to spare, and D' - W and D' + W are bounds of the true denominator with 5.9 u R to spare.
+ * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10. With A for the components
+ * of a as R is for those of d, N' is off by 10.001 u A, and by 2^-148 where its products underflow, and |N'| < 1.001
+ * A. In signs that make D' positive, let E = 12 u A + 2^-82 and W = 16 u R. Then N' - E and N' + E, as rounded, are
+ * bounds of the true numerator with 2^-83 to spare, and D' - W and D' + W are bounds of the true denominator with 5.9
+ * u R to spare.
  *
  * So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W), for x >= 0: the rounding of the product takes 1.1
  * u R of the room that W leaves, and the 2^-150 that it may lose are negligible beside 2^-83. x may be infinite, and so
  * may the product: D' - W is positive wherever the comparison is used, and no N' is infinite.
  *
  * Let D' > 2 W and s = W / D'. Then t lies between (N' - E) / D' (1 - s) and (N' + E) / D' (1 + 2 s): D' is off by
- * 9.001 / 16 s of itself, and the room that s leaves, at least 6.9 u, is more than the four roundings of each take. They
- * may lose 2^-149, less than 2^-83 / D'. The lower bound is kept for hits only, and is finite: along some axis
+ * 9.001 / 16 s of itself, and the room that s leaves, at least 6.9 u, is more than the four roundings of each take.
+ * They may lose 2^-149, less than 2^-83 / D'. The lower bound is kept for hits only, and is finite: along some axis
  * |d_k| >= 2^-60, and a hit is at most 2^61 away, so t <= 2^121. (The upper bound may be infinite.)
  */
 #ifndef MLRT_HITS_TRIANGLE_FILTER_H
@@ -79,7 +80,9 @@ MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
     return v_mul_add(a[2], b[2], v_mul_add(a[1], b[1], v_mul(a[0], b[0])));
 }
 
-/* The cross product of a vector to an edge (a + b, or for the normal another side) and the edge, divided by its size. */
+/*
+ * The cross product of a vector to an edge (a + b, or for the normal another side) and the edge, divided by its size.
+ */
 MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_t main_axis, vf cross[3])
 {
     cross_product(sum, edge, cross);

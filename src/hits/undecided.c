@@ -9,10 +9,11 @@
 #include "simd/sixteen.h"
 
 /*
- * PLANES. Triangles that were found to lie in one plane form a tree: each refers to another triangle of its plane, except
- * the root, which represents all of them. The table is a cache: a triangle whose entry was overwritten represents itself
- * again, and is compared again when that is needed. So what the table says is true, and it need not be complete. A new
- * reference goes from one root to another, or replaces a reference that leads to the same root, so there is no cycle.
+ * PLANES. Triangles that were found to lie in one plane form a tree: each refers to another triangle of its plane,
+ * except the root, which represents all of them. The table is a cache: a triangle whose entry was overwritten
+ * represents itself again, and is compared again when that is needed. So what the table says is true, and it need not
+ * be complete. A new reference goes from one root to another, or replaces a reference that leads to the same root, so
+ * there is no cycle.
  */
 
 void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker)
@@ -48,7 +49,10 @@ MLRT_NOINLINE void mlrt_find_order(const struct mlrt_tree *tree, const float ape
     *pair = (struct mlrt_triangle_pair){first, second, differ || order != 0, order, {apex[0], apex[1], apex[2]}};
 }
 
-/* Settles the lanes whose nearest hit lies in the plane of triangle `number`. Returns those of `lanes` that are settled. */
+/*
+ * Settles the lanes whose nearest hit lies in the plane of triangle `number`. Returns those of `lanes` that are
+ * settled.
+ */
 static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                             struct mlrt_packet *packet, struct mlrt_worker *worker)
 {

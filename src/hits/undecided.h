@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Lanes that float filters and close_calls.h leave undecided: exact ties in one plane are found first, and the judge
- * (exact/nearest.h) decides the others, ray by ray. Compiled once for all instruction sets. `counters` is NULL except in
- * kernels that count.
+ * (exact/nearest.h) decides the others, ray by ray. Compiled once for all instruction sets. `counters` is NULL except
+ * in kernels that count.
  */
 #ifndef MLRT_HITS_UNDECIDED_H
 #define MLRT_HITS_UNDECIDED_H
@@ -53,10 +53,10 @@ static inline int mlrt_known_order(const struct mlrt_tree *tree, const float ape
 }
 
 /*
- * Settles exact ties, which are common: surfaces that are there twice, walls in one plane. `nearest` is the nearest hit of
- * all `lanes`, and triangle `number` lies in its plane. So if a ray hits triangle `number`, it does at the same t, which is
- * known to be in range. A triangle that comes later in the input changes nothing, hit or not. An earlier one becomes the
- * nearest hit of the lanes that are surely inside it. Returns the lanes that are settled.
+ * Settles exact ties, which are common: surfaces that are there twice, walls in one plane. `nearest` is the nearest
+ * hit of all `lanes`, and triangle `number` lies in its plane. So if a ray hits triangle `number`, it does at the same
+ * t, which is known to be in range. A triangle that comes later in the input changes nothing, hit or not. An earlier
+ * one becomes the nearest hit of the lanes that are surely inside it. Returns the lanes that are settled.
  */
 static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32_t lanes, uint32_t inside,
                                        struct mlrt_packet *packet)
@@ -68,15 +68,15 @@ static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32
 }
 
 /*
- * Decides whether the rays in `lanes` hit a triangle; those in `inside` are known to be inside its edges. Returns the lanes
- * whose nearest hit is nearer than before. (A tie may change the triangle without changing the distance.)
+ * Decides whether the rays in `lanes` hit a triangle; those in `inside` are known to be inside its edges. Returns the
+ * lanes whose nearest hit is nearer than before. (A tie may change the triangle without changing the distance.)
  */
 uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
 /*
- * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; those in `inside` are known to be.
- * Returns 1 if one of them became a nearer hit. With a query for any hit, the first hit ends it.
+ * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; those in `inside` are known to
+ * be. Returns 1 if one of them became a nearer hit. With a query for any hit, the first hit ends it.
  */
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
                           uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,

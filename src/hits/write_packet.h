@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Writes the results of a packet: the triangles that it hits become ids and numbers, a vector at a time, and sink.h stores
- * them.
+ * Writes the results of a packet: the triangles that it hits become ids and numbers, a vector at a time, and sink.h
+ * stores them.
  */
 #ifndef MLRT_HITS_WRITE_PACKET_H
 #define MLRT_HITS_WRITE_PACKET_H
@@ -14,8 +14,8 @@
 #include "simd/simd.h"
 
 /*
- * Sets the ids of the lanes that hit a triangle of mesh `mesh` (a position), and returns these lanes. Other lanes get the
- * ids of a miss with `is_first`, and otherwise keep theirs.
+ * Sets the ids of the lanes that hit a triangle of mesh `mesh` (a position), and returns these lanes. Other lanes get
+ * the ids of a miss with `is_first`, and otherwise keep theirs.
  */
 MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
                                       int is_first, struct mlrt_packet_values *values)
@@ -33,7 +33,9 @@ MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mes
     return found;
 }
 
-/* Sets the ids of the lanes `hit`, mesh by mesh. The mesh that was hit last comes first, as neighbours mostly hit it. */
+/*
+ * Sets the ids of the lanes `hit`, mesh by mesh. The mesh that was hit last comes first, as neighbours mostly hit it.
+ */
 MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                  uint32_t *last_mesh, struct mlrt_packet_values *values)
 {

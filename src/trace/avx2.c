@@ -4,6 +4,6 @@
  * processors that have both.
  */
 #include "simd/avx2.h"
-#define KERNELS       mlrt_kernels_avx2
-#define PICTURE       mlrt_picture_avx2
+#define KERNELS mlrt_kernels_avx2
+#define PICTURE mlrt_picture_avx2
 #include "trace/kernels.h"

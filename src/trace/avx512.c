@@ -4,6 +4,6 @@
  * processors that have both.
  */
 #include "simd/avx512.h"
-#define KERNELS       mlrt_kernels_avx512
-#define PICTURE       mlrt_picture_avx512
+#define KERNELS mlrt_kernels_avx512
+#define PICTURE mlrt_picture_avx512
 #include "trace/kernels.h"

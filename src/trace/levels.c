@@ -17,7 +17,9 @@ static int is_list(const struct mlrt_source *source)
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
-/* Makes a bundle without rays of the cells of `side` x `side` pixels of a picture. Returns 0 if that is not possible. */
+/*
+ * Makes a bundle without rays of the cells of `side` x `side` pixels of a picture. Returns 0 if that is not possible.
+ */
 static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                 struct mlrt_bundle *bundle)
 {
@@ -91,9 +93,9 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 }
 
 /*
- * Writes the results of the packets of a tile, and prefetches the rays of the next one. Their rows lie too far apart for
- * the processor's own prefetching, and only few cache misses can be under way at once: so each packet that is written
- * prefetches one row. A list needs no prefetch, as it is read in order.
+ * Writes the results of the packets of a tile, and prefetches the rays of the next one. Their rows lie too far apart
+ * for the processor's own prefetching, and only few cache misses can be under way at once: so each packet that is
+ * written prefetches one row. A list needs no prefetch, as it is read in order.
  */
 static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                           const struct mlrt_bundle *bundle)

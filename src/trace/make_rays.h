@@ -27,8 +27,8 @@ void mlrt_make_rays_to_light(const struct mlrt_job *job, struct mlrt_ray_tile *t
 void mlrt_make_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place);
 
 /*
- * Makes the rays of all packets of a tile, for any source. Returns the packets that have rays: not all of these rays can
- * hit something, since only those of a pinhole camera are checked.
+ * Makes the rays of all packets of a tile, for any source. Returns the packets that have rays: not all of these rays
+ * can hit something, since only those of a pinhole camera are checked.
  */
 uint32_t mlrt_make_packets(const struct mlrt_job *job, struct mlrt_ray_tile *tile);
 

@@ -11,8 +11,8 @@
 #include "trace/ray_tile.h"
 
 /*
- * Reads the rays of all packets of a tile. Those of a pinhole camera are checked; of another source, all rays that exist
- * become active without a check.
+ * Reads the rays of all packets of a tile. Those of a pinhole camera are checked; of another source, all rays that
+ * exist become active without a check.
  */
 static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
 {

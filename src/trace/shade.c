@@ -15,8 +15,8 @@
 #include "trace/shadow_cells.h"
 
 /*
- * Makes a bundle without rays: the cells of a point light that belong to the cells `among` of a picture. Returns the cells
- * that it has; *dark receives those whose surface faces away from the light.
+ * Makes a bundle without rays: the cells of a point light that belong to the cells `among` of a picture. Returns the
+ * cells that it has; *dark receives those whose surface faces away from the light.
  */
 static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_bundle *seen, uint32_t among,
                                  struct mlrt_bundle *bundle, uint32_t *dark)

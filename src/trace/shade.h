@@ -19,7 +19,8 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
                           struct mlrt_known_lights known[MLRT_CELL_COUNT]);
 
 /*
- * Finds and writes which lights do not reach the hits of a tile. `known`: the lights decided for the whole tile, or NULL.
+ * Finds and writes which lights do not reach the hits of a tile. `known`: the lights decided for the whole tile, or
+ * NULL.
  */
 void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                      const struct mlrt_known_lights *known);

@@ -3,25 +3,25 @@
  * The cells of a light: for each cell of a camera that one triangle covers, the slopes and depths of its shadow rays,
  * which are not made yet.
  *
- * The rays of a camera's cell have slopes in a rectangle, and all hit one triangle. In units of depth, a ray's direction
- * is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the terms of shadow_ray.h. If D > 0 over the
- * whole rectangle, the hits lie in the quadrilateral whose corners are the hits of the rays at the corners of the
- * rectangle. So slopes and depths as seen from the light have their extremes at these corners, if the whole quadrilateral
- * lies in front of the light.
+ * The rays of a camera's cell have slopes in a rectangle, and all hit one triangle. In units of depth, a ray's
+ * direction is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the terms of shadow_ray.h. If D > 0
+ * over the whole rectangle, the hits lie in the quadrilateral whose corners are the hits of the rays at the corners of
+ * the rectangle. So slopes and depths as seen from the light have their extremes at these corners, if the whole
+ * quadrilateral lies in front of the light.
  *
  * ERRORS. m is rounded to float, by 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three
- * roundings: it is off by less than 2^-20. N, computed in double, is off by 2^-32 of P, the greatest |p_k|, and by 2^-24
- * of itself. So with D > 2^-5 the condition of shadow_ray.h on D holds for each ray, as |d| is less than 5.1. Then z is
- * off by 2^-32 P / D < 2^-26 P, and by 2^-19.9 z / D. As |d_k| <= 2, places are off by twice that:
- * 2^-18.9 z / D < 2^-18 z / D. Besides, each component is off by
+ * roundings: it is off by less than 2^-20. N, computed in double, is off by 2^-32 of P, the greatest |p_k|, and by
+ * 2^-24 of itself. So with D > 2^-5 the condition of shadow_ray.h on D holds for each ray, as |d| is less than 5.1.
+ * Then z is off by 2^-32 P / D < 2^-26 P, and by 2^-19.9 z / D. As |d_k| <= 2, places are off by twice that: 2^-18.9 z
+ * / D < 2^-18 z / D. Besides, each component is off by
  *
  *     2^-22 (|o - L| + 2 z)                 the rounding of o - L, z d and their sum, with something to spare
  *     2^-22 (|o - L| + 2 z) + 2^-27 P       the step off the surface
  *     2^-24 (|o - L| + 2 z)                 the rounding of the shadow ray itself
  *     3.1 * 2^-34 (P + 2.1 z) 2.1 / D < 2^-26 (P + 2 z)     "ITS PLACE" in shadow_ray.h
  *
- * The sum of these is less than 2^-20 (|o - L| + 2 z + P). With a smaller D the bounds would be wide, and the packet gets
- * shadow rays instead.
+ * The sum of these is less than 2^-20 (|o - L| + 2 z + P). With a smaller D the bounds would be wide, and the packet
+ * gets shadow rays instead.
  */
 #include "trace/shadow_cells.h"
 
@@ -72,8 +72,8 @@ static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
 }
 
 /*
- * Finds the planes of the cells `among` whose covers face the light, and returns these cells. *dark receives those whose
- * covers surely face away. Cells in neither set are undecided.
+ * Finds the planes of the cells `among` whose covers face the light, and returns these cells. *dark receives those
+ * whose covers surely face away. Cells in neither set are undecided.
  */
 static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_tree *tree,
                             const struct mlrt_bundle *seen, uint32_t among, struct planes *planes, uint32_t *dark)
@@ -94,7 +94,10 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
     return facing;
 }
 
-/* Sets the main axis of the light's bundle by one shadow ray: that to the hit of the lowest slopes of the cell `place`. */
+/*
+ * Sets the main axis of the light's bundle by one shadow ray: that to the hit of the lowest slopes of the cell
+ * `place`.
+ */
 static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
                           uint32_t place, struct mlrt_bundle *lit)
 {

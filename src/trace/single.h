@@ -25,21 +25,21 @@
  *
  * Let u = 2^-24. s, f and g have 1 rounding per component, p has 3 (g, product, difference), q has 4. D and e_ca have
  * 1 + 3 roundings from their factors and 3 more from product and sums: 7. So has e_ab (4 + 3); N has 8. Each is a
- * determinant of three vectors, and its error is relative to the sum of the magnitudes of its six products. Let m be the
- * largest |d_k|, and S, F, G the sums of the magnitudes of the components of s, f, g. For e_ca the sum of the products is
- * at most m S G: |g_i| |d_j| + |g_j| |d_i| <= m G, times |s_k|, summed over k. Likewise it is at most m S F for e_ab,
- * m F G for D, and S F G for N. e_bc has two roundings more, of at most the sum of the three. So 9.001 u m
- * (S F + S G + F G) bounds the error of all edge functions; EDGE_BOUND has 11 u. With PLANE_BOUND, 16 u of m F G, D has
- * 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u. The comparison of distances, which
- * triangle_filter.h derives, needs 6.9 and 1.9. The bounds as computed are off by a few u of themselves, for which there
- * is room.
+ * determinant of three vectors, and its error is relative to the sum of the magnitudes of its six products. Let m be
+ * the largest |d_k|, and S, F, G the sums of the magnitudes of the components of s, f, g. For e_ca the sum of the
+ * products is at most m S G: |g_i| |d_j| + |g_j| |d_i| <= m G, times |s_k|, summed over k. Likewise it is at most m S
+ * F for e_ab, m F G for D, and S F G for N. e_bc has two roundings more, of at most the sum of the three. So 9.001 u m
+ * (S F + S G + F G) bounds the error of all edge functions; EDGE_BOUND has 11 u. With PLANE_BOUND, 16 u of m F G, D
+ * has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u. The comparison of distances, which
+ * triangle_filter.h derives, needs 6.9 and 1.9. The bounds as computed are off by a few u of themselves, for which
+ * there is room.
  *
  * Nothing here is scaled, but for the units (units.h). The corners of an odd triangle are NaN, and so are all numbers
  * computed from them. A comparison with a NaN is false, so the triangle is undecided.
  *
- * Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S, F, G and 3 m are less than
- * 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The quotients that become t lose
- * 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
+ * Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S, F, G and 3 m are less
+ * than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The quotients that become
+ * t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
  *
  * Overflow: p and q are finite, as magnitudes are 2^60 at most. If another number exceeds 2^126, its bound overflows,
  * because it is multiplied by 4 on the way. Then everything is undecided: no decision uses <= or >=, which would hold
@@ -68,9 +68,9 @@
 #include "trace/units.h"
 
 /*
- * The share of the bound of D that is added to that of N: it makes PLANE_BOUND's 2^-20 m F G the 2^-60 m F G above. The
- * bound of D includes its floor, so the product is not denormal, which would take a hundred cycles. Unless t is less than
- * 2^-40, the error of D moves t by more than this does.
+ * The share of the bound of D that is added to that of N: it makes PLANE_BOUND's 2^-20 m F G the 2^-60 m F G above.
+ * The bound of D includes its floor, so the product is not denormal, which would take a hundred cycles. Unless t is
+ * less than 2^-40, the error of D moves t by more than this does.
  */
 #define QUOTIENT_FLOOR 0x1p-40f
 
@@ -127,8 +127,8 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct m
 }
 
 /*
- * Returns the boxes of a node that the ray can meet up to `limit`, one bit each. order[i] receives the distance at which
- * the ray enters box i, or with `any` the length that it spends in the box.
+ * Returns the boxes of a node that the ray can meet up to `limit`, one bit each. order[i] receives the distance at
+ * which the ray enters box i, or with `any` the length that it spends in the box.
  */
 MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_bvh_node *node, float limit, int any,
                                 float order[MLRT_BVH_WIDTH])
@@ -163,11 +163,11 @@ MLRT_INLINE uint64_t stack_entry(float enter, uint32_t child)
 }
 
 /*
- * The entry of a child; the lowest entry is visited first. For the closest hit that is the nearest child. For any hit it
- * is a leaf, which may end the search, or else the box that the ray spends the greatest length in. Nodes and leaves
- * visited per random ray (bindings/python/bench.py --only counts) if children are ordered by distance, with leaves first,
- * and with leaves first and then by length: erw6 2.54, 2.26, 2.25, conference 3.96, 3.63, 3.10, sponza 4.48, 4.16, 3.40,
- * clinic 3.59, 3.48, 3.15, dragon 4.49, 4.51, 4.14.
+ * The entry of a child; the lowest entry is visited first. For the closest hit that is the nearest child. For any hit
+ * it is a leaf, which may end the search, or else the box that the ray spends the greatest length in. Nodes and leaves
+ * visited per random ray (bindings/python/bench.py --only counts) if children are ordered by distance, with leaves
+ * first, and with leaves first and then by length: erw6 2.54, 2.26, 2.25, conference 3.96, 3.63, 3.10, sponza 4.48,
+ * 4.16, 3.40, clinic 3.59, 3.48, 3.15, dragon 4.49, 4.51, 4.14.
  */
 MLRT_INLINE uint64_t child_entry(float order, uint32_t child, int any)
 {
@@ -176,8 +176,8 @@ MLRT_INLINE uint64_t child_entry(float order, uint32_t child, int any)
 }
 
 /*
- * Returns the child to visit first of those in `met`, which has at least one bit. The others go on the stack, sorted, so
- * that the next one to visit is on top. Mostly one or two children are met; then only their number takes a branch.
+ * Returns the child to visit first of those in `met`, which has at least one bit. The others go on the stack, sorted,
+ * so that the next one to visit is on top. Mostly one or two children are met; then only their number takes a branch.
  */
 MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met, const float order[MLRT_BVH_WIDTH],
                                   int any, uint64_t *stack, uint32_t *count)
@@ -253,8 +253,8 @@ MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corn
 }
 
 /*
- * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane. Returns those whose
- * distances overlap with it, which have to be compared exactly.
+ * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane. Returns those
+ * whose distances overlap with it, which have to be compared exactly.
  */
 MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer, const uint32_t *numbers,
                                   uint32_t lane, struct mlrt_packet *packet)
@@ -289,8 +289,8 @@ MLRT_INLINE vm places_without_test(const struct mlrt_packet *packet, uint32_t la
 }
 
 /*
- * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns 1 if the nearest
- * hit changed.
+ * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns 1 if the
+ * nearest hit changed.
  */
 MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
                               const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
@@ -436,8 +436,8 @@ MLRT_INLINE int meets_scene(const struct lone_ray *ray, const struct mlrt_box *b
 }
 
 /*
- * Traces a ray as lane 0 of a packet, and returns the number of the triangle that it hits. The worker is one of this call,
- * of which only the fields set here are used: with room for one plane and one pair of triangles.
+ * Traces a ray as lane 0 of a packet, and returns the number of the triangle that it hits. The worker is one of this
+ * call, of which only the fields set here are used: with room for one plane and one pair of triangles.
  */
 static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ray *ray, uint32_t mask, uint32_t skip,
                                 struct mlrt_scaled_packet *scaled)

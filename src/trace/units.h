@@ -110,8 +110,8 @@ static void unscale_nearest(const struct mlrt_scaled_packet *scaled, uint32_t la
 }
 
 /*
- * Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there. Underflow changes t_min and
- * hi by less than 2^-126, so they are moved outward by that; it is negligible beside DISTANCE_FLOOR.
+ * Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there. Underflow changes t_min
+ * and hi by less than 2^-126, so they are moved outward by that; it is negligible beside DISTANCE_FLOOR.
  */
 static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct mlrt_packet *packet,
                                            struct mlrt_scaled_packet *scaled)
@@ -136,8 +136,8 @@ static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct ml
 }
 
 /*
- * Copies the hits that `lanes` found in units to the packet as given. A lane whose triangle is the same in both keeps the
- * bounds that were given.
+ * Copies the hits that `lanes` found in units to the packet as given. A lane whose triangle is the same in both keeps
+ * the bounds that were given.
  */
 static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scaled, uint32_t lanes)
 {
@@ -147,7 +147,10 @@ static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scal
     }
 }
 
-/* Copies the nearest hits of `lanes`, after they were decided as given, to the scaled packet. `nearer`: those that changed. */
+/*
+ * Copies the nearest hits of `lanes`, after they were decided as given, to the scaled packet. `nearer`: those that
+ * changed.
+ */
 static void reload_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, uint32_t nearer)
 {
     for (; lanes; lanes &= lanes - 1) {
