@@ -142,7 +142,7 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *triangle = number - tree->mesh_first[position];
 }
 
-void mlrt_tell_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
+void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
 {
     struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
     if (number != MLRT_NONE) {

@@ -120,6 +120,6 @@ uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
 
 /* Sets all of a hit but `occluded`, for triangle `number`; a miss for MLRT_NONE. */
-void mlrt_tell_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit);
+void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit);
 
 #endif

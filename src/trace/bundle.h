@@ -60,9 +60,9 @@ enum mlrt_ray_term {
 /* The rays of a packet, lane by lane. */
 struct mlrt_bundle_rays {
     MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without places, slopes only */
-    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS];          /* w - o: depth, and with places, place j, place l */
-    MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];                 /* |d_main| */
-    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];                /* bounds of tau: after it; nearest hit so far */
+    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, and with places, place j, place l */
+    MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];        /* |d_main| */
+    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];       /* bounds of tau: after it; nearest hit so far */
     MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
 };

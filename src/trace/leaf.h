@@ -676,8 +676,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     plane->certain = m_and(candidates, v_gt(plane->least_d, width));
     plane->backward = v_lt(d, v_set1(0));
     vm farther = v_gt(v_mul(plane->least_n, of->nearest.least_d), v_mul(of->nearest.greatest_n, plane->greatest_d));
-    const vm nearer =
-        v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
+    const vm nearer = v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
     if (MLRT_UNLIKELY(bounds->has_begins)) {
         const vf from = v_load(begin);
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));

@@ -79,7 +79,7 @@
  * it: floats that are not negative are in order as integers. All entries of one level of the tree are children of one
  * node, which has visited at least one of its children.
  */
-#define STACK_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
+#define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
 
 struct single_ray {
     vf origin[3];
@@ -122,7 +122,7 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct m
         reach = larger_of(fabsf(d), reach);
     }
     ray->reach = 4 * reach;
-    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* -0 becomes 0: see STACK_LIMIT */
+    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* -0 becomes 0: see WAITING_LIMIT */
     ray->lane = lane;
 }
 
@@ -358,7 +358,7 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
     const int any = job->any;
-    uint64_t stack[STACK_LIMIT];
+    uint64_t stack[WAITING_LIMIT];
     uint32_t count = 0;
     struct single_ray ray;
     set_single_ray(packet, reciprocals, lane, &ray);
@@ -535,7 +535,7 @@ static int trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, i
     hit->occluded = number != MLRT_NONE;
     if (any) return 1;
     if (number != MLRT_NONE) {
-        mlrt_tell_hit(tree, given, number, hit);
+        mlrt_set_hit(tree, given, number, hit);
         return 1;
     }
     hit->t = INFINITY;
