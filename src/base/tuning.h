@@ -5,7 +5,8 @@
  *
  * "Sweep" below stands for its table in docs/performance.md, "What tiles decide by themselves": the speed with another
  * value over that with the value here, the least and the greatest of six scenes (AVX2, one thread). Repeating the sweep
- * with the values as they are gives 0.99 to 1.07, so only figures beyond that say something.
+ * with the values as they are gives 0.99 to 1.07, so only figures beyond that say something. It was run when closed
+ * cells still had a traversal of their own.
  *
  * A cell of a camera (a packet of a tile of 16x16, or a tile of a square of 64x64) is closed while its rays are not
  * made, and open once they are.
@@ -18,7 +19,7 @@
 /*
  * After an area whose cells all had to be opened, most cells of the next areas must be opened, too. So the next
  * TILE_RUN tiles begin with open cells, and the next SQUARE_RUN squares are traced tile by tile. 0: every area begins
- * with closed cells. Sweep, both 1: pictures 0.94 to 1.01, shadows 0.98 to 1.01. Both 8: 0.93 to 1.00, 0.98 to 1.00.
+ * with closed cells. Sweep, both 1: primary 0.94 to 1.01, shadows 0.98 to 1.01. Both 8: 0.93 to 1.00, 0.98 to 1.00.
  * TILE_RUN 0: 0.92 to 1.05, 1.00 to 1.04. SQUARE_RUN 0: 0.97 to 1.04, 0.92 to 1.01.
  */
 #ifndef MLRT_TILE_RUN
@@ -30,7 +31,7 @@
 
 /*
  * How many of the first tiles, and of the first squares, of a worker are treated so. 0xFFFFFFFF: all. Sweep, all tiles:
- * pictures 0.88 to 1.04, shadows 0.95 to 1.03. All squares: 0.67 to 0.95, 0.73 to 1.04.
+ * primary 0.88 to 1.04, shadows 0.95 to 1.03. All squares: 0.67 to 0.95, 0.73 to 1.04.
  */
 #ifndef MLRT_FIRST_OPEN_TILES
 #define MLRT_FIRST_OPEN_TILES 0
@@ -41,8 +42,8 @@
 
 /*
  * A packet this many times as wide as most packets of its tile goes lane by lane. Sweep, shadows: 2.5 gives 0.95 to
- * 1.00, 6 gives 0.99 to 1.02, and no such packets 0.96 to 1.04. (Primary rays have none.) With 3, shadows of building
- * took 8 % longer than with no such packets.
+ * 1.00, 6 gives 0.99 to 1.02, and no such packets 0.96 to 1.04. (Primary rays have none.) When the factor
+ * was 3, shadows of building were 8 % faster with no such packets.
  */
 #ifndef MLRT_WIDE_FACTOR
 #define MLRT_WIDE_FACTOR 4.0f
@@ -81,8 +82,8 @@
 
 /*
  * A packet that has been tested in vain against more triangles than this goes on lane by lane. With 40 or 160, rays of
- * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). Sweep, 64: pictures 0.88 to 1.00, shadows 0.94
- * to 1.00. No limit: pictures 0.97 to 1.01, shadows of cruiser 0.85, of conference 0.92, of the others 1.00 to 1.01.
+ * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). Sweep, 64: primary 0.88 to 0.98, shadows 0.94
+ * to 1.00. No limit: primary 0.97 to 1.01, shadows of cruiser 0.85, of conference 0.92, of the others 1.00 to 1.01.
  */
 #ifndef MLRT_MOST_TESTS
 #define MLRT_MOST_TESTS 96

@@ -248,8 +248,8 @@ struct known_lanes {
 };
 
 /*
- * Finds the lanes that what the worker remembers of planes and pairs of triangles decides. If the packet has an apex, a
- * new pair is compared once for all rays from there; rays of different origins would each need a comparison.
+ * Finds the lanes that are decided by the worker's tables of planes and pairs of triangles. If the packet has an apex,
+ * a new pair is compared once for all rays from there; rays of different origins would each need a comparison.
  */
 MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
                                              uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker)

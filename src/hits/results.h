@@ -33,7 +33,7 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
 void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
                                const struct mlrt_rectangle *tile);
 
-/* Writes which lights do not reach what the lanes of a packet hit. */
+/* Writes the lights that do not reach the hits of a packet's lanes. */
 void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
                                const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
                                const struct mlrt_rectangle *block);

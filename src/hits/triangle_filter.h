@@ -34,14 +34,14 @@
  * which v_min would drop. Without the least size there could be one, since a cross product can underflow to 0.
  *
  * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10. With A for the components
- * of a as R is for those of d, N' is off by 10.001 u A, and by 2^-148 where its products underflow, and |N'| < 1.001
- * A. In signs that make D' positive, let E = 12 u A + 2^-82 and W = 16 u R. Then N' - E and N' + E, as rounded, are
- * bounds of the true numerator with 2^-83 to spare, and D' - W and D' + W are bounds of the true denominator with 5.9
- * u R to spare.
+ * of a as R is for those of d, N' is off by 10.001 u A, and by 2^-148 where its products underflow, and
+ * |N'| < 1.001 A. In signs that make D' positive, let E = 12 u A + 2^-82 and W = 16 u R. Then N' - E and N' + E, as
+ * rounded, are bounds of the true numerator with 2^-83 to spare, and D' - W and D' + W are bounds of the true
+ * denominator with 5.9 u R to spare.
  *
- * So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W), for x >= 0: the rounding of the product takes 1.1
- * u R of the room that W leaves, and the 2^-150 that it may lose are negligible beside 2^-83. x may be infinite, and so
- * may the product: D' - W is positive wherever the comparison is used, and no N' is infinite.
+ * So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W), for x >= 0: the rounding of the product takes
+ * 1.1 u R of the room that W leaves, and the 2^-150 that it may lose are negligible beside 2^-83. x may be infinite,
+ * and so may the product: D' - W is positive wherever the comparison is used, and no N' is infinite.
  *
  * Let D' > 2 W and s = W / D'. Then t lies between (N' - E) / D' (1 - s) and (N' + E) / D' (1 + 2 s): D' is off by
  * 9.001 / 16 s of itself, and the room that s leaves, at least 6.9 u, is more than the four roundings of each take.
@@ -80,9 +80,7 @@ MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
     return v_mul_add(a[2], b[2], v_mul_add(a[1], b[1], v_mul(a[0], b[0])));
 }
 
-/*
- * The cross product of a vector to an edge (a + b, or for the normal another side) and the edge, divided by its size.
- */
+/* The cross product of a + b, or of a side, and an edge, divided by its size: see the head of this file. */
 MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_t main_axis, vf cross[3])
 {
     cross_product(sum, edge, cross);

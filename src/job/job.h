@@ -18,7 +18,7 @@ struct mlrt_bundle;
 struct mlrt_bundle_cache;
 struct mlrt_triangle_setup;
 
-/* progress.h */
+/* base/progress.h */
 struct mlrt_progress;
 
 /* One call of the interface, as all workers see it. */

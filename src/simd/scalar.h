@@ -12,7 +12,7 @@
  * - vd is a vector of DW doubles, which are loaded from floats, and rounded to floats when stored. d_first is lane 0,
  *   not rounded. d_mul_add and d_mul_sub have one rounding or two, like v_mul_add.
  * - v_triples_at, v_quads_at, v_floats_at and i_pairs_at load three, four, one or two words of each lane, one vector
- *   for each word. Lanes are squares of 2x2 elements (rays/packet.h), and p is the element of the first lane. Neighbours
+ *   a word. Lanes are squares of 2x2 elements (rays/packet.h), and p is the element of the first lane. Neighbours
  *   in a row are `step` bytes apart, rows `row_step` bytes. v_triples is for a step of 12. v_triples_of is for lanes at
  *   p + offset[i]. These words read no bytes except those that they load.
  */

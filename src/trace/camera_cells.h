@@ -55,7 +55,7 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
 
 /*
  * Copies a view with its directions brought near 1 by a power of two, which leaves slopes as they are. *floor receives
- * a bound of what its rays lost to underflow before that, and *limit the greatest size with which they are finite.
+ * a bound of the underflow of its rays before that, and *limit the greatest size with which they are finite.
  */
 static MLRT_NOINLINE void scale_view(const struct mlrt_view *view, struct mlrt_view *scaled, float *floor, float *limit)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which lights reach what a picture's rays hit (mlrt.h, "Shadows of a picture"), in the tile method.
+ * Finds which lights reach the hits of a picture's rays (mlrt.h, "Shadows of a picture"), in the tile method.
  */
 #ifndef MLRT_TRACE_SHADE_H
 #define MLRT_TRACE_SHADE_H

@@ -12,8 +12,8 @@
  * ERRORS. m is rounded to float, by 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three
  * roundings: it is off by less than 2^-20. N, computed in double, is off by 2^-32 of P, the greatest |p_k|, and by
  * 2^-24 of itself. So with D > 2^-5 the condition of shadow_ray.h on D holds for each ray, as |d| is less than 5.1.
- * Then z is off by 2^-32 P / D < 2^-26 P, and by 2^-19.9 z / D. As |d_k| <= 2, places are off by twice that: 2^-18.9 z
- * / D < 2^-18 z / D. Besides, each component is off by
+ * Then z is off by 2^-32 P / D < 2^-26 P, and by 2^-19.9 z / D. As |d_k| <= 2, places are off by twice that:
+ * 2^-18.9 z / D < 2^-18 z / D. Besides, each component is off by
  *
  *     2^-22 (|o - L| + 2 z)                 the rounding of o - L, z d and their sum, with something to spare
  *     2^-22 (|o - L| + 2 z) + 2^-27 P       the step off the surface
@@ -94,10 +94,7 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
     return facing;
 }
 
-/*
- * Sets the main axis of the light's bundle by one shadow ray: that to the hit of the lowest slopes of the cell
- * `place`.
- */
+/* Sets the main axis of the light's bundle: that of the shadow ray to the hit of the lowest slopes of one cell. */
 static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
                           uint32_t place, struct mlrt_bundle *lit)
 {

@@ -27,10 +27,10 @@
  * 1 + 3 roundings from their factors and 3 more from product and sums: 7. So has e_ab (4 + 3); N has 8. Each is a
  * determinant of three vectors, and its error is relative to the sum of the magnitudes of its six products. Let m be
  * the largest |d_k|, and S, F, G the sums of the magnitudes of the components of s, f, g. For e_ca the sum of the
- * products is at most m S G: |g_i| |d_j| + |g_j| |d_i| <= m G, times |s_k|, summed over k. Likewise it is at most m S
- * F for e_ab, m F G for D, and S F G for N. e_bc has two roundings more, of at most the sum of the three. So 9.001 u m
- * (S F + S G + F G) bounds the error of all edge functions; EDGE_BOUND has 11 u. With PLANE_BOUND, 16 u of m F G, D
- * has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u. The comparison of distances, which
+ * products is at most m S G: |g_i| |d_j| + |g_j| |d_i| <= m G, times |s_k|, summed over k. Likewise it is at most
+ * m S F for e_ab, m F G for D, and S F G for N. e_bc has two roundings more, of at most the sum of the three. So
+ * 9.001 u m (S F + S G + F G) bounds the errors of all edge functions; EDGE_BOUND has 11 u. With PLANE_BOUND, 16 u of
+ * m F G, D has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u. The comparison of distances, which
  * triangle_filter.h derives, needs 6.9 and 1.9. The bounds as computed are off by a few u of themselves, for which
  * there is room.
  *
