@@ -14,7 +14,7 @@
 #   make bench           measures speed, beside Embree 3 if `make deps-study` installed it: on procedural scenes, and on
 #                        files with SCENES=folder VIEWS=cameras.json; BENCH='--threads 2' has options of build/bin/bench
 #   make charts          docs/*.png, on the same scenes: charts-accuracy draws accuracy-* (speed against wrong
-#                        decisions, stability, stages), charts-speed draws speed-* (beside Embree; some 20 minutes)
+#                        decisions, stability, stages), charts-speed draws speed-* (beside Embree: takes long)
 #   make sweep           compares the choices that tiles make with fixed ones, on the same scenes: docs/data/sweep.csv
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
@@ -299,7 +299,8 @@ bench: | $(AFTER_DEPS)
 charts-speed: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/bench
 	@mkdir -p docs/data
-	$(BUILD)/bin/bench --csv $(BENCH_ALL) $(BENCH) > docs/data/bench.csv
+	$(BUILD)/bin/bench --csv --isa avx2 --peer-isa avx2 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx2.csv
+	$(BUILD)/bin/bench --csv --isa avx512 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx512.csv
 	$(BUILD)/bin/bench --study triangles $(BENCH) > docs/data/bench-triangles.csv
 	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
 	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv

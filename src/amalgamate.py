@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: MIT
 """Writes the library as one mlrt.c and one mlrt.h: amalgamate.py FOLDER
 
-A translation unit of the normal build becomes a section of mlrt.c: headers that all units share come once, in front;
-what a kernel's unit includes for itself is pasted into it, once for each instruction set. So that the
-sections do not meet,
+A translation unit of the normal build becomes a section of mlrt.c, in the order of the layers, from base up; headers that
+units share come once, in front. The kernels that are compiled once for each instruction set are the last section: for each
+set mlrt.c includes itself, and then is nothing but these kernels. So that the sections do not meet,
 
-  - names at file scope without the prefix mlrt_ are given the section's (`trace_tile` becomes `trace_tile_avx2`), which
-    also keeps them apart from those of system headers, which are all included;
+  - names at file scope without the prefix mlrt_ are given the section's (`find_box` becomes `find_box_bvh_build`), which
+    also keeps them apart from those of system headers, which are all included; in the kernels macros do so, which paste
+    the name of the instruction set to them;
   - macros of a section are undefined at its end;
   - everything at file scope is static, but for the functions of mlrt.h.
 
@@ -24,15 +25,18 @@ INCLUDE = os.path.join(os.path.dirname(SOURCE), "include")
 
 Kernel = collections.namedtuple("Kernel", "name file condition target counting")
 
+LAYERS = ["base", "simd", "exact", "scene", "rays", "bvh", "job", "hits", "mlrta", "trace", "run", "api"]
+
 # As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
+KDTREE = Kernel("kdtree", "mlrta/kernels.c", None, None, False)
 KERNELS = [
-    Kernel("kdtree", "mlrta/kernels.c", None, None, False),
     Kernel("counting", "trace/scalar.c", None, None, True),
     Kernel("scalar", "trace/scalar.c", "!MLRT_HAVE_SSE", None, False),
     Kernel("sse", "trace/sse.c", "MLRT_HAVE_SSE", None, False),
     Kernel("avx2", "trace/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
     Kernel("avx512", "trace/avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
 ]
+KERNEL_TEXT = "trace/kernels.h"
 
 CHOSEN = "simd/simd.h"  # the vocabulary that a kernel's unit includes first
 
@@ -154,6 +158,9 @@ class Text:
         self.system = []  # names of system headers, in the order of their appearance
         self.shared = []  # texts
         self.shared_paths = set()
+
+    def text_of_shared(self):
+        return "".join(self.shared)
 
     def share(self, path):
         if path in self.shared_paths or os.path.basename(path) == "mlrt.h":
@@ -396,21 +403,77 @@ def kernel_section(kernel, text):
     return text
 
 
+def field_names(text):
+    """Words after a dot or an arrow, and names that structs declare: all that may be a field."""
+    fields = set(re.findall(r"(?:(?:\.|->)\s*|\(\*)([A-Za-z_]\w*)", text))
+    for body in re.findall(r"\b(?:struct|union)\b[^;{}()]*\{([^{}]*)\}", text):
+        fields.update(re.findall(r"([A-Za-z_]\w*)\s*(?:\[[^\]]*\]\s*)*[;,]", body))
+    return fields
+
+
+BEFORE_PASSES = """
+/* ---- the kernels, once for each instruction set: this file includes itself ---- */
+
+#define MLRT_OWN(name)          MLRT_OWN_IN(name, MLRT_PASS)
+#define MLRT_OWN_IN(name, pass) MLRT_PASTE(name, pass)
+#define MLRT_PASTE(name, pass)  name##_##pass
+"""
+
+
+def passes(parts):
+    """The kernels: what is before them, for each instruction set, and their one text."""
+    is_own = lambda path: uses_words(path) or path.endswith(COUNTING)
+    vocabularies, seen, ends = {}, set(), {}
+    for kernel in KERNELS:
+        unit = read(os.path.join(SOURCE, kernel.file))
+        header = re.search(r'#include "(simd/\w+\.h)"', unit)[1]
+        own = set()
+        text = parts.paste(os.path.join(SOURCE, header), is_own, own)
+        if not any(os.path.basename(path) == "quad.h" for path in own):
+            own.update(os.path.join(SOURCE, "simd", name) for name in ("quad.h", "quad_sse.h", "quad_scalar.h"))
+        defines = re.findall(r"^#define .*\n", unit, re.M)
+        vocabularies[kernel.name] = made_static("".join(defines) + text)
+        ends[kernel.name] = macros_of(vocabularies[kernel.name])
+        seen |= own | {os.path.join(SOURCE, header)}
+    seen.add(os.path.join(SOURCE, CHOSEN))
+    kernels = made_static(parts.paste(os.path.join(SOURCE, KERNEL_TEXT), is_own, seen))
+    everything = "".join(vocabularies.values()) + kernels
+    macros = set(macros_of(everything))
+    found = names_of(everything)
+    names = sorted({name for kind in found for name in kind if not name.startswith("mlrt_")} - macros)
+    clashes = set(names) & field_names(parts.text_of_shared())
+    # A macro would rename fields of shared structs, too: such names are given another one first.
+    for name in clashes:
+        only = Names(*({name} & kind for kind in found))
+        kernels = renamed(kernels, only, "of_kernels")
+        for key in vocabularies:
+            vocabularies[key] = renamed(vocabularies[key], only, "of_kernels")
+    names = sorted(name + "_of_kernels" if name in clashes else name for name in names)
+
+    before = BEFORE_PASSES + "".join(f"#define {name} MLRT_OWN({name})\n" for name in names)
+    for kernel in KERNELS:
+        text = f"#define MLRT_PASS {kernel.name}\n" + vocabularies[kernel.name]
+        text += '#include "mlrt.c"\n#undef MLRT_PASS\n' + "".join(f"#undef {macro}\n" for macro in ends[kernel.name])
+        before += kernel_section(kernel, text)
+    return before, kernels + "".join(f"#undef {macro}\n" for macro in macros_of(kernels))
+
+
 def amalgamate():
     parts = Text()
     sections = []  # name, text, kernel or None
     kernel_files = {kernel.file for kernel in KERNELS}
-    for folder in sorted(os.listdir(SOURCE)):
-        for file in sorted(os.listdir(os.path.join(SOURCE, folder)) if os.path.isdir(os.path.join(SOURCE, folder)) else []):
-            if file.endswith(".c") and f"{folder}/{file}" not in kernel_files:
-                text = parts.paste(os.path.join(SOURCE, folder, file), lambda path: False, set())
-                sections.append((f"{folder}_{file[:-2]}", text, None))
-    for kernel in KERNELS:
-        is_own = lambda path: uses_words(path) or path.endswith(COUNTING)
-        sections.append((kernel.name, parts.paste(os.path.join(SOURCE, kernel.file), is_own, set()), kernel))
+    for folder in LAYERS:
+        for file in sorted(os.listdir(os.path.join(SOURCE, folder))):
+            path = f"{folder}/{file}"
+            kernel = KDTREE if path == KDTREE.file else None
+            if not file.endswith(".c") or path in kernel_files:
+                continue
+            is_own = (lambda path: uses_words(path) or path.endswith(COUNTING)) if kernel else lambda path: False
+            text = parts.paste(os.path.join(SOURCE, path), is_own, set())
+            sections.append((kernel.name if kernel else f"{folder}_{file[:-2]}", text, kernel))
 
-    shared = "".join(parts.shared)
-    result = [HEAD, system_includes(parts.system), BEFORE_ALL, made_static(shared)]
+    before_passes, kernels = passes(parts)
+    result = [HEAD, "#ifndef MLRT_PASS\n\n", system_includes(parts.system), BEFORE_ALL, made_static(parts.text_of_shared())]
     for name, text, kernel in sections:
         macros = macros_of(text)
         names = Names(*({n for n in found if not n.startswith("mlrt_") and n not in macros} for found in names_of(text)))
@@ -419,7 +482,7 @@ def amalgamate():
             text = kernel_section(kernel, text)
         text += "".join(f"#undef {macro}\n" for macro in macros)
         result.append(text)
-    result.append(AFTER_ALL)
+    result += [before_passes, AFTER_ALL, "\n#else /* MLRT_PASS */\n", kernels, "\n#endif /* MLRT_PASS */\n"]
     return "".join(result)
 
 

@@ -1131,7 +1131,7 @@ static void subtract_products(const mpf_t a, const mpf_t b, const mpf_t c, const
     mpf_sub(result, other, product);
 }
 
-/* Sets `scale` to S of pair_line.c. */
+/* Sets `scale` to S of plane_order.c. */
 static void find_size_of_line(const struct exact_plane *first, const struct exact_plane *second)
 {
     mpf_set_ui(scale, 0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * exact/dyadic.c against GMP: conversions, sums, differences and products of numbers of every size up to the largest that the
+ * exact/big_numbers.c against GMP: conversions, sums, differences and products of numbers of every size up to the largest that the
  * hit rule can form, and the one form that each value has.
  */
 #include <float.h>
@@ -14,7 +14,7 @@
 #include <cmocka.h>
 #include <gmp.h>
 
-#include "exact/dyadic.h"
+#include "exact/big_numbers.h"
 
 #define ROUNDS 20000
 
@@ -50,7 +50,7 @@ static double random_double(void)
     return value;
 }
 
-/* value = mantissa * 2^exponent, without leaning on how exact/dyadic.c takes doubles apart. */
+/* value = mantissa * 2^exponent, without leaning on how exact/big_numbers.c takes doubles apart. */
 static void set_units_of_double(mpz_t units, double value)
 {
     int exponent;

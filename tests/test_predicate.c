@@ -204,7 +204,7 @@ static void any_point_in_plane(float point[3])
     point[(zero + 2) % 3] = -size;
 }
 
-/* Nearly all points in one plane, and sizes too different for any grid: exact zeros that only exact/dyadic.h can tell. */
+/* Nearly all points in one plane, and sizes too different for any grid: exact zeros that only exact/big_numbers.h can tell. */
 static void make_wide_plane(struct test_case *test)
 {
     fill(test, any_finite_float);

@@ -199,7 +199,7 @@ static void assert_no_more(const char *name, const char *what, uint64_t expected
         fail_msg("%s: %s %llu, without %llu", name, what, (unsigned long long)got, (unsigned long long)expected);
 }
 
-/* Odd triangles farther away than bundles keep distances (GREATEST_DISTANCE, trace/hulls.h): the judge has all hits. */
+/* Odd triangles farther away than bundles keep distances (GREATEST_DISTANCE, trace/ray_hulls.h): the judge has all hits. */
 #define AT_THE_END 6
 
 /*

@@ -4,8 +4,8 @@
 
     charts.py DATA OUTPUT
 
-reads DATA/bench.csv, DATA/bench-triangles.csv and DATA/bench-resolution.csv, those of them that exist, as `bench --csv` and
-`bench --study ...` print them, and writes OUTPUT/speed-scenes.png, -triangles.png and -resolution.png.
+reads DATA/bench-avx2.csv, DATA/bench-triangles.csv and DATA/bench-resolution.csv, those of them that exist, as `bench
+--csv` and `bench --study ...` print them, and writes OUTPUT/speed-scenes.png, -triangles.png and -resolution.png.
 
 Only lines of one thread are drawn. Colours: M. Okabe, K. Ito, "Color Universal Design", 2008, as in ../study/charts.py.
 """
@@ -38,6 +38,8 @@ KINDS = {
     "one-way": "one-way: occlusion in one direction, records",
     "hemisphere": "hemisphere: 16 rays of occlusion from each hit",
     "record": "record: camera rays, full records",
+    "single": "single: a call per ray",
+    "single-any": "single-any: a call per ray, any hit",
 }
 
 WHO = [("mrays", "mlrt, exact", BLUE, 2.6), ("embree_fast_mrays", "Embree 3 fast", BLACK, 1.4),
@@ -118,6 +120,8 @@ def draw_scenes(rows, path):
     cells[0].set_xlim(low, high * (high / low) ** 0.18)
     for axes in cells[len(kinds):]:
         axes.axis("off")
+    for axes in cells[len(kinds) - columns:len(kinds)]:
+        axes.tick_params(labelbottom=True)
     legend_below(figure, [Line2D([], [], linestyle="", marker="o", color=BLACK, label="mlrt / Embree 3 fast (the number)"),
                           Line2D([], [], linestyle="", marker="s", color=GREY, markerfacecolor="white",
                                  label="mlrt / Embree 3 robust")])
@@ -190,7 +194,7 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     data, output = sys.argv[1:]
-    for name, draw, chart in (("bench", draw_scenes, "scenes"), ("bench-triangles", draw_triangles, "triangles"),
+    for name, draw, chart in (("bench-avx2", draw_scenes, "scenes"), ("bench-triangles", draw_triangles, "triangles"),
                               ("bench-resolution", draw_resolution, "resolution")):
         rows = read(os.path.join(data, name + ".csv"))
         if rows:

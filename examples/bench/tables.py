@@ -11,12 +11,12 @@ rewrites each table of the Markdown files that stands between two lines
 
 from DATA/NAME.csv. WHAT is one of
 
-    ratio       the library's speed over that of Embree's fast mode; a column for each kind
-    gain        the library's speed over that of the build that it was run against (bench --against)
-    aims        `ratio` with what it ought to be, from DATA/aims.csv: in bold where it is
+    ratio       the library's speed over that of Embree's fast mode; a row for each kind, a column for each scene
+    gain        the library's speed over that of the build that it was run against (bench --against); likewise
     mrays, embree_fast_mrays, embree_robust_mrays
                 millions of rays per second; likewise
-    all         these four, of one kind
+    ratio,gain  two of these in each cell, the second in brackets
+    all         ratio and millions of rays per second, of one kind: a row for each scene
     settings    what sweep.py wrote: a row for each setting, a column for each kind and scene
     spread      a row for each kind: the least, the median and the greatest `ratio` of all scenes. NAME may be
                 several, NAME.csv=TITLE,NAME.csv=TITLE,...: side by side
@@ -50,12 +50,18 @@ def show_speed(row, column):
 
 def show_ratio(row):
     rate, peer = float(row["mrays"]), float(row["embree_fast_mrays"])
-    return f"{rate / peer:.2f}" if peer > 0 else ""
+    return f"{rate / peer:.2f}" if rate > 0 and peer > 0 else ""
 
 
 def show_gain(row):
-    rate, old = float(row["mrays"]), float(row["old_mrays"])
-    return f"{rate / old:.2f}" if old > 0 else ""
+    rate, old = float(row["mrays"]), float(row.get("old_mrays") or 0)
+    return f"{rate / old:.2f}" if rate > 0 and old > 0 else ""
+
+
+def show_cell(row, what):
+    shows = {"ratio": show_ratio, "gain": show_gain}
+    first, *rest = [shows[part](row) if part in shows else show_speed(row, part) for part in what.split(",")]
+    return " ".join([first] + [f"({text})" for text in rest if text]).strip()
 
 
 def table(head, body):
@@ -63,11 +69,12 @@ def table(head, body):
     return "".join("| " + " | ".join(row) + " |\n" for row in rows)
 
 
-def table_of_kinds(rows, titles, show):
+def table_of_kinds(rows, titles, what):
     found = {(row["scene"], row["kind"]): row for row in rows}
-    body = [[scene] + [show(found[scene, kind]) if (scene, kind) in found else "" for kind in titles]
-            for scene in in_order(rows, "scene")]
-    return table(["scene"] + list(titles.values()), body)
+    scenes = in_order(rows, "scene")
+    body = [[title] + [show_cell(found[scene, kind], what) if (scene, kind) in found else "" for scene in scenes]
+            for kind, title in titles.items()]
+    return table(["kind"] + scenes, body)
 
 
 def table_of_all(rows, kind):
@@ -83,18 +90,6 @@ def table_of_settings(rows, titles):
     head = [f"{titles[kind]}: {scene}" if scene == first else scene for kind, scene in columns]
     body = [[setting] + [found[setting, kind, scene] for kind, scene in columns] for setting in in_order(rows, "setting")]
     return table(["setting"] + head, body)
-
-
-def table_of_aims(rows, titles, aims):
-    wanted = {(row["scene"], row["kind"]): row["aim"] for row in aims}
-
-    def show(row):
-        ratio, aim = show_ratio(row), wanted.get((row["scene"], row["kind"]))
-        if not ratio or aim is None:
-            return ratio
-        return f"**{ratio}** of {aim}" if float(ratio) >= float(aim) else f"{ratio} of {aim}"
-
-    return table_of_kinds(rows, titles, show)
 
 
 def table_of_spreads(data, names, titles):
@@ -116,14 +111,11 @@ def make_table(data, name, what, titles):
     if what == "spread":
         return table_of_spreads(data, name, titles)
     rows = read(os.path.join(data, name))
-    if what == "aims":
-        return table_of_aims(rows, titles, read(os.path.join(data, "aims.csv")))
     if what == "all":
         return table_of_all(rows, *titles)
     if what == "settings":
         return table_of_settings(rows, titles)
-    shows = {"ratio": show_ratio, "gain": show_gain}
-    return table_of_kinds(rows, titles, shows.get(what, lambda row: show_speed(row, what)))
+    return table_of_kinds(rows, titles, what)
 
 
 def renew(text, data):

@@ -13,12 +13,12 @@
 #include "exact/nearest.h"
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
 #include "run/trace_ray.h"
-#include "run/workers.h"
+#include "run/run_job.h"
 
 #define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
 

@@ -5,8 +5,8 @@
  *
  * "Sweep" below stands for its table in docs/performance.md, "What tiles decide by themselves": the speed with another
  * value over that with the value here, the least and the greatest of six scenes (AVX2, one thread). Repeating the sweep
- * with the values as they are gives 0.99 to 1.07, so only figures beyond that say something. It was run when closed
- * cells still had a traversal of their own.
+ * with the values as they are gives 0.99 to 1.07, so only figures beyond that say something. The sweep is from
+ * before bundles.
  *
  * A cell of a camera (a packet of a tile of 16x16, or a tile of a square of 64x64) is closed while its rays are not
  * made, and open once they are.
@@ -41,9 +41,9 @@
 #endif
 
 /*
- * A packet this many times as wide as most packets of its tile goes lane by lane. Sweep, shadows: 2.5 gives 0.95 to
- * 1.00, 6 gives 0.99 to 1.02, and no such packets 0.96 to 1.04. (Primary rays have none.) When the factor
- * was 3, shadows of building were 8 % faster with no such packets.
+ * A packet this many times as wide as most packets of its tile goes lane by lane. Sweep, of shadows, when wide packets
+ * were cut in two instead: 2.5 gives 0.95 to 1.00, 6 gives 0.99 to 1.02, and no limit 0.96 to 1.04. (Primary rays have
+ * no wide packets.) With 3, shadows of building were 8 % slower than without a limit.
  */
 #ifndef MLRT_WIDE_FACTOR
 #define MLRT_WIDE_FACTOR 4.0f
@@ -82,8 +82,9 @@
 
 /*
  * A packet that has been tested in vain against more triangles than this goes on lane by lane. With 40 or 160, rays of
- * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). Sweep, 64: primary 0.88 to 0.98, shadows 0.94
- * to 1.00. No limit: primary 0.97 to 1.01, shadows of cruiser 0.85, of conference 0.92, of the others 1.00 to 1.01.
+ * arrays have 0.87 to 1.02 of the speed (conference, dragon, cruiser). Sweep, when packets went ray by ray after 256
+ * tests, in vain or not: with 64, primary 0.88 to 0.98, shadows 0.94 to 1.00; with no limit, primary 0.97 to 1.01,
+ * shadows of cruiser 0.85, of conference 0.92, of the others 1.00 to 1.01.
  */
 #ifndef MLRT_MOST_TESTS
 #define MLRT_MOST_TESTS 96

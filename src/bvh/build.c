@@ -32,7 +32,7 @@
 #include "base/tuning.h"
 #include "bvh/check.h"
 #include "bvh/collapse.h"
-#include "bvh/spatial.h"
+#include "bvh/spatial_split.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
 #include "exact/predicate.h"
@@ -444,7 +444,7 @@ static int overlaps(const struct build *build, const struct mlrt_bvh_split *spli
     return mlrt_quad_box_area(&common) > build->preset->overlap_limit * build->scene_area;
 }
 
-/* 1 if the box's coordinates are small enough for the float arithmetic of spatial.c. */
+/* 1 if the box's coordinates are small enough for the float arithmetic of spatial_split.c. */
 static int may_be_cut(const struct mlrt_quad_box *box)
 {
     for (int k = 0; k < 3; k++)

@@ -2,7 +2,7 @@
 /*
  * Exact signs for coordinates that all lie on one grid: each is an integer below 2^61 times a common power of two. That
  * is so unless their magnitudes differ by more than some 2^37. On a grid, 64-bit integers and their products decide in
- * tens of nanoseconds; dyadic.h takes hundreds.
+ * tens of nanoseconds; big_numbers.h takes hundreds.
  *
  * Each function returns 1 and sets its result, or returns 0 if there is no grid or the compiler has no 128-bit
  * integers. Coordinates are finite.

@@ -57,7 +57,7 @@
 #include <string.h>
 
 #include "base/platform.h"
-#include "exact/dyadic.h"
+#include "exact/big_numbers.h"
 #include "exact/grid.h"
 #include "exact/rounding.h"
 

@@ -39,7 +39,7 @@
 #include <float.h>
 
 #include "hits/outcome.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "hits/undecided.h"
 #include "job/stop.h"
 #include "simd/doubles.h"

@@ -43,7 +43,7 @@
 
 #include "job/hit_terms.h"
 #include "hits/outcome.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "simd/doubles.h"
 #include "simd/simd.h"
 

@@ -9,7 +9,7 @@
 
 #include "exact/nearest.h"
 #include "exact/offset.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 
 static double dot(const double a[3], const double b[3])
 {

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "exact/nearest.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "job/stop.h"
 #include "simd/sixteen.h"
 

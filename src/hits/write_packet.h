@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Writes the results of a packet: the triangles that it hits become ids and numbers, a vector at a time, and sink.h
- * stores them.
+ * Writes the results of a packet: the triangles that it hits become ids and numbers, a vector at a time, and
+ * write_arrays.h stores them.
  */
 #ifndef MLRT_HITS_WRITE_PACKET_H
 #define MLRT_HITS_WRITE_PACKET_H
 
 #include "hits/hit_numbers.h"
 #include "hits/outcome.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "job/job.h"
 #include "rays/rectangle.h"
 #include "simd/simd.h"

@@ -7,7 +7,7 @@
 #define MLRT_JOB_JOB_H
 
 #include "job/hit_terms.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "rays/source.h"
 
 /* The most lights that a picture may have: its shadows have a byte per pixel, and a light has one bit. */
@@ -138,7 +138,7 @@ struct mlrt_kernels {
 
     /*
      * Traces one ray and sets its hit, as mlrt_trace_ray with structs of this version. `skip` is the number of the
-     * triangle that the ray skips. Returns 0, and sets nothing, if float does not carry the ray (trace/single.h).
+     * triangle that the ray skips. Returns 0, and sets nothing, if float does not carry the ray (trace/single_ray.h).
      * Kernels that count have NULL.
      */
     int (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "base/counters.h"
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "hits/shadow_ray.h"
 #include "mlrta/beam.h"
 #include "mlrta/entry_point.h"

@@ -19,7 +19,7 @@
 #include "job/job.h"
 #include "mlrta/covering.h"
 #include "mlrta/setups.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 
 /* An axis and its sign as one number. */

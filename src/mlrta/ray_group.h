@@ -14,7 +14,7 @@
 #include "mlrta/outline.h"
 #include "mlrta/setups.h"
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 
 /*

@@ -12,7 +12,7 @@
 
 /*
  * Bounds of reciprocals are moved apart by this share of themselves: more than what roundings change
- * (mlrta/interval_traversal.h, trace/single.h). SLOPE_SLACK in slopes.h is that of slopes.
+ * (mlrta/interval_traversal.h, trace/single_ray.h). SLOPE_SLACK in slope_limits.h is that of slopes.
  */
 #define RECIPROCAL_SLACK 0x1p-21f
 

@@ -12,7 +12,7 @@
 #include "base/scheduler.h"
 #include "base/structs.h"
 #include "exact/hit_list.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "run/trace_ray.h"
 
 #define ITEM_RAYS 256

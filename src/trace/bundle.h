@@ -1,15 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A bundle: rays of a tile that share a main axis and its sign, seen relative to their waist.
+ * A bundle: the rays of a tile that share a main axis and its sign, described relative to a waist.
  *
- * The waist is a point w near where the rays come closest to each other. Relative to it a point p has a depth
- * z = +-(p_main - w_main), signed so that all rays go up it, and two places x_j = p_j - w_j over the axes main + 1 and
- * main + 2. A ray is its place x0 where z = 0, its slopes s = d_j / |d_main|, and the depths between which it looks for
- * hits: its points are x0 + s z. Rays that start at one point or end at one have x0 = 0 or nearly so, rays of one
- * direction have one slope; others that are alike have small ranges of both.
+ * The waist w is a point near where the rays come closest to each other. Relative to it, a point p has a depth
+ * z = +-(p_main - w_main), with the sign of the axis, so that depth grows along all rays; and two places
+ * x_j = p_j - w_j, over the axes main + 1 and main + 2. The origin of a ray, in the same terms, is o.
  *
- * Along a ray, distances are measured in depth from its origin: tau = t |d_main|. That is not negative for hits, and a
- * nearer hit has the smaller tau.
+ * A ray is described by its slopes s_j = d_j / |d_main| and its places x_j = o_j - s_j o_main at depth 0: at depth z it
+ * is at x + s z. Rays that start at one point, or end at one, have places of 0 or nearly 0; parallel rays have one
+ * slope; other rays that are alike have small ranges of both.
+ *
+ * Distances along a ray are measured in depth from its origin: tau = t |d_main|. Hits have no negative tau, and of two
+ * hits the nearer one has the smaller tau.
+ *
+ * As an index, `place` is the position of a packet in its tile, or of a triangle in its leaf. L1, L2, ... are the
+ * lemmas of docs/accuracy.md, "Bundles".
  */
 #ifndef MLRT_TRACE_BUNDLE_H
 #define MLRT_TRACE_BUNDLE_H
@@ -22,7 +27,7 @@
 
 #define MLRT_BUNDLE_PACKETS 16
 
-/* The axis that slope or place `side` of a bundle with this main axis is over. */
+/* The axis of the slope and the place `side` (0: j, 1: l) of a bundle with this main axis. */
 MLRT_INLINE int mlrt_slope_axis(int main_axis, int side)
 {
     const int axis = main_axis + 1 + side;
@@ -33,11 +38,11 @@ struct mlrt_waist {
     int32_t main_axis;
     float sign; /* of the main components: +-1 */
     float point[3];
-    float slope[2];  /* along which triangles around it are seen: 0, or that of rays that are nearly parallel */
-    int32_t is_beam; /* they are */
+    float slope[2];  /* the slope along which outline.h sees triangles: that of the rays if is_beam, else 0 */
+    int32_t is_beam; /* the rays are nearly parallel */
 };
 
-/* Has a bundle go along the axis that a direction goes along most. */
+/* Makes the axis of the largest component of `direction` the main axis. */
 static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_waist *waist)
 {
     const float x = fabsf(direction[0]), y = fabsf(direction[1]), z = fabsf(direction[2]);
@@ -47,7 +52,7 @@ static inline void mlrt_set_main_axis(const float direction[3], struct mlrt_wais
     waist->is_beam = 0;
 }
 
-/* What rays of a packet have in numbers: their slopes, their places at the waist and the cross product of both. */
+/* The terms of a ray, in which edge functions are linear (leaf.h): slopes, places, and the cross product of both. */
 enum mlrt_ray_term {
     MLRT_SLOPE_J,
     MLRT_SLOPE_L,
@@ -59,47 +64,49 @@ enum mlrt_ray_term {
 
 /* The rays of a packet, lane by lane. */
 struct mlrt_bundle_rays {
-    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without places, slopes only */
-    MLRT_ALIGNED(64) float to_waist[3][MLRT_PACKET_RAYS]; /* w - o: depth, and with places, place j, place l */
-    MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];        /* |d_main| */
-    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS];       /* bounds of tau: after it; nearest hit so far */
-    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];
+    MLRT_ALIGNED(64) float term[MLRT_RAY_TERMS][MLRT_PACKET_RAYS]; /* without places only the slopes */
+    MLRT_ALIGNED(64)
+    float to_waist[3][MLRT_PACKET_RAYS];            /* -o: depth, place j, place l; without places only the depth */
+    MLRT_ALIGNED(64) float pace[MLRT_PACKET_RAYS];  /* |d_main| in units */
+    MLRT_ALIGNED(64) float begin[MLRT_PACKET_RAYS]; /* tau of t_min: hits lie beyond it */
+    MLRT_ALIGNED(64) float lo[MLRT_PACKET_RAYS];    /* bounds of tau: of the nearest hit so far, or t_max */
     MLRT_ALIGNED(64) float hi[MLRT_PACKET_RAYS];
 };
 
-/* Intervals of the terms, by packet. */
+/* An interval of one number for each packet. */
 struct mlrt_hull_row {
     MLRT_ALIGNED(64) float lo[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float hi[MLRT_BUNDLE_PACKETS];
 };
 
 /*
- * The hulls of packets, by packet. `term` is what the lanes have; slopes and places are moved apart by what rounding may
- * change. A packet that looks no further has first = inf, last = -inf.
+ * The hulls of packets: bounds of the rays of each. `term` has the extremes as they were computed. `slope`, `place`,
+ * `first` and `last` are moved apart, by more than rounding can change. A packet that has left the bundle has first =
+ * inf, last = -inf.
  */
 struct mlrt_hulls {
     struct mlrt_hull_row term[MLRT_RAY_TERMS];
     struct mlrt_hull_row slope[2];
     struct mlrt_hull_row place[2];
-    MLRT_ALIGNED(64) float first[MLRT_BUNDLE_PACKETS]; /* depths between which the rays look */
+    MLRT_ALIGNED(64) float first[MLRT_BUNDLE_PACKETS]; /* depths between which rays look for hits */
     MLRT_ALIGNED(64) float last[MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) float begin[MLRT_BUNDLE_PACKETS]; /* the greatest tau at which a ray begins to look */
-    /* What the filters need (leaf.h): the terms as middle and radius, and what errors are relative to. */
+    MLRT_ALIGNED(64) float begin[MLRT_BUNDLE_PACKETS]; /* the greatest tau of a t_min */
+    /* For the filters (leaf.h): the terms as middle and radius, and the factors of the error bounds. */
     MLRT_ALIGNED(64) float middle[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float radius[MLRT_RAY_TERMS][MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float reach[MLRT_BUNDLE_PACKETS]; /* R */
-    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* Q */
+    MLRT_ALIGNED(64) float blur[MLRT_BUNDLE_PACKETS];  /* 13 u X + 4 u R A + 2^-140: of places, in L5 */
     MLRT_ALIGNED(64) float away[MLRT_BUNDLE_PACKETS];  /* A */
-    /* Of closed packets (cover.h): depths between which all rays look, and what covers them from where. */
+    /* Of closed packets (cover.h): depths between which every ray looks for hits; the cover, and its least depth. */
     MLRT_ALIGNED(64) float core_first[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float core_last[MLRT_BUNDLE_PACKETS];
     MLRT_ALIGNED(64) float cover_near[MLRT_BUNDLE_PACKETS];
-    MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS]; /* a triangle's number; MLRT_NONE: nothing so far */
+    MLRT_ALIGNED(64) uint32_t cover[MLRT_BUNDLE_PACKETS]; /* the number of a triangle; MLRT_NONE = no cover so far */
     MLRT_ALIGNED(64)
-    uint32_t skip[MLRT_BUNDLE_PACKETS]; /* of packets without rays: the triangle that all of them pass */
+    uint32_t skip[MLRT_BUNDLE_PACKETS]; /* of packets without rays: the triangle that all of their rays skip */
 };
 
-/* One hull of all packets that go together. */
+/* One hull of all packets of a bundle. */
 struct mlrt_hull {
     float slope_lo[2];
     float slope_hi[2];
@@ -109,7 +116,7 @@ struct mlrt_hull {
     float last;
 };
 
-/* What boxes need of the rays of a packet that go one by one (single.h). */
+/* 1 / d of the rays of a packet that are traced one by one, moved toward 0 and away from it (single_ray.h). */
 struct mlrt_reciprocals {
     MLRT_ALIGNED(64) float near[3][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float far[3][MLRT_PACKET_RAYS];
@@ -118,91 +125,93 @@ struct mlrt_reciprocals {
 struct mlrt_bundle_cache;
 struct mlrt_ray_tile;
 
-/* A bundle on its way down the hierarchy: the packets of a tile, or the tiles of a square, which have no rays. Bits are
- * packets. */
+/*
+ * A bundle on its way down the hierarchy. Its packets are those of a tile, or they stand for the tiles of a square and
+ * have no rays. The masks have a bit for each packet.
+ */
 struct mlrt_bundle {
     struct mlrt_waist waist;
-    int has_places; /* 0: all rays start at the waist, and all places are 0 */
-    int is_apex;    /* the waist is where some rays start: */
-    float apex[3];  /* there, as rays are given */
-    int has_begins; /* some t_min is not 0 */
-    int far_first;  /* boxes that the rays come to last are opened first */
-    float unit;     /* brings rays into units (bvh/unit.h), where all of this is */
-    float scene_first, scene_last;
-    float core_first, core_last; /* where most triangles are, as a guess */
+    int has_places;                /* 0: all rays start at the waist, and all places are 0 */
+    int is_apex;                   /* the waist is the origin of rays: */
+    float apex[3];                 /* the same point, not in units */
+    int has_begins;                /* at least one t_min is above 0 */
+    int far_first;                 /* the farthest boxes are opened first */
+    float unit;                    /* all numbers of a bundle but `apex` are in units of the hierarchy (bvh/unit.h) */
+    float scene_first, scene_last; /* depths between which all boxes lie */
+    float core_first, core_last;   /* depths between which most triangles lie: only for guesses */
     struct mlrt_hull whole;
     struct mlrt_hulls hulls;
-    uint32_t going;     /* packets with a hull */
-    uint32_t apexes;    /* packets whose rays all start at the waist */
-    uint32_t closed;    /* of whose rays no more is known than what covers all of them (cover.h) */
-    uint32_t covered;   /* that are done, as one triangle hides all of their rays */
-    uint32_t riding;    /* that go lane by lane afterwards, unless one triangle happens to hide all of their rays */
-    uint32_t nearer;    /* whose rays may look less far than their hulls say */
-    uint32_t given_up;  /* that were tested in vain too often */
-    uint32_t set_aside; /* that are to go lane by lane afterwards */
-    uint32_t made;      /* of whose rays there are the numbers, lane by lane */
-    uint32_t has_reciprocals;            /* of whose rays there are these */
+    uint32_t going;           /* traced as part of the bundle */
+    uint32_t apexes;          /* all rays start at the waist */
+    uint32_t closed;          /* only their cover is known, and no ray of theirs has been tested (cover.h) */
+    uint32_t covered;         /* done, where any hit will do: one triangle hides all rays */
+    uint32_t riding;          /* traced lane by lane after the bundle, unless one triangle hides all rays before */
+    uint32_t nearer;          /* rays have new hits, from which `last` of the hull has not been updated */
+    uint32_t given_up;        /* taken out of the bundle after too many tests in vain */
+    uint32_t set_aside;       /* to be traced lane by lane after the bundle */
+    uint32_t made;            /* tile->rays have the numbers of their rays */
+    uint32_t has_reciprocals; /* tile->reciprocals are set */
     uint32_t tests[MLRT_BUNDLE_PACKETS]; /* of triangles that no ray could hit */
     struct mlrt_bundle_cache *cache;
-    struct mlrt_ray_tile *tile; /* whose packets they are; NULL: they are tiles */
+    struct mlrt_ray_tile *tile; /* which has the packets; NULL: they stand for tiles */
 };
 
-/* What bundles with one waist share about the triangles of a leaf: arrays have a place for each triangle. */
+/* The set-up of a leaf, which bundles with one waist share. Arrays and masks have an entry for each place. */
 struct mlrt_bundle_leaf {
-    int32_t axis;        /* the main one; ~axis if rays go down it */
-    int32_t has_places;  /* 0: set up for rays from the waist only */
-    uint32_t there;      /* places with a triangle that the call's common mask shows; bit per place */
-    uint32_t from_waist; /* of these, those that a ray from the waist can hit: it does not lie in their planes */
-    uint32_t flipped;    /* whose terms have the other sign, so that N is not negative at the waist */
-    uint32_t doubtful;   /* of which float does not know that sign; none once that is settled */
+    int32_t axis;        /* the main axis; ~axis if rays go down it */
+    int32_t has_places;  /* 0: set up only for rays that start at the waist */
+    uint32_t there;      /* places with a triangle that the call's common mask shows */
+    uint32_t from_waist; /* of these, the triangles whose planes do not contain the waist, as far as is known */
+    uint32_t flipped;    /* all coefficients are negated, so that N at the waist is not negative */
+    uint32_t doubtful;   /* float does not tell the sign of N at the waist, and the judge has not been asked */
     uint32_t row;        /* floats in a row of corners */
     const uint32_t *numbers;
     const float *corners;
-    uint32_t odd;                                     /* bvh/unit.h */
-    uint32_t ready;                                   /* vectors of places that have their terms */
-    uint32_t fans;                                    /* of what the outlines are: see outline.h */
-    MLRT_ALIGNED(64) float near[MLRT_BVH_LEAF_LIMIT]; /* depths of the triangle */
+    uint32_t odd;                                     /* odd triangles (bvh/unit.h) */
+    uint32_t ready;                                   /* coefficients are set, for whole vectors of places */
+    uint32_t fans;                                    /* the outline is that of a fan, not of a beam (outline.h) */
+    MLRT_ALIGNED(64) float near[MLRT_BVH_LEAF_LIMIT]; /* depths between which the triangle lies */
     MLRT_ALIGNED(64) float far[MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float outline_lo[2][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float outline_hi[2][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float weight[MLRT_BVH_LEAF_LIMIT];
-    /* Edge functions ab, bc, ca: a constant, and what the terms of a ray are multiplied with. */
+    /* Edge functions ab, bc, ca: a constant, and the coefficients of the terms of a ray. */
     MLRT_ALIGNED(64) float edge_constant[3][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float edge[3][MLRT_RAY_TERMS][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float normal[3][MLRT_BVH_LEAF_LIMIT];
-    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT];  /* of the plane from the waist: N there */
-    MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: how much places weigh in edge functions */
-    MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];      /* what the error of `distance` is relative to */
+    MLRT_ALIGNED(64) float distance[MLRT_BVH_LEAF_LIMIT];  /* N at the waist */
+    MLRT_ALIGNED(64) float steepness[MLRT_BVH_LEAF_LIMIT]; /* rho: the weight of places in errors of edge functions */
+    MLRT_ALIGNED(64) float away[MLRT_BVH_LEAF_LIMIT];      /* F: the error of `distance` is relative to it */
 };
 
-/* What is known of two triangles. */
+/* How the planes of two triangles meet: in no line that is certain enough, in a line, or in all points. */
 enum mlrt_pair_kind { MLRT_NO_LINE, MLRT_LINE, MLRT_ONE_PLANE };
 
 /*
- * The line that the planes of two triangles have in common, as an edge function: of a ray that meets both, its sign times
- * those of both D is that of t(first) - t(second) (pair_line.c). `normal` is that of the second.
+ * The line in which the planes of two triangles meet, as an edge function F (plane_order.c): for a ray that meets both
+ * planes, F D_1 D_2 has the sign of t_1 - t_2. `normal` is n of the second triangle, divided by its size.
  */
 struct mlrt_pair_line {
     uint32_t first;
     uint32_t second;
-    uint32_t waist_count; /* the cache's when it was set */
+    uint32_t waist_count; /* of the cache, when the line was set */
     int32_t kind;
     float constant;
     float coefficient[MLRT_RAY_TERMS];
     float normal[3];
-    float error;     /* relative to R; as EDGE_ERROR */
-    float steepness; /* as that of a leaf */
+    float error;     /* in place of EDGE_ERROR (leaf.h) */
+    float steepness; /* in place of that of a leaf */
 };
 
 #define MLRT_PAIR_LINE_BITS 8
 
-/* The set-ups of leaves that were met last, for one waist. */
+/* The set-ups of leaves, and the lines of pairs, that were needed last, for one waist. */
 struct mlrt_bundle_cache {
     struct mlrt_bundle_leaf *leaves; /* 1 << bits of them, by a hash of the first quad */
     uint32_t bits;
-    struct mlrt_waist waist;                       /* main_axis -1: of none */
-    uint32_t waist_count;                          /* how many there were so far */
-    uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* whose they are, as in the nodes; 0 = nobody's */
+    struct mlrt_waist waist;                       /* main_axis -1: none so far */
+    uint32_t waist_count;                          /* how many waists there have been */
+    uint32_t children[1u << MLRT_LEAF_SETUP_BITS]; /* of `leaves`: the leaf, as in a node; 0 = none */
     struct mlrt_pair_line lines[1u << MLRT_PAIR_LINE_BITS];
 };
 

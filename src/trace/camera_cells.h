@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/ray_tile.h"

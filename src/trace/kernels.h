@@ -12,13 +12,13 @@
 
 #include "rays/check_packet.h"
 #include "trace/units.h"
-#include "trace/single.h"
-#include "trace/hulls.h"
+#include "trace/single_ray.h"
+#include "trace/ray_hulls.h"
 #include "trace/camera_cells.h"
 #include "trace/outline.h"
 #include "trace/leaf.h"
 #include "trace/cover.h"
-#include "trace/lanes.h"
+#include "trace/lane_by_lane.h"
 #include "trace/tile.h"
 #if !MLRT_COUNTING
 #include "rays/camera_packet.h"

@@ -1,49 +1,53 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The triangles of a leaf as a bundle sees them (bundle.h), sixteen at a time, and tests of packets against them.
+ * The triangles of a leaf as a bundle sees them (bundle.h): their set-up, and tests of packets against them. L5, L6,
+ * ... are the lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
  *
- * WHAT IS COMPUTED. In depth and places relative to the waist, let p, q be the ends of an edge and g = q - p; a ray is at
- * o = (0, x_j, x_l) where z = 0 and goes along d = (1, s_j, s_l). Then
+ * WHAT IS COMPUTED. Vectors have the components depth, place j, place l. Let p and q be the ends of an edge relative to
+ * the waist w, and g = q - p; let o be the origin of a ray relative to the waist. The ray is at x = (0, x_j, x_l) at
+ * depth 0, and goes along d = (1, s_j, s_l). Then
  *
- *     e = d . ((p - o) x g) = C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z,    C = p x g,  m = s_l x_j - s_j x_l
- *     D = d . n = n_z + s_j n_j + s_l n_l                                             n = (a - c) x (b - a)
- *     N = n . (a - w) + n . (w - o'),  o' the ray's origin                            so tau = N / D
+ *     e = d . ((p - x) x g) = C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z,    C = p x g,  m = s_l x_j - s_j x_l
+ *     D = d . n = n_z + s_j n_j + s_l n_l,                                            n = (a - c) x (b - a)
+ *     N = n . (a - w) - n . o                                                         so tau = N / D
  *
- * Each edge function is divided by a size, so is n; only signs of e and ratios of N and D matter. With M_k the sum of the
- * magnitudes of the two products in component k of a cross product, size is M_z + (M_j + M_l) / 2, or |g| 2^-20 if that
- * is more (|g| the sum of magnitudes), but at least 2^-100.
+ * Only the signs of e and the ratios of N to D matter. So each edge function is divided by a size of its own, and so is
+ * n. With M_k the sum of the magnitudes of the two products in component k of the cross product, the size is
+ * M_z + (M_j + M_l) / 2. The size of an edge function is at least |g| 2^-20, where |g| is the sum of the magnitudes of
+ * the components of g. All sizes are at least 2^-100.
  *
- * EDGES, u = 2^-24, in units of size, with R, A, X = the greatest |x|, of a packet (hulls.h). C_k has 4 roundings (p, g,
- * product, difference), 1 / size and its product 2; a slope 1, a product 1, and up to 5 sums: 13. As |s| <= R / 2, that is
- * 13.001 u R. A place is off by E = 3.05 u R A (in hulls 3.55), a factor of g has 1 + 2 roundings, product and sums 6:
- * so both products of places are off by (9.001 u X + E) |g|. The moment is off by 2 |s| E + 3.001 u 2 |s| X <= R E + 3.001 u R X, and g_z times
- * it by 9.001 u R X more. Together no more than
+ * EDGES, u = 2^-24, in units of size. R, A, X of a packet and E, the error of a place, are defined in ray_hulls.h; rho is
+ * the greatest |g| / size of the three edges. The magnitudes of all terms with C sum to at most R times the size: this
+ * is why edges are divided by it, and one R serves for all of them. By L5 e is off by no more than
  *
- *     13.001 u R + (12.1 u X + E) R rho,   rho the greatest |g| / size of the three edges.
+ *     13.001 u R + (8.1 u X + 1.01 E) R rho + 2^-48 R.
  *
- * EDGE_ERROR makes 14 u R of the first and BLUR_OF_PLACE and PLACE_ERROR 13 u X + 4 u R A of the second: that also pays
- * for the roundings of the bound. Where a processor multiplies and adds at once there are fewer. Without places only the
- * first is left.
+ * EDGE_ERROR makes 14 u R of the first term. BLUR_OF_PLACE, PLACE_ERROR and PLACE_FLOOR make 13 u X + 4 u R A + 2^-140
+ * of the bracket. The difference covers the last term, and the roundings of the bound itself. If all rays
+ * start at the waist, 14 u R is enough. Where a processor multiplies and adds at once, there are fewer roundings.
  *
- * DISTANCES. n has 4 + 2 roundings, D 1 + 1 + 2 more: 10.001 u R. N has 6 + 1 + 1 and up to 5 sums: with F the greatest of
- * |z|, 2 |x_j|, 2 |x_l| of corner a, and A the same of origins, it is off by 13.001 u (F + A). PLANE_BOUND, 16 u R, and
- * DISTANCE_ERROR, 16 u (F + A), leave 5.9 u R and 2.9 u (F + A) for the roundings of N -+ E, D -+ W and the products that
- * compare them, as in triangle_filter.h.
+ * DISTANCES. By L6 D is off by 10.001 u R. Let F be the greatest of |z|, 2 |x_j|, 2 |x_l| of corner a relative to the
+ * waist: F is for a what A is for origins. By L7 N is off by 13.001 u (F + A). PLANE_BOUND is 16 u R, and
+ * DISTANCE_ERROR 16 u (F + A). They leave 5.9 u R and 2.9 u (F + A): for the roundings when N and D are moved by their
+ * bounds, and for those of the products that compare quotients (L8), as in triangle_filter.h.
  *
- * UNDERFLOW AND RANGE. Corners and origins are at most 2^60 and may be denormal; of directions only slopes matter, which are at
- * most 2. Sums and differences of denormals are exact. A product of C or n may lose 2^-150, but is divided
- * by a size of at least 2^-100, and a coefficient is multiplied by a term of at most 2^65: so an edge function and D lose less
- * than 2^-48 R, which is nothing beside u R. N loses 2^-48 (F + A) so, and 2^-147 in products with places, for which
- * DISTANCE_FLOOR pays. Sizes are at most 2^124, so 1 / size is normal; and as size >= |g| 2^-20, no edge function exceeds 2^87.
+ * UNDERFLOW AND RANGE. Corners and origins are at most 2^60 and may be denormal; of directions only the slopes matter,
+ * which are at most 2. Sums and differences of denormals are exact. A product in C or n may lose 2^-150, but is divided
+ * by a size of at least 2^-100, and a coefficient is multiplied by a term of at most 2^65: so an edge function and D
+ * lose less than 2^-48 R, which is negligible beside u R. In the same way N loses less than 2^-47 (F + A), and in its
+ * products with o 2^-147 more, which DISTANCE_FLOOR covers. Sizes are at most 2^124, so 1 / size is normal; and as
+ * size >= |g| 2^-20, no edge function exceeds 2^87.
  *
- * CUTS. Over a hull an edge function lies within its value at the middles of the terms and the sum of |coefficient| radius.
- * The slopes of rays lie in their hull (hulls.h). Middles and radii have 7 roundings of |coefficient| |term|, and the
- * coefficients are off as above, without sums: together 14.002 u R + (13.2 u X + E) R rho, so twice the bound is enough.
+ * CUTS. Over a hull, an edge function lies within its value at the middles of the terms, less and plus the sum of
+ * |coefficient| radius. By L11 this interval, as computed, misses the edge function of a ray by at most
+ * 14.002 u R + (13.2 u X + 1.01 E) R rho, and that of D misses D by at most 11.1 u R: twice the bound for a single ray
+ * is enough for both.
  *
- * FROM THE WAIST N is the same for all rays. Terms are turned so that it is not negative there, by its float; where that is
- * not above its bound, DISTANCE_ERROR F, the judge settles the sign. Depth goes down the axis where the waist's sign is -1:
- * that mirrors triangles, and so the sign of N is that of the side of the plane that the waist is on, not the other one. With
- * N > 0 only D > 0 and edge functions that are not negative are hits. docs/accuracy.md, "Bundles", has all of this as lemmas.
+ * FROM THE WAIST (L17). For rays that start at the waist, o = 0, so N is the same for all. All coefficients of a
+ * triangle are negated if N as computed is negative. If it is not above its bound, DISTANCE_ERROR F + DISTANCE_FLOOR,
+ * the judge determines the sign of N. With the waist's sign +1 this is the opposite of the sign of the side of the
+ * plane on which the waist lies (mlrt_side_of_plane). With -1 it is the sign of that side, since the triangle is
+ * mirrored. With N > 0, a hit has D > 0 and no negative edge function.
  */
 #ifndef MLRT_TRACE_LEAF_H
 #define MLRT_TRACE_LEAF_H
@@ -59,13 +63,13 @@
 #include "hits/undecided.h"
 #include "job/stop.h"
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
-#include "trace/hulls.h"
+#include "trace/ray_hulls.h"
 #include "trace/outline.h"
-#include "trace/pair_line.h"
+#include "trace/plane_order.h"
 
 #if MLRT_GUESS
 #define EDGE_ERROR     0.0f
@@ -77,8 +81,10 @@
 
 /* ---- set-ups ---- */
 
-/* Corners of a vector of triangles by axis from the main one on, in the signs of the waist: as given, and relative to
- * it. */
+/*
+ * The corners of a vector of triangles: axis 0 is the main axis, with the sign of the waist, the other two follow it.
+ * `from` has the corners as they lie in the leaf, `to` has them relative to the waist.
+ */
 struct bundle_corners {
     vf from[3][3];
     vf to[3][3];
@@ -101,7 +107,7 @@ MLRT_INLINE void load_bundle_corners(const struct mlrt_waist *waist, const float
     }
 }
 
-/* A cross product, and the size it is divided by, if it is not less than `least`. */
+/* Sets `cross` to p x q. Returns its size, or `least` if that is more. */
 MLRT_INLINE vf cross_with_size(const vf p[3], const vf q[3], vf least, vf cross[3])
 {
     vf size[3];
@@ -115,7 +121,7 @@ MLRT_INLINE vf cross_with_size(const vf p[3], const vf q[3], vf least, vf cross[
     return v_max(v_mul_add(v_add(size[1], size[2]), v_set1(0.5f), size[0]), least);
 }
 
-/* Sets what one vector of triangles is. */
+/* Sets the coefficients of a vector of triangles. */
 MLRT_INLINE void set_up_vector_by(const struct bundle_corners *corners, uint32_t v, int has_places,
                                   struct mlrt_bundle_leaf *leaf)
 {
@@ -164,7 +170,7 @@ static MLRT_NOINLINE void set_up_bundle_vector(const struct bundle_corners *corn
     }
 }
 
-/* Of the triangles at a place, turns the sign of its terms. */
+/* Negates all coefficients of the triangle at a place. */
 static void flip_triangle(struct mlrt_bundle_leaf *leaf, uint32_t place)
 {
     leaf->flipped ^= 1u << place;
@@ -181,7 +187,7 @@ MLRT_INLINE float float_or_infinity(double a)
     return fabs(a) <= FLT_MAX ? (float)a : a < 0 ? -INFINITY : INFINITY;
 }
 
-/* A cross product, and the size it is divided by, as above. */
+/* As cross_with_size, in double; `size` gets the sizes of the components. */
 static double cross_doubles_with_size(const double p[3], const double q[3], double least, double cross[3],
                                       double size[3])
 {
@@ -195,7 +201,7 @@ static double cross_doubles_with_size(const double p[3], const double q[3], doub
     return all > least ? all : least;
 }
 
-/* Has an odd triangle (bvh/unit.h) be seen everywhere, between its depths. */
+/* Gives an odd triangle (bvh/unit.h) its depths, and an outline that all rays meet. */
 static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
                                           struct mlrt_bundle_leaf *leaf)
 {
@@ -218,10 +224,10 @@ static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const st
 }
 
 /*
- * Sets what an odd triangle (unit.h) is: the same in double, where nothing overflows or underflows, from its corners
- * as they were given. Coefficients have one rounding to float then; where the distance of its plane is no float, all rays
- * that it may hit are left undecided. That distance is off by 2^-49 of the sum of its products (covering.h) and one rounding
- * of itself, of which `away` is made instead of F: corners far away are not what it is off by in float.
+ * Sets the coefficients of an odd triangle (unit.h) from its corners as they were given: in double, where nothing
+ * overflows or underflows, and then rounded to float once. N at the waist is off by 2^-49 of the sum of its products
+ * (covering.h), and by its rounding to float. `away` is set from these two errors and not from F, which may be far
+ * larger. If N is not finite in float, all rays that may hit the triangle are left undecided.
  */
 static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
                                               uint32_t place, struct mlrt_bundle_leaf *leaf)
@@ -264,7 +270,7 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
     if (distance < 0) flip_triangle(leaf, place);
 }
 
-/* Places of which float does not know the sign of N at the waist. */
+/* The places where float does not tell the sign of N at the waist. */
 MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
 {
     uint32_t doubtful = 0;
@@ -277,32 +283,33 @@ MLRT_INLINE uint32_t doubtful_places(const struct mlrt_bundle_leaf *leaf)
 }
 
 /*
- * Settles the signs that are doubtful, for rays that begin at the waist: the judge knows them. Where N is 0 no ray from
- * there hits the triangle.
+ * Has the judge determine the signs of N that float does not tell, for rays that start at the waist. If N is 0, no ray
+ * from there hits the triangle.
  */
 static MLRT_NOINLINE void settle_signs(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
                                        struct mlrt_bundle_leaf *leaf)
 {
-    float eye[3]; /* as it was given: it is exact in units */
+    float eye[3]; /* the waist, not in units: this division is exact, as the waist is the origin of a ray */
     for (int k = 0; k < 3; ++k) eye[k] = waist->point[k] / tree->bvh.unit;
     for (; leaf->doubtful; leaf->doubtful &= leaf->doubtful - 1) {
         const uint32_t place = mlrt_lowest_bit(leaf->doubtful);
-        const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], eye); /* that of -N */
+        /* With the waist's sign +1, N has the sign of -side. */
+        const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], eye);
         if (side == 0) {
             leaf->from_waist &= ~(1u << place);
-        } else if ((leaf->flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) { /* depth may go down the axis */
+        } else if ((leaf->flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) {
             flip_triangle(leaf, place);
         }
     }
 }
 
-/* The main axis; ~axis if rays go down it. */
+/* Returns the main axis, or ~axis if rays go down it. */
 MLRT_INLINE int32_t axis_code(const struct mlrt_waist *waist)
 {
     return waist->sign < 0 ? ~waist->main_axis : waist->main_axis;
 }
 
-/* Begins the set-up of a leaf: which places there are, and where their triangles are seen. */
+/* Begins the set-up of a leaf: finds the places that have a triangle, and sets their outlines. */
 static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
                                             int has_places, uint32_t child, uint32_t mask,
                                             struct mlrt_bundle_leaf *leaf)
@@ -330,7 +337,7 @@ static MLRT_NOINLINE void begin_bundle_leaf(const struct mlrt_tree *tree, const 
     leaf->from_waist = leaf->there;
 }
 
-/* Sets the terms of triangles whose vectors have some of `wanted`. */
+/* Sets the coefficients of the triangles `wanted`, and of those that share a vector with them. */
 static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
                                            uint32_t wanted, struct mlrt_bundle_leaf *leaf)
 {
@@ -349,12 +356,13 @@ static MLRT_NOINLINE void set_up_triangles(const struct mlrt_tree *tree, const s
     leaf->doubtful |= doubtful_places(leaf) & now;
 }
 
-/* Where the set-up of a leaf is kept, if it is. */
+/* The entry of a cache that may have the set-up of a leaf. */
 MLRT_INLINE uint32_t place_of_leaf(uint32_t child, const struct mlrt_bundle_cache *cache)
 {
     return mlrt_bvh_offset(child) * 0x9E3779B1u >> (32 - cache->bits);
 }
 
+/* Is the set-up of a leaf, for this bundle, in the cache? */
 MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child)
 {
     const uint32_t place = place_of_leaf(child, bundle->cache);
@@ -364,8 +372,9 @@ MLRT_INLINE int has_bundle_leaf(const struct mlrt_bundle *bundle, uint32_t child
 }
 
 /*
- * The set-up of a leaf, and in *seen which of its triangles the bundle may hit: these have their terms. A worker keeps the
- * last set-ups for its next tiles.
+ * Returns the set-up of a leaf, from the cache if it is there. Sets *seen to the triangles that the bundle may hit:
+ * these have coefficients. A worker keeps the last set-ups, since neighbouring tiles see the same leaves from one
+ * waist.
  */
 MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_job *job,
                                                             const struct mlrt_bundle *bundle, int has_places,
@@ -390,7 +399,10 @@ MLRT_INLINE const struct mlrt_bundle_leaf *find_bundle_leaf(const struct mlrt_jo
     return leaf;
 }
 
-/* Has set-ups for another waist forgotten; those for other axes may stay, if the point and what is seen along are the same. */
+/*
+ * Makes `waist` that of the cache, and drops set-ups for another point or another slope. Those for another main axis
+ * stay: each has its axis (has_bundle_leaf).
+ */
 static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle_cache *cache)
 {
     const size_t first = offsetof(struct mlrt_waist, point), size = sizeof *waist - first;
@@ -405,7 +417,7 @@ static void keep_bundle_waist(const struct mlrt_waist *waist, struct mlrt_bundle
 
 /* ---- cuts ---- */
 
-/* Of an edge function, or of D: bounds over the hull of a packet, but for rounding. */
+/* Bounds edge functions, or D, of a vector of triangles over the hull of a packet; rounding errors come on top. */
 MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place, const float *constant,
                                  const float (*coefficient)[MLRT_BVH_LEAF_LIMIT], int term_count, vf *least,
                                  vf *greatest)
@@ -421,7 +433,7 @@ MLRT_INLINE void bound_over_hull(const struct mlrt_hulls *hulls, uint32_t place,
     *greatest = v_add(middle, radius);
 }
 
-/* Error bounds of edge functions of triangles for the rays of a packet. */
+/* Error bounds of the edge functions of a vector of triangles, for the rays of a packet (L5). */
 MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf steepness, int has_places)
 {
     const vf bound = v_set1(EDGE_ERROR * hulls->reach[place]);
@@ -430,9 +442,9 @@ MLRT_INLINE vf edge_bounds(const struct mlrt_hulls *hulls, uint32_t place, vf st
 }
 
 /*
- * Of triangles whose boxes a packet may meet, those that its rays may hit by their edges: left out is what all rays pass
- * outside of one edge, where D has one sign, or of two edges on different sides. For rays from the waist N is not negative,
- * so neither are the edge functions of those that hit.
+ * Returns the triangles of `among` that the rays of a packet may hit. A triangle is left out if all rays pass outside
+ * of one edge, and D has one sign; or if all rays pass two edges on different sides. For rays from the waist a hit
+ * has no negative edge function (see "FROM THE WAIST").
  */
 MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                             uint32_t place, int has_places, uint32_t among)
@@ -470,17 +482,17 @@ MLRT_INLINE uint32_t triangles_within_edges(const struct mlrt_bundle *bundle, co
 
 #define PACKET_VECTORS (MLRT_PACKET_RAYS / VW)
 
-/* Edge functions of a packet's rays: the least and the greatest of a triangle's three. */
+/* Of each triangle and each ray of a packet, the least and the greatest of the three edge functions. */
 struct edge_values {
     MLRT_ALIGNED(64) float least[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float greatest[MLRT_BVH_LEAF_LIMIT][MLRT_PACKET_RAYS];
-    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* without places the first is that of all */
-    uint32_t of_vector[PACKET_VECTORS];                /* triangles that some ray of each is not surely outside of */
+    MLRT_ALIGNED(64) float bound[MLRT_BVH_LEAF_LIMIT]; /* error bounds; without places [0] is that of all */
+    uint32_t of_vector[PACKET_VECTORS];                /* of each vector of rays: the triangles that may be hit */
 };
 
 /*
- * Finds them for a number of vectors, from one on: with nothing else in registers, and no branch on what each triangle says.
- * Most of many have no ray inside, and are done with so.
+ * Finds the edge values of `count` vectors of rays, from the vector `first` on. This loop has no branch that depends
+ * on a triangle's result, and keeps only terms in registers. Most triangles have no ray inside and end here.
  */
 MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays,
                                   uint32_t active, uint32_t triangles, int has_places, int first, int count,
@@ -532,7 +544,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
     for (int n = 0; n < count; ++n) of->of_vector[first + n] = met[n];
 }
 
-/* The nearest hits of a vector of rays, bounds of tau as quotients. */
+/* The nearest hits of a vector of rays: tau is between least_n / greatest_d and greatest_n / least_d. */
 struct nearest_hits {
     vf least_n;
     vf greatest_n;
@@ -541,7 +553,7 @@ struct nearest_hits {
     vi triangle;
 };
 
-/* A vector of a packet's rays as triangles of a leaf pass by. */
+/* A vector of a packet's rays while it is tested against the triangles of a leaf. */
 struct bundle_vector {
     vf slope[2];
     vf to_waist[3];
@@ -567,7 +579,7 @@ MLRT_INLINE void load_bundle_vector(const struct mlrt_bundle_rays *rays, const s
     load_nearest_hits(rays, packet, v, &of->nearest);
 }
 
-/* Bounds of tau from those of N and D. */
+/* Sets bounds of tau from those of N and D. The slack covers the two roundings of each (L8). */
 MLRT_INLINE void find_quotients(vf least_n, vf greatest_n, vf least_d, vf greatest_d, vf *lo, vf *hi)
 {
     const vf quotient = v_mul(v_div(least_n, greatest_d), v_set1(1 - RECIPROCAL_SLACK));
@@ -575,7 +587,7 @@ MLRT_INLINE void find_quotients(vf least_n, vf greatest_n, vf least_d, vf greate
     *hi = v_mul(v_div(greatest_n, least_d), v_set1(1 + RECIPROCAL_SLACK));
 }
 
-/* Stores the nearest hits of the lanes where they changed, and returns these. */
+/* Stores the nearest hits of a vector where they are not the packet's. Returns the lanes where they were stored. */
 MLRT_INLINE uint32_t store_nearest_hits(const struct nearest_hits *nearest, int v, struct mlrt_bundle_rays *rays,
                                         struct mlrt_packet *packet)
 {
@@ -591,19 +603,23 @@ MLRT_INLINE uint32_t store_nearest_hits(const struct nearest_hits *nearest, int 
 }
 
 /*
- * What bounds of t and tau = t |d_main| are moved apart by, besides RECIPROCAL_SLACK, where one is made of the other: the
- * two roundings may lose 2^-150 each where they underflow. It matters: a ray may meet a slanted plane at a depth of less
- * than 2^-149 from its origin, and so two planes whose order t tells and tau does not.
+ * Bounds of t that are made from bounds of tau = t |d_main|, or the reverse, are moved apart by RECIPROCAL_SLACK of
+ * themselves and by CONVERSION_FLOOR (L9): either of the two roundings may underflow and lose 2^-150. The floor is
+ * needed. A ray may meet a slanted plane at a depth of less than 2^-149 from its origin; so it may meet two planes in
+ * an order that t tells and tau does not.
  */
 #define CONVERSION_FLOOR 0x1p-148f
 
-/* Puts bounds of t where a packet has them, from those of tau; and directions without -0 for who divides by them. */
+/*
+ * Sets the bounds of t in a packet from those of tau. Replaces -0 in its directions by 0, as 1 / -0 is -inf
+ * (single_ray.h).
+ */
 static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *rays, struct mlrt_packet *packet)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vf pace = v_load(rays->pace + v), t_max = v_load(packet->t_max + v);
         const vm none = i_eq(i_load(packet->triangle + v), i_set1(MLRT_NONE));
-        /* Where t is small it may be denormal, and that much is much in depth. */
+        /* Where |d_main| is large, t may be denormal, and its least step is a large one in depth. */
         const vf floor = v_select(v_gt(pace, v_set1(MLRT_SAFE_MAX)), v_set1(0x1p-147f), v_set1(CONVERSION_FLOOR));
         const vf near = v_sub(v_mul(v_div(v_load(rays->lo + v), pace), v_set1(1 - RECIPROCAL_SLACK)), floor);
         const vf lo = v_max(v_min(near, v_set1(FLT_MAX)), v_set1(0));
@@ -616,7 +632,7 @@ static MLRT_NOINLINE void set_packet_distances(const struct mlrt_bundle_rays *ra
     }
 }
 
-/* Puts bounds of tau where a lane has them, from those of t. */
+/* Sets the bounds of tau of a lane from those of t. */
 MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_bundle_rays *rays)
 {
     const float lo = packet->lo[lane] * rays->pace[lane], hi = packet->hi[lane] * rays->pace[lane];
@@ -625,25 +641,25 @@ MLRT_INLINE void set_lane_depths(const struct mlrt_packet *packet, uint32_t lane
     rays->hi[lane] = hi * (1 + RECIPROCAL_SLACK) + CONVERSION_FLOOR;
 }
 
-/* How far off the plane's terms may be, over all rays of a packet. */
+/* Error bounds of D and N that hold for all rays of a packet and all triangles. */
 struct plane_bounds {
-    vf width;   /* of D */
-    float away; /* A */
+    vf width;   /* 16 u R: of D */
+    float away; /* A: that of N is DISTANCE_ERROR (F + A) */
     int has_begins;
 };
 
-/* Where a vector of rays meets the plane of a triangle: bounds of N and D, in signs that make D positive. */
+/* Where a vector of rays meets the plane of a triangle: bounds of N and D, both negated where D < 0. */
 struct plane_of_rays {
     vf least_n;
     vf greatest_n;
     vf least_d;
     vf greatest_d;
     vm backward; /* D < 0 */
-    vm certain;  /* of rays that may be inside its edges: D has a certain sign */
-    vm begun;    /* after the ray begins */
+    vm certain;  /* rays that may be inside the edges, and whose D has a certain sign */
+    vm begun;    /* tau is surely greater than that of t_min */
 };
 
-/* Makes a triangle the nearest hit of lanes. */
+/* Makes a triangle the nearest hit of the lanes `hit`. */
 MLRT_INLINE void keep_plane(const struct plane_of_rays *plane, uint32_t number, vm hit, struct nearest_hits *nearest)
 {
     nearest->least_n = v_select(hit, plane->least_n, nearest->least_n);
@@ -654,9 +670,10 @@ MLRT_INLINE void keep_plane(const struct plane_of_rays *plane, uint32_t number, 
 }
 
 /*
- * The distances of a vector of rays that are not surely outside a triangle. Makes it the nearest hit where that is sure;
- * returns the lanes that are left undecided. Quotients of bounds are compared as products: rounding is monotone, so that if one
- * product is less than the other, so is what it stands for.
+ * Compares the distances of a triangle with those of the nearest hits, for a vector of rays of which `candidates` may
+ * be inside the edges and `inside` surely are. Makes it the nearest hit where that is certain. Returns the lanes that
+ * are undecided. Quotients of bounds are compared as products (L8): rounding is monotone, so if one rounded product
+ * is less than the other, so is the exact one.
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
                                     const struct plane_bounds *bounds, const float *begin, int has_places,
@@ -676,7 +693,8 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     plane->certain = m_and(candidates, v_gt(plane->least_d, width));
     plane->backward = v_lt(d, v_set1(0));
     vm farther = v_gt(v_mul(plane->least_n, of->nearest.least_d), v_mul(of->nearest.greatest_n, plane->greatest_d));
-    const vm nearer = v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
+    const vm nearer =
+        v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
     if (MLRT_UNLIKELY(bounds->has_begins)) {
         const vf from = v_load(begin);
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
@@ -694,7 +712,7 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     return undecided;
 }
 
-/* F of a vector of rays (pair_line.c), and in *bound what it may be off by. */
+/* Returns F of a vector of rays (plane_order.c), and sets *bound to its error bound. */
 MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
                                 int v, vf *bound)
 {
@@ -710,7 +728,10 @@ MLRT_INLINE vf find_line_values(const struct mlrt_pair_line *line, const struct 
     return f;
 }
 
-/* Rays on one side of a line, and on the other, by F in the sign of D of the second triangle. */
+/*
+ * Finds the rays for which F D_2 is surely above 0, and those for which it is surely below. The sign of D_1 then tells
+ * that of t_1 - t_2.
+ */
 MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct mlrt_bundle *bundle, uint32_t place,
                                  int v, vm *above, vm *below)
 {
@@ -726,8 +747,8 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
 }
 
 /*
- * Lanes of a vector whose distances do not tell whether a triangle or the nearest hit so far comes first: the line of
- * their planes does, as in settle_covers (cover.h). Returns the lanes that are left.
+ * Decides lanes of a vector where distances do not tell whether a triangle or the nearest hit so far comes first, by
+ * the line of their planes (L15), as settle_covers in cover.h does. Returns the lanes that remain undecided.
  */
 static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                            struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
@@ -745,7 +766,7 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
         lanes &= ~same;
         if (nearest == MLRT_NONE) continue;
         const struct mlrt_pair_line *line = mlrt_find_pair_line(job->tree, number, nearest, worker, bundle->cache);
-        if (line->kind == MLRT_ONE_PLANE) { /* as mlrt_settle_tie */
+        if (line->kind == MLRT_ONE_PLANE) { /* as in mlrt_settle_tie */
             const uint32_t tied = number > nearest ? same : same & m_bits(inside);
             if (number < nearest) hits->triangle = i_select(m_from_bits(tied), i_set1(number), hits->triangle);
             left &= ~tied;
@@ -764,8 +785,10 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
     return left;
 }
 
-/* Hands lanes of a vector to who knows (undecided.h), with the nearest hits so far. Returns those that have another one than
- * the packet knew of. */
+/*
+ * Decides lanes of a vector in double or exactly (close_calls.h, undecided.h). Returns the lanes whose nearest hit is
+ * not the one that the packet had before.
+ */
 static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                   struct mlrt_bundle *bundle, uint32_t place, uint32_t number,
                                                   uint32_t lanes, vm inside, int v, struct nearest_hits *nearest)
@@ -773,7 +796,7 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     const uint32_t changed = store_nearest_hits(nearest, v, rays, packet);
-    if (job->any) { /* of lanes without a hit */
+    if (job->any) { /* undecided lanes have no hit: their rays end at t_max */
         for (int i = 0; i < MLRT_PACKET_RAYS; i += VW) {
             v_store(packet->lo + i, v_load(packet->t_max + i));
             v_store(packet->hi + i, v_load(packet->t_max + i));
@@ -790,8 +813,7 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     return changed | hit;
 }
 
-/* Tests a vector of a packet's rays against triangles of a leaf, by their edge functions. Returns the lanes whose nearest
- * hit changed. */
+/* Tests a vector of a packet's rays against triangles, given their edge values. Returns the lanes with a new hit. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                         const struct edge_values *edges, uint32_t place, int has_places, int v)
@@ -826,7 +848,7 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
-        struct plane_of_rays where = plane; /* copies, so that the others may stay in registers */
+        struct plane_of_rays where = plane; /* copies, so that the originals can stay in registers */
         struct nearest_hits now = of.nearest;
         if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
         uint32_t left = undecided;
@@ -837,10 +859,12 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     return decided | store_nearest_hits(&of.nearest, v, rays, packet);
 }
 
-/* Vectors whose edge functions are found at once: of rays from anywhere, more have no room in registers. */
+/* Vectors of rays from anywhere whose edge values are found at once: for more there are not enough registers. */
 #define VECTORS_FROM_ANYWHERE (PACKET_VECTORS < 2 ? PACKET_VECTORS : 2)
 
-/* Tests a packet against triangles of a leaf, and counts those in vain. Returns the lanes whose nearest hit changed. */
+/*
+ * Tests a packet against triangles of a leaf, and counts those that no ray may hit. Returns the lanes with a new hit.
+ */
 MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                         uint32_t triangles, uint32_t place, int has_places)

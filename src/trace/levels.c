@@ -4,12 +4,12 @@
  */
 #include "trace/levels.h"
 
-#include "hits/results.h"
-#include "job/sink.h"
+#include "hits/finish.h"
+#include "job/write_arrays.h"
 #include "job/stop.h"
 #include "simd/sixteen.h"
 #include "trace/make_rays.h"
-#include "trace/shade.h"
+#include "trace/shadows.h"
 
 /* Is the source a list? It is then a picture four rays wide, and its tiles are one packet wide. */
 static int is_list(const struct mlrt_source *source)

@@ -4,7 +4,7 @@
  */
 #include "trace/make_rays.h"
 
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "simd/sixteen.h"
 
 /* Makes the rays of a picture's packet. */

@@ -1,25 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where the triangles of a leaf are seen from a bundle's waist: two intervals for each, which a hull is compared with.
+ * Outlines: where the triangles of a leaf are as seen from a bundle's waist. An outline is an interval for each of two
+ * axes, and a hull whose slopes or places lie outside of one misses the triangle (L16 in docs/accuracy.md, "Bundles").
  *
- * FANS. Let a triangle lie wholly on one side of the waist, z of one sign. A ray that hits it at p, depth z, has the slope
- * s = p_j / z - x / z: the first lies between its values at the corners, as a projection keeps triangles convex, and the
- * second is no more than the greatest |x| over the least |z|. So a hull misses the triangle unless
+ * FANS. Let a triangle lie wholly on one side of the waist: z has one sign. A ray that hits it at p, depth z, has the
+ * slope s = p_j / z - x / z. p_j / z lies between its values at the corners, since a projection keeps triangles convex;
+ * x / z is at most the greatest |x| over the least |z|. So a hull misses the triangle unless
  *
  *     lo <= s_hi + |x| weight   and   hi >= s_lo - |x| weight,    lo, hi of p_j / z,  weight = 1 / least |z|.
  *
- * BEAMS. Others are seen along the waist's slope t, which is that of all rays where they are nearly parallel. A ray that hits
- * p has the place x = (p_j - t z) - (s - t) z, and so a hull misses the triangle unless
+ * BEAMS. Other triangles are seen along t, the slope of the waist, which nearly all rays have if they are parallel. A
+ * ray that hits p has the place x = (p_j - t z) - (s - t) z. So a hull misses the triangle unless
  *
  *     lo <= x_hi + |s - t| weight   and   hi >= x_lo - |s - t| weight,    lo, hi of p_j - t z,  weight = greatest |z|.
  *
- * ROUNDING, u = 2^-24. p_j and z have one rounding each, 1 / z and the product two more: 4 u of lo and hi of fans, which are
- * moved apart by SLOPE_SLACK, 16 u of themselves. p_j - t z is off by 4 u (|p_j| + |t z|), and moved by 16 u of that. Weights
- * have at most two roundings and are 16 u larger. Slopes and places of hulls are moved apart by 16 u of themselves, too, and
- * by HULL_FLOOR (hulls.h): that pays for the roundings of the sums they are compared in.
+ * ROUNDING, u = 2^-24. p_j and z have one rounding each, 1 / z and the product two more: lo and hi of fans are off by
+ * 4 u of themselves, and are moved apart by SLOPE_SLACK, which is 16 u. p_j - t z is off by 4 u (|p_j| + |t z|), and
+ * is moved by 16 u of that. Weights have at most two roundings, and are made larger by 16 u. Slopes and places of
+ * hulls are moved apart by 16 u of themselves and HULL_FLOOR, too (ray_hulls.h): this covers the roundings of the sums.
  *
- * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, and so p_j / z less than 2^122: infinite ends would be none
- * once they are moved, and a comparison with what is no number leaves a triangle out.
+ * RANGE. |p_j| is at most 2^61. A fan's |z| is more than 2^-60, so p_j / z is less than 2^122. An infinite end would
+ * become a NaN when it is moved by a share of itself; and as no comparison with a NaN is true, the triangle would be
+ * left out.
  */
 #ifndef MLRT_TRACE_OUTLINE_H
 #define MLRT_TRACE_OUTLINE_H
@@ -27,14 +29,14 @@
 #include <math.h>
 
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 
-/* What is nearer to the waist is no fan. */
+/* A triangle that comes nearer to the waist, in depth, is not a fan. */
 #define LEAST_FAN_DEPTH 0x1p-60f
 
-/* A hull as triangles are compared with it. */
+/* The hull of a packet, or of all, to be compared with outlines. */
 struct hull_outline {
     float first;
     float last;
@@ -42,19 +44,20 @@ struct hull_outline {
     float place_lo[2], place_hi[2];
 };
 
-/* The greatest |x|, and |s - t|, of a hull. */
+/* The greatest |x| of a hull. */
 MLRT_INLINE vf greatest_place(vf lo, vf hi)
 {
     return v_max(v_abs(lo), v_abs(hi));
 }
 
+/* The greatest |s - t| of a hull. */
 MLRT_INLINE vf greatest_turn(const struct mlrt_waist *waist, int side, vf lo, vf hi)
 {
     const vf slope = v_set1(waist->slope[side]);
     return v_mul(v_max(v_abs(v_sub(lo, slope)), v_abs(v_sub(hi, slope))), v_set1(1 + SLOPE_SLACK));
 }
 
-/* The hull of all packets that go. */
+/* Takes the hull of all packets of a bundle. */
 MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, struct hull_outline *of)
 {
     const struct mlrt_hull *whole = &bundle->whole;
@@ -67,7 +70,7 @@ MLRT_INLINE void outline_whole(const struct mlrt_bundle *bundle, struct hull_out
     }
 }
 
-/* That of one packet. */
+/* Takes the hull of one packet. */
 MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place, struct hull_outline *of)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -80,7 +83,7 @@ MLRT_INLINE void outline_packet(const struct mlrt_bundle *bundle, uint32_t place
     }
 }
 
-/* Sets where a vector of triangles is seen, from their corners relative to the waist. */
+/* Sets the outlines of a vector of triangles, from their corners relative to the waist. */
 MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)[3], uint32_t v,
                               struct mlrt_bundle_leaf *leaf)
 {
@@ -121,7 +124,10 @@ MLRT_INLINE void set_outlines(const struct mlrt_waist *waist, const vf (*corner)
     leaf->fans |= m_bits(is_fan) << v;
 }
 
-/* Between which slopes, or places, rays of a hull see triangles: fans from the waist have nothing to be added. */
+/*
+ * Sets the ends that outlines over one axis are compared with: s -+ |x| weight for fans, x -+ |s - t| weight for beams.
+ * For fans without places, these are the ends of the slopes.
+ */
 MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf weight, vm is_fan, int are_fans,
                                    const vf slope[2], const vf place[2], int has_places, vf ends[2])
 {
@@ -140,7 +146,7 @@ MLRT_INLINE void find_outline_ends(const struct mlrt_waist *waist, int side, vf 
     }
 }
 
-/* Triangles of a leaf that rays of a hull may hit, by where they are seen. Mostly there are only fans. */
+/* Returns the triangles of `among` that rays of a hull may hit, by their outlines. Most leaves have only fans. */
 MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                    const struct hull_outline *hull, int has_places, uint32_t among)
 {
@@ -166,7 +172,7 @@ MLRT_INLINE uint32_t triangles_met(const struct mlrt_bundle *bundle, const struc
     return met & among;
 }
 
-/* Of a vector of packets whose rays begin at the waist, those that may hit a triangle, likewise. */
+/* Returns the packets of a vector that may hit a triangle, by its outline. All their rays start at the waist. */
 MLRT_INLINE uint32_t packets_seeing(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                     uint32_t triangle, int v)
 {

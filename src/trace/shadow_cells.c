@@ -29,7 +29,7 @@
 #include <string.h>
 
 #include "hits/shadow_ray.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/quad.h"
 
 /* The least D, and the errors of places: relative to z / D, and relative to |o - L| + 2 z + P. */

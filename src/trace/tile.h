@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A tile of packets, from anywhere, down the hierarchy of boxes, in three steps: packets that are alike go as a bundle, by
- * their hulls (hulls.h); those too wide for that go lane by lane, and from the box on that few lanes meet, one by one
- * (lanes.h).
+ * Traces the packets of a tile, wherever their rays start, through the hierarchy of boxes, in one of three ways.
+ * Packets that are alike are traced together as a bundle, by their hulls (ray_hulls.h). Packets that are too wide for
+ * that are traced lane by lane (lane_by_lane.h). From a box on that only few lanes meet, these lanes are traced one by one
+ * (single_ray.h).
  *
- * Of a bundle what is near comes first. A node's sixteen boxes are compared with the whole bundle at once, and before
- * anything is opened its box is compared with all sixteen packets at once, since many of them may have found something
- * nearer in the meantime.
+ * A bundle visits the nearest boxes first. The sixteen boxes of a node are compared with the hull of the whole bundle
+ * at once. Before a box is opened it is compared with the hulls of all sixteen packets at once, since many of them
+ * may have nearer hits since.
  *
  * Based on: Reshetov et al. 2005 (one traversal for all rays of a tile); I. Wald, S. Boulos, P. Shirley, "Ray Tracing
  * Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007 (frusta against boxes).
@@ -23,22 +24,22 @@
 #include "simd/sixteen.h"
 #include "trace/bundle.h"
 #include "trace/cover.h"
-#include "trace/hulls.h"
-#include "trace/lanes.h"
+#include "trace/ray_hulls.h"
+#include "trace/lane_by_lane.h"
 #include "trace/leaf.h"
 #include "trace/outline.h"
-#include "trace/single.h"
+#include "trace/single_ray.h"
 #include "trace/units.h"
 
-/* A child that is still to be opened. */
+/* A child on the stack. */
 struct pending_box {
-    float near;    /* depth */
-    uint32_t slot; /* 16 * node + place in it */
+    float near;    /* least depth; negated if the farthest boxes are opened first */
+    uint32_t slot; /* 16 * number of the node + place in it */
 };
 
 #define TILE_STACK_SIZE (MLRT_BVH_DEPTH_LIMIT * (MLRT_BVH_WIDTH - 1) + 1)
 
-/* Has what a child refers to fetched into the cache. */
+/* Prefetches the node, or the corners and numbers of the leaf, that is a child. */
 MLRT_INLINE void prefetch_child(const struct mlrt_bvh *bvh, uint32_t child)
 {
     const uint32_t quads = mlrt_bvh_quad_count(child), offset = mlrt_bvh_offset(child);
@@ -48,7 +49,7 @@ MLRT_INLINE void prefetch_child(const struct mlrt_bvh *bvh, uint32_t child)
     if (quads) mlrt_prefetch(bvh->numbers + 4 * (size_t)offset);
 }
 
-/* Puts children on the stack, the nearest on top. */
+/* Puts the children `met` on the stack, the nearest on top. Returns the new size of the stack. */
 MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint32_t met,
                                 const float near[MLRT_BVH_WIDTH], struct pending_box *stack, uint32_t count)
 {
@@ -63,10 +64,10 @@ MLRT_INLINE uint32_t push_boxes(const struct mlrt_bvh *bvh, uint32_t node, uint3
     return count;
 }
 
-/* Packets so many times as wide as most of their tile go lane by lane: they lie across an edge of what the tile sees. */
+/* A packet this many times as wide as most of its tile goes lane by lane: it lies across an edge of what is seen. */
 #define WIDE_PACKET MLRT_WIDE_FACTOR
 
-/* After hits of a packet in these lanes. */
+/* Updates the bundle after new hits of a packet in the lanes `changed`. */
 static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t place, uint32_t changed, int any)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
@@ -84,7 +85,7 @@ static MLRT_NOINLINE void update_bundle(struct mlrt_bundle *bundle, uint32_t pla
     finish_hulls(bundle, (int)(place - place % VW));
 }
 
-/* Has a packet ready to go without the bundle: lane by lane, or one by one. */
+/* Takes a packet out of the bundle, ready to be traced lane by lane or one by one. */
 static MLRT_NOINLINE void release_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     leave_bundle(bundle, place);
@@ -92,14 +93,14 @@ static MLRT_NOINLINE void release_packet(struct mlrt_bundle *bundle, uint32_t pl
     set_packet_distances(&bundle->tile->rays[place], &bundle->tile->packets[place]);
 }
 
-/* Takes a packet out of the bundle that had better gone lane by lane. */
+/* Takes a packet out of the bundle for which too many triangles were tested in vain. */
 static void give_up_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     release_packet(bundle, place);
     bundle->given_up |= 1u << place;
 }
 
-/* Takes what packets hit into account for what comes. */
+/* Updates the hulls after new hits: rays look for nearer hits only. */
 MLRT_INLINE void settle_bundle(struct mlrt_bundle *bundle)
 {
     if (bundle->nearer & bundle->going) update_last_depths(bundle, bundle->nearer & bundle->going);
@@ -107,7 +108,7 @@ MLRT_INLINE void settle_bundle(struct mlrt_bundle *bundle)
     set_whole_last(bundle);
 }
 
-/* Traces rays of a packet one by one from a child of a node on. */
+/* Traces lanes of a packet one by one through a child of a node. */
 static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                                 struct mlrt_bundle *bundle, uint32_t place, uint32_t lanes,
                                                 uint32_t child)
@@ -129,8 +130,9 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
 }
 
 /*
- * Is a box too large for few rays of a packet to meet it, unless at its rim? A guess by its size and the packet's: four
- * times as many may be found after all. What is large is worth going there together: neighbours do.
+ * Do more than `most` rays of a packet probably meet a box? This is a guess by the sizes of the box and the packet, and
+ * leaves room for an error of four times. A large box is worth a visit together, since neighbouring packets meet it
+ * too.
  */
 MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, const struct box_of_bundle *box,
                              uint32_t most)
@@ -147,8 +149,8 @@ MLRT_INLINE int is_large_box(const struct mlrt_bundle *bundle, uint32_t place, c
 }
 
 /*
- * Traces the rays of packets `met` that meet a box one by one, if they are few: what few rays see is not worth going there
- * together, nor a set-up for all of them. Else returns 0.
+ * If only few rays of the packets `met` meet a box, traces these one by one and returns 1: a visit together, and the
+ * set-up of a leaf, pay only if many rays share them. Otherwise returns 0.
  */
 static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                              struct mlrt_bundle *bundle, const struct box_of_bundle *box,
@@ -156,7 +158,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
 {
     const uint32_t most = mlrt_bvh_quad_count(child) ? MLRT_FEW_LEAF_RAYS : MLRT_FEW_RAYS;
     uint32_t lanes[MLRT_BUNDLE_PACKETS], count = 0;
-    if (!(fabsf(box->from) <= MLRT_SAFE_MAX && fabsf(box->to) <= MLRT_SAFE_MAX)) return 0; /* 0 * inf is no number */
+    if (!(fabsf(box->from) <= MLRT_SAFE_MAX && fabsf(box->to) <= MLRT_SAFE_MAX)) return 0; /* else 0 * inf is a NaN */
     if (is_large_box(bundle, mlrt_lowest_bit(met), box, most)) return 0;
     for (uint32_t left = met; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
@@ -176,7 +178,7 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
     return 1;
 }
 
-/* Of the triangles of a leaf that the bundle may hit, those that a packet may. */
+/* Returns the triangles of `seen` that a packet may hit, by outlines and then by edges. */
 MLRT_INLINE uint32_t cut_triangles_by(const struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                       uint32_t place, int has_places, uint32_t seen)
 {
@@ -193,6 +195,7 @@ static MLRT_NOINLINE uint32_t cut_triangles(const struct mlrt_bundle *bundle, co
                               : cut_triangles_by(bundle, leaf, place, 0, seen);
 }
 
+/* Tests the rays of a packet against triangles of a leaf. Gives the packet up after too many tests in vain. */
 static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
                                           uint32_t triangles, uint32_t place)
@@ -206,6 +209,10 @@ static MLRT_NOINLINE void visit_by_packet(const struct mlrt_job *job, struct mlr
     }
 }
 
+/*
+ * Tests the packets `met` against a leaf. While a packet is closed, or there are no more triangles than packets, each
+ * triangle is tested against all packets at once (cover.h). Then each packet is tested against the other triangles.
+ */
 MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                       struct mlrt_bundle *bundle, uint32_t child, uint32_t met, int has_places)
 {
@@ -228,7 +235,7 @@ MLRT_INLINE void visit_leaf_of_bundle(const struct mlrt_job *job, struct mlrt_wo
     settle_bundle(bundle);
 }
 
-/* Takes a bundle down the hierarchy. */
+/* Traces a bundle through the hierarchy. */
 static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           struct mlrt_bundle *bundle)
 {
@@ -274,7 +281,7 @@ static MLRT_NOINLINE void traverse_bundle(const struct mlrt_job *job, struct mlr
 
 /* ---- tiles ---- */
 
-/* Between which depths a box lies. */
+/* Sets the depths between which a box lies. */
 static void find_depths(const struct mlrt_box *box, const struct mlrt_waist *waist, float *first, float *last)
 {
     const float below = box->lo[waist->main_axis] - waist->point[waist->main_axis];
@@ -283,14 +290,15 @@ static void find_depths(const struct mlrt_box *box, const struct mlrt_waist *wai
     *last = waist->sign > 0 ? above : -below;
 }
 
-static void look_at_scene(const struct mlrt_bvh *bvh, struct mlrt_bundle *bundle)
+/* Sets the depths of the scene, and of most triangles. */
+static void set_scene_depths(const struct mlrt_bvh *bvh, struct mlrt_bundle *bundle)
 {
     find_depths(&bvh->whole, &bundle->waist, &bundle->scene_first, &bundle->scene_last);
     find_depths(&bvh->core, &bundle->waist, &bundle->core_first, &bundle->core_last);
 }
 
-/* Of the packets that go, those far wider than most. */
-static MLRT_NOINLINE uint32_t find_wide_bundles(const struct mlrt_bundle *bundle)
+/* Returns the packets of a bundle that are far wider than most. */
+static MLRT_NOINLINE uint32_t find_wide_packets(const struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
     MLRT_ALIGNED(64) float widths[MLRT_BUNDLE_PACKETS];
@@ -327,9 +335,9 @@ static MLRT_NOINLINE uint32_t find_wide_bundles(const struct mlrt_bundle *bundle
 }
 
 /*
- * Are the rays of a bundle closer together where they end than where they begin? Who looks for any hit goes there first,
- * since a triangle is likelier to hide all rays where they are close. Rays that are equally close everywhere begin on
- * surfaces, as a rule, and end in the open.
+ * Are the rays of a bundle closer together where they end than where they begin? Where any hit will do, the search
+ * starts at their ends then, since one triangle is likelier to hide all rays where they are close. It also does if
+ * they are equally close everywhere: rays mostly begin on surfaces and end in the open.
  */
 static int ends_closer(const struct mlrt_bundle *bundle)
 {
@@ -344,7 +352,7 @@ static int ends_closer(const struct mlrt_bundle *bundle)
     return spread * (last - first) < width || fabsf(last) < fabsf(first);
 }
 
-/* Checks the rays of a packet of which some cannot go with a bundle: rule R1, and which rays float can carry. */
+/* Checks the rays of a packet that is not traced with a bundle: rule R1, and which rays float can carry. */
 static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packet)
 {
     const uint32_t lanes = packet->active | packet->single;
@@ -355,7 +363,7 @@ static MLRT_NOINLINE void check_odd_packet(float unit, struct mlrt_packet *packe
     }
 }
 
-/* Checks packets that do not go with a bundle; returns those that have rays. */
+/* Checks packets that are not traced with a bundle. Returns those that have active rays. */
 static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t places)
 {
     uint32_t some = 0;
@@ -367,7 +375,7 @@ static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t pla
     return some;
 }
 
-/* Has packets that float carries go with the bundle; returns the others that have rays. */
+/* Adds to the bundle the packets whose rays float carries. Returns the others that have active rays. */
 static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
 {
     uint32_t odd = 0, others = 0;
@@ -396,10 +404,13 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
     return others;
 }
 
-/* Takes packets that are far wider than the others out of a bundle. Where any hit will do they stay as riders. */
+/*
+ * Takes packets that are far wider than the others out of a bundle. Where any hit will do they ride along: triangles
+ * are still offered to them, since one may hide all of their rays.
+ */
 static void set_wide_packets_aside(const struct mlrt_job *job, struct mlrt_bundle *bundle)
 {
-    for (uint32_t left = find_wide_bundles(bundle); left; left &= left - 1) {
+    for (uint32_t left = find_wide_packets(bundle); left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         if (job->any && !bundle->tile->packets[place].has_masks) {
             leave_bundle(bundle, place);
@@ -411,7 +422,7 @@ static void set_wide_packets_aside(const struct mlrt_job *job, struct mlrt_bundl
     }
 }
 
-/* Begins a bundle of which nothing is known but its tile. */
+/* Begins a bundle of which only `tile` is set. */
 static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     bundle->cache = &worker->bundle_caches[job->any];
@@ -422,7 +433,7 @@ static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
     memset(bundle->tests, 0, sizeof bundle->tests);
 }
 
-/* Makes hulls of what is known of packets; nothing covers them so far. */
+/* Makes the hulls of all packets from the extremes of their rays. They have no covers so far. */
 static void finish_all_hulls(struct mlrt_bundle *bundle)
 {
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
@@ -434,8 +445,8 @@ static void finish_all_hulls(struct mlrt_bundle *bundle)
 }
 
 /*
- * Makes a bundle of the packets `places` whose rays go along one main axis; returns the others that have rays. What
- * remains of the bundle is in `going`.
+ * Makes a bundle from the packets `places`. Sets `going` to those that fit it: their rays go along its main axis.
+ * Returns the others that have active rays.
  */
 static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t places,
                                           struct mlrt_bundle *bundle)
@@ -448,7 +459,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
         return check_odd_packets(bundle, places);
     }
-    look_at_scene(&job->tree->bvh, bundle);
+    set_scene_depths(&job->tree->bvh, bundle);
     bundle->is_apex = memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
                       mlrt_are_float_safe(samples[0].origin) && find_apex(bundle, bundle->apex);
     const uint32_t others = add_packets(bundle, places);
@@ -467,7 +478,7 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     return others;
 }
 
-/* Takes a bundle down the hierarchy, and ends its packets but for those that are set aside. */
+/* Traces a bundle, and ends its packets. Those that are left to be traced lane by lane are in `set_aside`. */
 static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     traverse_bundle(job, worker, bundle);
@@ -490,6 +501,7 @@ static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *
     }
 }
 
+/* Traces packets lane by lane. */
 static void trace_packets_by_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                                    uint32_t places)
 {
@@ -500,15 +512,15 @@ static void trace_packets_by_lanes(const struct mlrt_job *job, struct mlrt_worke
 }
 
 /*
- * Traces a bundle of packets, or tiles, whose rays are not made yet, but their slopes are known (camera_cells.h). Those
- * that remain closed have none afterwards either; `is_open`: all begin with rays.
+ * Traces a bundle of packets or tiles that have hulls but no rays (camera_cells.h, shadow_cells.c). Packets get rays
+ * when they are opened. If `is_open`, all are opened at once.
  */
 static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
                                       struct mlrt_bundle *bundle)
 {
     begin_bundle(job, worker, bundle);
     bundle->has_places = 0;
-    look_at_scene(&job->tree->bvh, bundle);
+    set_scene_depths(&job->tree->bvh, bundle);
     for (uint32_t left = ~bundle->going & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
     finish_all_hulls(bundle);
     if (job->tree->bvh.node_count == 0) return;
@@ -522,7 +534,7 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
     if (bundle->set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->set_aside);
 }
 
-/* Traces packets of a tile that have a main axis in common as a bundle. Returns those that go lane by lane. */
+/* Traces those packets of a tile that fit one bundle. Returns the others, which are to be traced lane by lane. */
 static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                                 uint32_t places)
 {
@@ -537,7 +549,7 @@ static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *
     return others | bundle->set_aside;
 }
 
-/* Traces the rays of packets of a tile that are active or single: those that exist, as their source gives them. */
+/* Traces the packets of a tile, whose rays are as their source gave them: those that are active or single exist. */
 static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                        struct mlrt_bundle *bundle, uint32_t places)
 {

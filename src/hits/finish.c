@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Single rays, and results of packets and rectangles: see results.h.
+ * Single rays, and results of packets and rectangles: see finish.h.
  */
-#include "hits/results.h"
+#include "hits/finish.h"
 
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "simd/sixteen.h"
 
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which of two triangles do rays of a bundle come to first? The line that their planes have in common decides: rays that
- * meet both planes pass it on one side or on the other. What is kept of a pair holds for rays from anywhere.
+ * Which of two triangles does a ray of a bundle meet first? The line in which their planes meet decides: rays that meet
+ * both planes in one order pass the line on one side, the others on the other side. A line holds for rays from
+ * anywhere.
  */
-#ifndef MLRT_TRACE_PAIR_LINE_H
-#define MLRT_TRACE_PAIR_LINE_H
+#ifndef MLRT_TRACE_PLANE_ORDER_H
+#define MLRT_TRACE_PLANE_ORDER_H
 
 #include "job/job.h"
 #include "trace/bundle.h"
 
-/* The plane of a triangle in double: a point of it, n, and the sizes of its components (close_calls.h). */
+/* The plane of a triangle in double: a point of it, n, and the sizes of the components of n (close_calls.h). */
 struct mlrt_plane {
     double point[3];
     double normal[3];
@@ -18,11 +19,11 @@ struct mlrt_plane {
 
 void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *plane);
 
-/* Sets the line of two triangles relative to the waist of a cache. */
+/* Sets the line of two triangles, relative to the waist of a cache. */
 void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct mlrt_bundle_cache *cache, uint32_t first,
                         uint32_t second, struct mlrt_worker *worker, struct mlrt_pair_line *line);
 
-/* The line of two triangles, of which the last ones for the waist of a cache are kept. */
+/* Returns the line of two triangles, relative to the waist of a cache. The cache keeps the last lines. */
 static inline const struct mlrt_pair_line *mlrt_find_pair_line(const struct mlrt_tree *tree, uint32_t first,
                                                                uint32_t second, struct mlrt_worker *worker,
                                                                struct mlrt_bundle_cache *cache)

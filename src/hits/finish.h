@@ -3,8 +3,8 @@
  * The steps around the traversal that are compiled once: rays that are traced one by one in double, and results of
  * packets and of whole rectangles, which are written to frame and callback.
  */
-#ifndef MLRT_HITS_RESULTS_H
-#define MLRT_HITS_RESULTS_H
+#ifndef MLRT_HITS_FINISH_H
+#define MLRT_HITS_FINISH_H
 
 #include "job/job.h"
 #include "rays/rectangle.h"

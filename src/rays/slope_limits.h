@@ -2,13 +2,13 @@
 /*
  * Limits of slopes as seen from an apex or a waist, for the kernels and for the files that make cells.
  */
-#ifndef MLRT_RAYS_SLOPES_H
-#define MLRT_RAYS_SLOPES_H
+#ifndef MLRT_RAYS_SLOPE_LIMITS_H
+#define MLRT_RAYS_SLOPE_LIMITS_H
 
 #include "mlrt.h"
 
 /*
- * Bounds of slopes are moved apart by this share of themselves: more than what roundings change (trace/hulls.h,
+ * Bounds of slopes are moved apart by this share of themselves: more than what roundings change (trace/ray_hulls.h,
  * trace/outline.h, mlrta/outline.h).
  */
 #define SLOPE_SLACK 0x1p-20f

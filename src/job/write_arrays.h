@@ -2,8 +2,8 @@
 /*
  * A sink: the arrays that results are written to, those of the caller's frame or of a tile callback.
  */
-#ifndef MLRT_JOB_SINK_H
-#define MLRT_JOB_SINK_H
+#ifndef MLRT_JOB_WRITE_ARRAYS_H
+#define MLRT_JOB_WRITE_ARRAYS_H
 
 #include "exact/predicate.h"
 #include "rays/packet.h"

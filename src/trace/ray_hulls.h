@@ -1,34 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rays of a tile as a bundle (bundle.h): its waist, the terms of its rays, and the hulls of its packets.
+ * The rays of a tile as a bundle (bundle.h): its waist, the terms of its rays, the hulls of its packets, and hulls
+ * against boxes. L2, L3, ... are the lemmas of docs/accuracy.md, "Bundles", which derive the bounds.
  *
- * WHAT IS COMPUTED, u = 2^-24. With the main axis' sign o' = o - w, 1 rounding per component; a slope s_j = d_j /
- * |d_main| has 1 as lanes have it, and 2 in hulls, which make it with a reciprocal. Let A be at least |o'_main|, 2
- * |o'_j|, 2 |o'_l| of all rays of a packet and R at least 1 and 2 |s_j|. A place x_j = o'_j - s_j o'_main is off by u
- * |o'_j| and, for what is relative to |s_j o'_main|, 3.01 u, in hulls 4.01 u; and its own rounding of at most u
- * (|o'_j| + |s_j o'_main|): together by less than 2 u |o'_j| + 5.1 u |s_j o'_main| <= (1 + 2.55) u R A. PLACE_ERROR
- * makes 4 u of it. A ray from the waist has o' = 0, and place 0 exactly.
+ * RAYS, u = 2^-24. The origin o relative to the waist, with the sign of the main axis, has 1 rounding per component. A
+ * slope s_j = d_j / |d_main| has 1 in lanes, and 2 in hulls, which multiply by a reciprocal (L2). For the rays of a
+ * packet, let R be at least 1 and 2 |s_j|, A at least |o_main|, 2 |o_j| and 2 |o_l|, and X at least |x_j| and |x_l|.
+ * By L3 a place x_j = o_j - s_j o_main is off by no more than
  *
- * HULLS are made from rays as they were read, and hold their slopes and places as they are, but for PLACE_ERROR R A:
- * to the middle of terms 2^-21 of itself is added, and 2^-20 to their radius, for 2.001 u of a slope and the
- * roundings of both. The moment's interval is made of those of its factors (product_over_hull), and A of depths,
- * slopes and places (hulls_fit).
+ *     E = 3.05 u R A + 2^-149,    in hulls 3.55 u R A + 2^-149.
  *
- * UNDERFLOW. A slope is 0 or at least LEAST_SLOPE, or all slopes of a packet lose 2^-150 at most and are 0. The
- * product s_j o'_main may lose 2^-150, and so may one of a slope and a depth; where R A is less than 2^-128,
- * PLACE_ERROR R A is less than that. PLACE_FLOOR pays for both.
+ * PLACE_ERROR makes 4 u R A of both. A ray from the waist has o = 0, and so the place 0 exactly.
  *
- * BOXES. At depth z a ray is at x_j + s_j z. For a box, as computed, c = fl(c_j - w_j) and z = fl(c_main - w_main)
- * are off by u of themselves, the product with a slope and the sum with a place by u each. Slopes and places of hulls
- * are moved apart by SLOPE_SLACK, 2^-20 of themselves (and places by PLACE_ERROR R A): 16 u |s| |z| and 16 u |x|.
- * That pays for all: a box is compared as c <= fl(x) + fl(s z) where both sides differ by at most 3 u |s z| + 3 u
- * (|x| + |s z|) from what they stand for, and u |c| matters only where c is as large as that. Depths where rays begin
- * and end, o'_main + tau, are moved by SLOPE_SLACK (|z| + A). docs/accuracy.md, "Bundles", has all of this as lemmas.
+ * HULLS (L10) are made from rays as they were read, and contain their exact slopes, and their exact places but for
+ * PLACE_ERROR R A. The radius of a term is half its range, made larger by 2^-20 of itself and by 2^-21 of the middle.
+ * This covers the 2.001 u of a slope, and the roundings of middle and radius. The interval of the moment is made from
+ * those of its factors (product_over_hull), and A from depths, slopes and places (hulls_fit).
  *
- * Based on, for frusta against boxes: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", 2007.
+ * UNDERFLOW. A slope is 0 or at least LEAST_SLOPE, except where all slopes of a packet underflow to 0, and so lose at
+ * most 2^-150. The product s_j o_main may lose 2^-150, and so may the product of a slope and a depth; where R A is
+ * below 2^-128, PLACE_ERROR R A is less than that. PLACE_FLOOR covers both.
+ *
+ * BOXES (L12). At depth z a ray is at x_j + s_j z. Of a box, c = fl(c_j - w_j) and z = fl(c_main - w_main) are off by u
+ * of themselves; the product with a slope, and its sum with a place, by u each. Slopes and places of hulls are moved
+ * apart by SLOPE_SLACK, 2^-20 of themselves, and places by PLACE_ERROR R A as well: these are 16 u |s| |z| and 16 u
+ * |x|. A box is compared as c <= fl(x + fl(s z)). Both sides are off by at most 3 u |s z| + 3 u (|x| + |s z|); u |c|
+ * matters only where c is as large as the other side.
+ *
+ * DEPTHS (L13) at which rays begin and end, o_main + tau, are moved apart by SLOPE_SLACK (|z| + A).
+ *
+ * Based on: I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies",
+ * 2007 (frusta against boxes).
  */
-#ifndef MLRT_TRACE_HULLS_H
-#define MLRT_TRACE_HULLS_H
+#ifndef MLRT_TRACE_RAY_HULLS_H
+#define MLRT_TRACE_RAY_HULLS_H
 
 #include <float.h>
 #include <math.h>
@@ -36,7 +41,7 @@
 
 #include "bvh/unit.h"
 #include "rays/extremes.h"
-#include "rays/slopes.h"
+#include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/ray_tile.h"
@@ -44,31 +49,31 @@
 #define PLACE_ERROR (4 * 0x1p-24f)
 #define PLACE_FLOOR 0x1p-140f
 
-/* Slopes, places and depths of hulls are moved apart by this at least: what underflow loses is less. */
+/* Slopes, places and depths of hulls are moved apart by this as well: underflow loses less. */
 #define HULL_FLOOR 0x1p-110f
 
-/* Lane errors of edge functions per place: see leaf.h. */
+/* Places add this times X R rho to the bound of an edge function, and their own error times R rho (L5, leaf.h). */
 #define BLUR_OF_PLACE (13 * 0x1p-24f)
 
 /* ---- the waist ---- */
 
-/* Components of the origins of a vector of lanes. */
+/* Component k of the origins of a vector of lanes. */
 MLRT_INLINE vf origin_component(const struct mlrt_packet *packet, int k, int v)
 {
     return packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
 }
 
-/* Paces, |d_main| in units, that t is divided and multiplied by. */
+/* A bundle has only rays whose |d_main|, in units, is between these: t is divided and multiplied by it. */
 #define LEAST_PACE    0x1p-125f
 #define GREATEST_PACE 0x1p125f
 
-/* The least slope but 0: smaller ones are denormal, or close to it, and SLOPE_SLACK of them is nothing. */
+/* The least slope besides 0: SLOPE_SLACK of much smaller ones underflows. */
 #define LEAST_SLOPE 0x1p-100f
 
-/* A distance that is finite is kept as no more than this, and so can be multiplied. */
+/* Lower ends of distances are at most this, so that they are finite and can be multiplied. */
 #define GREATEST_DISTANCE 0x1p126f
 
-/* A few rays of a tile, from which its waist is guessed: no answer depends on it. */
+/* The waist of a tile is guessed from at most this many of its rays. No answer depends on the guess. */
 #define SAMPLE_LIMIT 6
 
 struct ray_sample {
@@ -76,7 +81,7 @@ struct ray_sample {
     float direction[3];
 };
 
-/* Takes a ray of a packet as a sample; 0 if float does not carry it. */
+/* Takes a ray of a packet as a sample. Returns 0 if float does not carry it. */
 static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float unit, struct ray_sample *sample)
 {
     float largest = 0;
@@ -90,7 +95,7 @@ static int take_sample(const struct mlrt_packet *packet, uint32_t lane, float un
     return largest >= LEAST_PACE;
 }
 
-/* Samples from corners and middle of a tile. Returns how many there are. */
+/* Takes samples, from corners and middle of a tile first. Returns their number. */
 static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, float unit,
                              struct ray_sample samples[SAMPLE_LIMIT])
 {
@@ -106,7 +111,7 @@ static uint32_t take_samples(const struct mlrt_ray_tile *tile, uint32_t places, 
     return count;
 }
 
-/* Means over samples of slopes and places relative to the first one's origin, and how they vary together. */
+/* Means, variances and covariances of slopes and places of samples; places are relative to the point of a waist. */
 struct sample_spread {
     float slope[2];
     float place[2];
@@ -152,9 +157,9 @@ static void find_spread(const struct ray_sample *samples, uint32_t count, const 
 }
 
 /*
- * Sets the waist for rays of which these are samples: the depth where their places vary least, about -cov(x, s) / var(s).
- * The waist that the last tile had is kept while it is nearly as good, so that set-ups of leaves are shared. 0 if there
- * is none.
+ * Chooses the waist of rays from samples: at the depth where their places vary least, -cov(x, s) / var(s). The waist of
+ * the last tile is kept while it is nearly as good, so that set-ups of leaves are shared. For rays that are nearly
+ * parallel the waist is in the middle of the scene. Returns 0 without samples.
  */
 static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struct ray_sample *samples, uint32_t count,
                                       const struct mlrt_waist *last, struct mlrt_waist *waist)
@@ -201,7 +206,7 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
     MLRT_UNROLL
     for (int side = 0; side < 2; ++side) step[mlrt_slope_axis(a, side)] = of.place[side] + of.slope[side] * depth;
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) { /* where odd samples overflow it is the first one's origin */
+    for (int k = 0; k < 3; ++k) { /* a step that overflows is left out: the waist stays at the first sample's origin */
         if (fabsf(waist->point[k] + step[k]) <= MLRT_SAFE_MAX) waist->point[k] += step[k];
     }
     return 1;
@@ -209,7 +214,7 @@ static MLRT_NOINLINE int choose_waist(const struct mlrt_box *bounds, const struc
 
 /* ---- rays and hulls ---- */
 
-/* After hits: the greatest depths at which packets still look. */
+/* After hits: lowers `last` of packets to the greatest depth at which a nearer hit may be. */
 static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_t places)
 {
     for (; places; places &= places - 1) {
@@ -228,8 +233,9 @@ static MLRT_NOINLINE void update_last_depths(struct mlrt_bundle *bundle, uint32_
 }
 
 /*
- * Puts extremes over the rays of a packet where its hull is made of them: the least of slopes, negated slopes, places,
- * negated places, of where they begin, that negated, of where they end negated, and that.
+ * Stores the extremes over the rays of a packet in its hull. `least` has the least of, in this order: slopes (two of
+ * each), -slopes, places, -places; the depth of the begin, and its negative; the negative of the depth of the end, and
+ * that depth.
  */
 MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlrt_hulls *hulls)
 {
@@ -246,7 +252,7 @@ MLRT_INLINE void keep_extremes(const float least[12], uint32_t place, struct mlr
     hulls->core_last[place] = least[11];
 }
 
-/* Bounds a packet anew by its active lanes. */
+/* Bounds a packet again, by the rays that are still active. */
 static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t place)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
@@ -277,7 +283,10 @@ static MLRT_NOINLINE void bound_packet(struct mlrt_bundle *bundle, uint32_t plac
     keep_extremes(of, place, &bundle->hulls);
 }
 
-/* Do all rays of a packet start at the waist, which is `apex` as rays are given? Says so in the packet, too. */
+/*
+ * Do all rays of a packet start at the waist? `apex` is the waist, not in units. If so, sets apex and has_apex of the
+ * packet.
+ */
 MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
 {
     vm same = m_from_bits(ALL_LANES);
@@ -295,7 +304,7 @@ MLRT_INLINE int starts_at_waist(const float apex[3], struct mlrt_packet *packet)
     return 1;
 }
 
-/* Gives the waist as rays are given; 0 if the unit is not exact for it, or float does not carry it. */
+/* Sets `apex` to the waist, not in units. Returns 0 if that is not exact. */
 static int find_apex(const struct mlrt_bundle *bundle, float apex[3])
 {
     int is_exact = 1;
@@ -307,11 +316,11 @@ static int find_apex(const struct mlrt_bundle *bundle, float apex[3])
     return is_exact;
 }
 
-/* A vector of rays of a packet as they are given: what a bundle's numbers are made of. */
+/* A vector of rays of a packet: the numbers from which slopes and places are made. */
 struct given_rays {
-    vf pace; /* |d_main|, not in units */
-    vf across[2];
-    vf from_waist[3]; /* o - w: depth, place j, place l */
+    vf pace;          /* |d_main|, not in units */
+    vf across[2];     /* d_j, d_l, not in units */
+    vf from_waist[3]; /* o: depth, place j, place l */
 };
 
 MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int has_places,
@@ -332,7 +341,7 @@ MLRT_INLINE void load_given_rays(const struct mlrt_bundle *bundle, const struct 
     }
 }
 
-/* Origins that are exact in a unit below 1. */
+/* The rays whose origins are exact in units. */
 MLRT_INLINE vm exact_in_units(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet, int v)
 {
     vm exact = m_from_bits(ALL_LANES);
@@ -344,7 +353,9 @@ MLRT_INLINE vm exact_in_units(const struct mlrt_bundle *bundle, const struct mlr
     return exact;
 }
 
-/* Makes rays of lanes that are not active like one that is, so that all count as active when they are bounded. */
+/*
+ * Copies an active ray to all lanes that are not active, so that no lane has to be masked when the packet is bounded.
+ */
 static MLRT_NOINLINE void fill_idle_lanes(struct mlrt_packet *packet)
 {
     const uint32_t first = mlrt_lowest_bit(packet->active);
@@ -359,17 +370,17 @@ static MLRT_NOINLINE void fill_idle_lanes(struct mlrt_packet *packet)
     }
 }
 
-/* Of vectors of a packet's lanes: the first one, or its minimum with the others. */
+/* Takes the minimum of a value and *least, lane by lane. For the first vector of a packet, sets *least. */
 MLRT_INLINE void take_least(vf value, int v, vf *least)
 {
     *least = v ? v_min(value, *least) : value;
 }
 
 /*
- * Bounds a packet whose rays have just been read; has_places is 0 if they all begin at the waist. Returns the lanes of
- * rays that can go with the bundle, unless hulls_fit says otherwise; if one cannot, the bounds are anything.
+ * Bounds a packet whose rays have just been read. has_places is 0 if they all start at the waist. Returns the lanes
+ * whose rays can be traced with the bundle; hulls_fit checks the rest. If a lane is missing, the bounds are not valid.
  *
- * Slopes are products with a reciprocal here, those of make_lanes are quotients: see the head of this file.
+ * Slopes are products with a reciprocal here, and quotients in make_lanes: see "RAYS" above.
  */
 MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, int has_places)
 {
@@ -377,11 +388,11 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
     struct mlrt_hulls *hulls = &bundle->hulls;
     const int has_ends = packet->has_limits || packet->t_max[0] != INFINITY;
     const vf unit = v_set1(bundle->unit), zero = v_set1(0);
-    vf least[12]; /* slopes, slopes negated, places, negated, first, negated, negated last, last */
+    vf least[12]; /* as in keep_extremes */
     vf longest = zero;
     uint32_t fit = 0;
     if (MLRT_UNLIKELY(packet->active != 0xFFFF)) {
-        if (packet->single) return 0; /* these lanes are not idle */
+        if (packet->single) return 0; /* fill_idle_lanes must not overwrite these */
         fill_idle_lanes(packet);
     }
     least[4] = least[5] = least[6] = least[7] = zero;
@@ -401,11 +412,11 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
             take_least(term[2 + i], v, &least[4 + i]);
             take_least(v_sub(zero, term[2 + i]), v, &least[6 + i]);
         }
-        /* A number that is none is in the sum. */
+        /* If a place, or a slope, is infinite or a NaN, so is the sum. */
         const vf sum = has_places ? v_add(v_abs(term[2]), v_abs(term[3])) : v_add(v_abs(term[0]), v_abs(term[1]));
         vm fits = m_and(v_ge(pace, v_set1(LEAST_PACE)), v_le(pace, v_set1(GREATEST_PACE)));
         fits = m_and(fits, v_le(sum, v_set1(MLRT_SAFE_MAX)));
-        if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) { /* a reciprocal that is denormal would not do, either */
+        if (MLRT_UNLIKELY(bundle->unit < 1) && has_places) { /* nor may 1 / |d_main| be denormal (L2) */
             fits = m_and(fits, m_and(exact_in_units(bundle, packet, v), v_le(rays.pace, v_set1(GREATEST_PACE))));
         }
         if (packet->has_limits) {
@@ -444,7 +455,7 @@ static MLRT_NOINLINE uint32_t bound_apex_rays(struct mlrt_bundle *bundle, uint32
     return bound_rays_by(bundle, place, 0);
 }
 
-/* Bounds a packet. Returns the lanes of rays that can go with the bundle. */
+/* Bounds a packet, wherever its rays start. Returns the lanes whose rays can be traced with the bundle. */
 static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
 {
     const int is_apex = bundle->is_apex && starts_at_waist(bundle->apex, &bundle->tile->packets[place]);
@@ -452,7 +463,7 @@ static uint32_t bound_from_anywhere(struct mlrt_bundle *bundle, uint32_t place)
     return is_apex ? bound_apex_rays(bundle, place) : bound_rays(bundle, place);
 }
 
-/* May a packet have slopes so small that float does not carry them, by its hull? */
+/* By its hull, may a packet have slopes between -LEAST_SLOPE and LEAST_SLOPE? */
 MLRT_INLINE int may_have_tiny_slopes(const struct mlrt_hulls *hulls, uint32_t place)
 {
     int may = 0;
@@ -462,7 +473,7 @@ MLRT_INLINE int may_have_tiny_slopes(const struct mlrt_hulls *hulls, uint32_t pl
     return may;
 }
 
-/* Has a packet rays whose slope is so small that float does not carry it, but not 0? */
+/* Has a packet active rays with slopes that are smaller than LEAST_SLOPE, but not 0? */
 static MLRT_NOINLINE int has_tiny_slopes(const struct mlrt_bundle *bundle, const struct mlrt_packet *packet)
 {
     uint32_t tiny = 0;
@@ -480,8 +491,9 @@ static MLRT_NOINLINE int has_tiny_slopes(const struct mlrt_bundle *bundle, const
 }
 
 /*
- * Sets A of packets that were bounded, and returns those that float carries: slopes are not steep and not tiny, and origins
- * not far away. Depths of origins are within `begin` of where rays begin, |o'_j| <= |x_j| + |s_j o'_main|, and 2 |s_j| <= R.
+ * Sets A of packets that were bounded. Returns those that float carries: slopes are neither steep nor tiny, and origins
+ * are near enough. For A (L3): the depth of an origin is within `begin` of the depth where the ray begins,
+ * |o_j| <= |x_j| + |s_j o_main|, and 2 |s_j| <= R.
  */
 static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t places)
 {
@@ -521,7 +533,7 @@ static MLRT_NOINLINE uint32_t hulls_fit(struct mlrt_bundle *bundle, uint32_t pla
     return fit;
 }
 
-/* Makes the numbers of a packet's rays, lane by lane: nothing is hit so far. */
+/* Computes the numbers of a packet's rays, lane by lane. They have no hits so far. */
 static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_packet *packet = &bundle->tile->packets[place];
@@ -562,14 +574,17 @@ static MLRT_NOINLINE void make_lanes(struct mlrt_bundle *bundle, uint32_t place)
     }
 }
 
-/* Has the numbers of a packet's rays made, if they are not there. */
+/* Computes the numbers of a packet's rays unless this was done before. */
 MLRT_INLINE void need_lanes(struct mlrt_bundle *bundle, uint32_t place)
 {
     if (!(bundle->made >> place & 1)) make_lanes(bundle, place);
 }
 
-/* Moves the depths that bound_packet found apart by what rounding may change, and cuts them to where there is something:
- * for the packets `places` of a vector. */
+/*
+ * For the packets `places` of a vector: moves the depths of their hulls apart by more than rounding can change (L13),
+ * and cuts them to those of the scene. The depths between which all rays look (core_first, core_last) are moved
+ * closer.
+ */
 MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int v)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
@@ -581,7 +596,7 @@ MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int 
     v_store(hulls->first + v, v_select(these, v_max(from, v_set1(bundle->scene_first)), first));
     v_store(hulls->last + v, v_select(these, v_min(to, v_set1(bundle->scene_last)), last));
     const vf core_first = v_load(hulls->core_first + v);
-    const vf core_last = v_min(v_load(hulls->core_last + v), v_set1(FLT_MAX)); /* inf - inf is no number */
+    const vf core_last = v_min(v_load(hulls->core_last + v), v_set1(FLT_MAX)); /* else inf - inf is a NaN */
     const vf core_from = v_add(core_first, v_mul_add(v_add(v_abs(core_first), away), slack, floor));
     const vf core_to = v_sub(core_last, v_mul_add(v_add(v_abs(core_last), away), slack, floor));
     v_store(hulls->core_first + v, v_select(these, core_from, core_first));
@@ -589,8 +604,8 @@ MLRT_INLINE void finish_depths(struct mlrt_bundle *bundle, uint32_t places, int 
 }
 
 /*
- * The moment s_l x_j - s_j x_l where the terms lie in intervals: the products of the middles, and what radii add to them.
- * Its roundings are paid for by 4 u of the products and 16 u of the radius.
+ * Sets middle and radius of the moment s_l x_j - s_j x_l from those of its factors: the products of the middles, and
+ * all products in which a radius takes part. 4 u of the former and 16 u of the latter cover the roundings (L10).
  */
 MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_moment, vf *around)
 {
@@ -609,11 +624,11 @@ MLRT_INLINE void product_over_hull(const vf *middle, const vf *radius, vf *of_mo
 }
 
 /*
- * Makes hulls of what bound_packet found, for the vector of packets from `v` on.
+ * Makes the hulls of the vector of packets from `v` on, from the extremes of their rays (keep_extremes).
  *
- * Middles and radii need no floor: underflow takes less than 2^-148 of a term, whose coefficients are at most 2^21, and the
- * bound of an edge function has 0.9 u R to spare. Ends of slopes and places do: they are compared with boxes, which may be as
- * near as a denormal.
+ * Middles and radii need no floor (L10): underflow loses less than 2^-148 of a term, coefficients are at most 2^21, and
+ * the bound of an edge function has 0.9 u R to spare. The ends of slopes and places need HULL_FLOOR: they are compared
+ * with boxes, which may be as near as a denormal.
  */
 static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
 {
@@ -652,7 +667,7 @@ static MLRT_NOINLINE void finish_hulls(struct mlrt_bundle *bundle, int v)
     }
 }
 
-/* What holds for all packets that go. */
+/* Sets the hull of all packets of the bundle. */
 static MLRT_NOINLINE void sum_up_hulls(struct mlrt_bundle *bundle)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -691,7 +706,7 @@ MLRT_INLINE void set_whole_last(struct mlrt_bundle *bundle)
     bundle->whole.last = v_hmax(last);
 }
 
-/* A packet that goes with the others no longer. */
+/* Takes a packet out of the bundle. */
 static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
@@ -707,8 +722,11 @@ static void leave_bundle(struct mlrt_bundle *bundle, uint32_t place)
 
 /* ---- boxes ---- */
 
-/* Of what is at depths `from` to `to`: where rays with these slopes and places can be, over one axis. `to` may be
- * infinite, and its product with a slope 0 no number: as the first operand it is dropped. */
+/*
+ * The greatest and the least place, over one axis, that rays with these slopes and places can have between the depths
+ * `from` and `to`. If `to` is infinite, its product with a slope 0 is a NaN, which v_max and v_min drop, as it is their
+ * first operand.
+ */
 MLRT_INLINE vf upper_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_hi, int has_places)
 {
     if (!has_places) return v_max(v_mul(slope_hi, to), v_mul(slope_hi, from));
@@ -724,9 +742,10 @@ MLRT_INLINE vf lower_place(vf from, vf to, vf slope_lo, vf slope_hi, vf place_lo
 }
 
 /*
- * The greatest of s z over slopes of one interval and depths `from` to `to`, and so the negative of the least over the
- * interval turned round. Of slopes with one sign it is at one end of the depths. These may be infinite, and a product with a
- * slope 0 no number: as the first operand of v_max it is dropped, and hulls have no interval that is only 0.
+ * The greatest s z for slopes s within lo .. hi and depths z within `from` .. `to`. With -hi and -lo in place of lo and
+ * hi it is the negative of the least. If all slopes have one sign, it is at one end of the depths. These may be
+ * infinite: then a product with a slope 0 is a NaN, which v_max drops as its first operand. Not all slopes are 0, by
+ * HULL_FLOOR.
  */
 MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_places)
 {
@@ -739,7 +758,7 @@ MLRT_INLINE vf greatest_product(vf from, vf to, float lo, float hi, int has_plac
     return v_max(v_max(v_mul(less, other), v_mul(more, other)), there);
 }
 
-/* The children of a node whose boxes the bundle may meet; the least depths go to `near`. */
+/* Returns the children of a node with boxes that the bundle may meet, and sets `near` to their least depths. */
 MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const struct mlrt_bvh_node *node,
                                          int has_places, float near[MLRT_BVH_WIDTH])
 {
@@ -774,7 +793,7 @@ MLRT_INLINE uint32_t bundle_children_met(const struct mlrt_bundle *bundle, const
     return met;
 }
 
-/* A child of a node relative to the waist. */
+/* The box of a child, relative to the waist: from .. to in depth, lo .. hi in places. */
 struct box_of_bundle {
     float from;
     float to;
@@ -797,7 +816,7 @@ MLRT_INLINE void see_bundle_box(const struct mlrt_waist *waist, const struct mlr
     }
 }
 
-/* The packets that may meet a box. Without places all look from the waist on. */
+/* Returns the packets that may meet a box. Without places whole.first serves for all: rays start at the waist. */
 MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct box_of_bundle *box, int has_places)
 {
     const struct mlrt_hulls *hulls = &bundle->hulls;
@@ -824,7 +843,7 @@ MLRT_INLINE uint32_t packets_met(const struct mlrt_bundle *bundle, const struct 
     return met;
 }
 
-/* The rays of a packet that may meet a box: as the hull of each would (see the head of this file). */
+/* Returns the active rays of a packet that may meet a box: with the slack of hulls (L12). */
 MLRT_INLINE uint32_t lanes_of_packet_met(const struct mlrt_bundle *bundle, uint32_t place,
                                          const struct box_of_bundle *box)
 {

@@ -20,8 +20,8 @@
  *
  * Every operation asserts that its result fits.
  */
-#ifndef MLRT_EXACT_DYADIC_H
-#define MLRT_EXACT_DYADIC_H
+#ifndef MLRT_EXACT_BIG_NUMBERS_H
+#define MLRT_EXACT_BIG_NUMBERS_H
 
 #include <stdint.h>
 

@@ -48,8 +48,8 @@
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
  * Rid of Packets", 2008 (one ray, wide nodes).
  */
-#ifndef MLRT_TRACE_SINGLE_H
-#define MLRT_TRACE_SINGLE_H
+#ifndef MLRT_TRACE_SINGLE_RAY_H
+#define MLRT_TRACE_SINGLE_RAY_H
 
 #include <float.h>
 #include <math.h>
@@ -60,7 +60,7 @@
 #include "exact/segment.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "rays/extremes.h"
 #include "scene/masks.h"
 #include "simd/simd.h"

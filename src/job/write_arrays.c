@@ -3,7 +3,7 @@
  * Writes results to the arrays of a sink. The numbers of a hit (rule R5) are computed by the kernels
  * (hits/hit_numbers.h), and only for channels that the sink has.
  */
-#include "job/sink.h"
+#include "job/write_arrays.h"
 
 #include <math.h>
 #include <string.h>

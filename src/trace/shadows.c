@@ -3,13 +3,13 @@
  * Where one triangle covers a cell of the picture, its shadow rays usually form a cell of the light. That cell needs no
  * rays if all of it is lit, or if one triangle shades all of it. The other packets get shadow rays.
  */
-#include "trace/shade.h"
+#include "trace/shadows.h"
 
 #include <string.h>
 
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "hits/shadow_ray.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "simd/sixteen.h"
 #include "trace/make_rays.h"
 #include "trace/shadow_cells.h"

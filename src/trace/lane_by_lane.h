@@ -1,86 +1,91 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lane by lane: a packet whose rays have too little in common for a hull goes down the hierarchy of boxes with each lane
- * tested against each box. A leaf costs the lesser of its lanes, each against all triangles at once, and of its triangles,
- * each against all lanes at once. From the box on that few lanes meet, these go one by one.
+ * Traces a packet lane by lane: each lane is tested against each box. This is for packets whose rays have too little in
+ * common for a hull.
  *
- * All arithmetic, and its bounds, are those of single rays (single.h), with rays in the lanes in place of boxes or
+ * A node costs the lesser of its boxes, each against all lanes at once, and of its lanes, each against all boxes at
+ * once. A leaf costs the lesser of its triangles, each against all lanes at once, and of its lanes, each against all
+ * triangles at once; if all rays start at one point, its triangles are set up once, and each is tested against all
+ * lanes. From a box on that only few lanes meet, these are traced one by one (single_ray.h).
+ *
+ * All arithmetic and its bounds are those of single_ray.h, with rays in the lanes of a vector in place of boxes or
  * triangles.
  *
- * HULLS. Before lanes are looked at, a node's boxes are compared with a hull of all of them. Along an axis where the signs
- * of all directions agree, that is intervals of origins and reciprocals: the product of a difference and a reciprocal
- * lies between those of the intervals' ends, and roundings are monotone. Along another axis it is the interval of all that
- * the rays pass, from o to e = o + t d for the t where they end. As computed, t d is off by 1.001 u of itself, so of
- * |o| + |e|, and 2^-150, and the sum by u |e|; what moves e outward, 4 u (|o| + |e|) + 2^-126, pays for these and for its
- * own rounding, u of what comes out. Where e is infinite the sum or the difference is a NaN, which v_min and v_max drop:
- * then o is the end, which is right.
+ * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes. Along an axis where
+ * the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the product of a
+ * difference and a reciprocal lies between those of the intervals' ends, and roundings are monotone. Along another
+ * axis, the hull is the interval of all coordinates on the rays, from o to e = o + t d for the t where they end. As
+ * computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150, and the sum by u |e|. So e is moved
+ * outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved end, u of itself. If e is infinite,
+ * the sum or the difference is a NaN, which v_min and v_max drop: then o is the end, which is right.
  *
- * A node costs the lesser of its boxes, each against all lanes at once, and of its lanes, each against all boxes at once.
- *
- * ONE ORIGIN. If all rays start at o, s = o - a is the triangle's, and so are s x g, f x s and f x g:
+ * ONE ORIGIN. If all rays start at o, s = o - a belongs to the triangle, and so do s x g, f x s and f x g:
  *
  *     e_ca = d . (s x g)     e_ab = d . (f x s)     D = d . (f x g)     N = g . (f x s)
  *
- * are the determinants of single.h, and have as many roundings: s, f and g 1 per component, a cross product 3 more,
- * so 4, and the product with d and its sums 3: 7. N has 8. So all bounds there hold, with the greatest |d_k| of all lanes
- * for m; underflow and overflow are as there, the cross products being finite.
+ * These are the determinants of single_ray.h, with as many roundings: s, f and g have 1 per component, a cross product 3
+ * more, so 4, and the product with d and its sums 3: 7. N has 8. So all bounds there hold, with the greatest |d_k| of
+ * all lanes for m. Underflow and overflow are as there, since the cross products are finite.
  *
  * Based on: I. Wald, C. Benthin, P. Slusallek, "Interactive Rendering with Coherent Ray Tracing", 2001 (packets against
- * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
- * Architecture", 2012 (the way from packets to single rays).
+ * one box); C. Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel
+ * MIC Architecture", 2012 (the way from packets to single rays).
  */
-#ifndef MLRT_TRACE_LANES_H
-#define MLRT_TRACE_LANES_H
+#ifndef MLRT_TRACE_LANE_BY_LANE_H
+#define MLRT_TRACE_LANE_BY_LANE_H
 
 #include <float.h>
 #include <math.h>
 
 #include "base/counters.h"
 #include "hits/outcome.h"
-#include "hits/results.h"
+#include "hits/finish.h"
 #include "hits/triangle_filter.h"
 #include "rays/check_packet.h"
 #include "rays/extremes.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
-#include "trace/single.h"
+#include "trace/single_ray.h"
 #include "trace/units.h"
 
-/* So many lanes, or fewer, go one by one. */
+/* This many lanes, or fewer, are traced one by one. */
 #define FEW_LANES 4
 
-/* In trees of more nodes, rays of different origins whose directions have different signs go one by one from the root on:
- * diffuse rays of conference (2231 nodes) are 8 % faster lane by lane, of clinic (17,840) as much slower. */
+/*
+ * In trees of more nodes, rays of different origins whose directions have different signs are traced one by one from
+ * the root on: lane by lane, diffuse rays of conference (2231 nodes) are 8 % faster, those of clinic (17,840) 8 %
+ * slower.
+ */
 #define SMALL_TREE 10000
 
-/* So many lanes, or fewer, are not worth looking for boxes that none of them can meet. */
+/* For this many lanes, or fewer, the hull is not worth its cost: the lanes are tested against all boxes. */
 #define FEW_FOR_HULL 6
 
 struct pending_lanes {
-    float near; /* less is on top: where the first lane meets it, or of any hit, leaves, then where a lane is longest */
+    float near; /* the least is on top: see push_lanes */
     uint32_t child;
     uint32_t lanes;
 };
 
-/* A packet's rays as boxes are tested against them. */
+/* The search of a packet: its rays as they are tested against boxes, and its stack. */
 struct lanes_search {
     struct mlrt_reciprocals reciprocals;
-    uint32_t negative[3]; /* lanes whose direction goes down an axis */
-    int agree[3];         /* the signs of all lanes are equal along an axis, and no component is 0 */
-    float lo[3], hi[3];   /* of origins, where signs agree; else of all that the rays pass */
+    uint32_t negative[3]; /* lanes whose d_k is below 0 */
+    int agree[3];         /* all d_k have one sign, and none is 0 */
+    float lo[3], hi[3];   /* of origins where signs agree, else of all coordinates on the rays */
     float reciprocal_lo[3], reciprocal_hi[3];
     float least_t_min;
-    float farthest; /* where the last ray ends, if hits do not change that */
+    float farthest; /* the greatest t where a ray ends, before any hit */
     int one_origin;
-    float origin[3]; /* if it is one */
-    float reach;     /* 4 times the greatest component of a direction */
-    uint32_t alive;  /* lanes that still look */
+    float origin[3]; /* of all rays, if one_origin */
+    float reach;     /* 4 m: 4 times the greatest |d_k| of all lanes */
+    uint32_t alive;  /* lanes that still need hits: where any hit will do, those without one */
     uint32_t count;
     struct pending_lanes stack[WAITING_LIMIT + 1];
 };
 
-/* Between which coordinates rays lie along an axis: see the head of this file, "HULLS". */
+/* Sets lo and hi of an axis to the interval of all coordinates on the rays: see "HULLS" above. */
 MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, int k, struct lanes_search *search)
 {
     vf lo = v_set1(INFINITY), hi = v_set1(-INFINITY);
@@ -96,7 +101,7 @@ MLRT_INLINE void bound_along(const struct mlrt_packet *packet, uint32_t lanes, i
     search->hi[k] = v_hmax(hi);
 }
 
-/* Do rays of a packet start at one point? If it says so itself, its rows of origins are filled. */
+/* Do these rays of a packet start at one point? If the packet has an apex, fills its rows of origins with it. */
 MLRT_INLINE int find_origin(struct mlrt_packet *packet, uint32_t lanes, float origin[3])
 {
     const uint32_t first = mlrt_lowest_bit(lanes);
@@ -111,7 +116,7 @@ MLRT_INLINE int find_origin(struct mlrt_packet *packet, uint32_t lanes, float or
     return !(others & lanes);
 }
 
-/* Not inlined, they save 450 bytes in all, and cost nothing that can be measured. */
+/* lowest and highest, not inlined: this saves 450 bytes in all and costs no time that could be measured. */
 static MLRT_NOINLINE float lowest_of(const float *values, uint32_t lanes)
 {
     return lowest(values, lanes);
@@ -122,6 +127,7 @@ static MLRT_NOINLINE float highest_of(const float *values, uint32_t lanes)
     return highest(values, lanes);
 }
 
+/* Begins the search of a packet. */
 static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes, struct lanes_search *search)
 {
     set_reciprocals(packet, &search->reciprocals);
@@ -156,7 +162,7 @@ static MLRT_NOINLINE void begin_lanes(struct mlrt_packet *packet, uint32_t lanes
     search->reach = 4 * v_hmax(reach);
 }
 
-/* The boxes of a node that the rays may meet. */
+/* Returns the boxes of a node that the hull of all lanes meets. Rays end at `farthest` at the latest. */
 MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const struct mlrt_bvh_node *node, float farthest)
 {
     uint32_t met = 0;
@@ -182,7 +188,10 @@ MLRT_INLINE uint32_t boxes_of_lanes(const struct lanes_search *search, const str
     return met;
 }
 
-/* Of `lanes` those that may meet a box; *near receives where the first of them does. */
+/*
+ * Returns those of `lanes` that may meet a box. Sets *near to the least t where one enters it; with `any`, to minus the
+ * longest distance of a lane in it.
+ */
 MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struct mlrt_packet *packet,
                                   const struct mlrt_bvh_node *node, uint32_t place, uint32_t lanes, int any,
                                   float *near)
@@ -208,7 +217,7 @@ MLRT_INLINE uint32_t lanes_in_box(const struct lanes_search *search, const struc
     return met;
 }
 
-/* Puts the boxes of a node on the stack that lanes may meet: box by box, all lanes at once. */
+/* Puts the boxes that lanes may meet on the stack: tests each of `boxes` against all lanes at once. */
 MLRT_INLINE void push_by_boxes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t boxes,
                                uint32_t lanes, int any, struct lanes_search *search)
 {
@@ -221,7 +230,7 @@ MLRT_INLINE void push_by_boxes(const struct mlrt_packet *packet, const struct ml
     }
 }
 
-/* The same lane by lane, all boxes at once. */
+/* Puts the boxes that lanes may meet on the stack: tests each lane against all boxes at once. */
 MLRT_INLINE void push_by_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes,
                                int any, struct lanes_search *search)
 {
@@ -273,7 +282,10 @@ MLRT_INLINE void push_by_lanes(const struct mlrt_packet *packet, const struct ml
     }
 }
 
-/* Puts the children of a node that lanes may meet on the stack, the nearest on top. */
+/*
+ * Puts the children of a node that lanes may meet on the stack, the nearest on top. Where any hit will do, leaves are
+ * on top, then the boxes in which a lane is longest.
+ */
 MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_bvh_node *node, uint32_t lanes, int any,
                             struct lanes_search *search)
 {
@@ -297,7 +309,9 @@ MLRT_INLINE void push_lanes(const struct mlrt_packet *packet, const struct mlrt_
     }
 }
 
-/* Terms of triangles for rays of one origin: vectors whose products with a direction are edge functions and D. */
+/*
+ * The terms of triangles for rays of one origin: products of these vectors with a direction are edge functions and D.
+ */
 struct triangles_from_origin {
     MLRT_ALIGNED(64) float ca[3][MLRT_BVH_LEAF_LIMIT];
     MLRT_ALIGNED(64) float ab[3][MLRT_BVH_LEAF_LIMIT];
@@ -314,6 +328,7 @@ MLRT_INLINE void store_cross_product(const vf cross[3], uint32_t v, float (*rows
     for (int k = 0; k < 3; ++k) v_store(rows[k] + v, cross[k]);
 }
 
+/* Sets the terms of the triangles of a leaf: see "ONE ORIGIN" above. */
 MLRT_INLINE void set_up_from_origin(const struct lanes_search *search, const float *corners, uint32_t row,
                                     struct triangles_from_origin *terms)
 {
@@ -341,7 +356,7 @@ MLRT_INLINE void set_up_from_origin(const struct lanes_search *search, const flo
     }
 }
 
-/* Where a vector has one triangle and many rays, or one ray and many triangles. */
+/* Sets edge functions and D of a triangle, for a vector of directions. */
 MLRT_INLINE void set_test_from_origin(const vf ca[3], const vf ab[3], const vf normal[3], const vf d[3], vf bound,
                                       struct float_test *test)
 {
@@ -354,7 +369,7 @@ MLRT_INLINE void set_test_from_origin(const vf ca[3], const vf ab[3], const vf n
     test->below = v_sub(v_set1(0), bound);
 }
 
-/* Tests a triangle against all lanes of a vector, whose directions are d. Returns those whose nearest hit changed. */
+/* Tests a triangle against the lanes of a vector, whose directions are d. Returns the lanes with a nearer hit. */
 MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const struct triangles_from_origin *terms,
                                                uint32_t place, const vf d[3], uint32_t lanes, uint32_t number, int v,
                                                struct mlrt_packet *packet, struct mlrt_worker *worker)
@@ -382,7 +397,7 @@ MLRT_INLINE uint32_t test_triangle_from_origin(const struct mlrt_job *job, const
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
 }
 
-/* Of lanes that may not see all triangles, those that see one. */
+/* Returns those of `lanes` whose masks show a triangle. */
 static MLRT_NOINLINE uint32_t lanes_by_masks(const struct mlrt_job *job, const struct mlrt_worker *worker,
                                              const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
 {
@@ -390,7 +405,7 @@ static MLRT_NOINLINE uint32_t lanes_by_masks(const struct mlrt_job *job, const s
     return mlrt_is_hidden(job->tree, number, worker->mask) ? 0 : lanes;
 }
 
-/* Which of `lanes` see a triangle? */
+/* Returns those of `lanes` that see a triangle: all of them, if no mask hides any. */
 MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlrt_worker *worker,
                                     const struct mlrt_packet *packet, uint32_t number, uint32_t lanes)
 {
@@ -398,7 +413,7 @@ MLRT_INLINE uint32_t lanes_that_see(const struct mlrt_job *job, const struct mlr
     return lanes_by_masks(job, worker, packet, number, lanes);
 }
 
-/* Tests lanes of one origin against the triangles of a leaf. Returns those whose nearest hit changed. */
+/* Tests lanes of one origin against the triangles of a leaf. Returns the lanes with a nearer hit. */
 static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *job,
                                                          const struct triangles_from_origin *terms,
                                                          const uint32_t *numbers, uint32_t row, uint32_t lanes,
@@ -422,7 +437,7 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
     return all_changed;
 }
 
-/* Tests lanes against one triangle. Returns those whose nearest hit changed. `reach` is that of all lanes. */
+/* Tests lanes against one triangle. Returns the lanes with a nearer hit. `reach` is that of the search. */
 static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, uint32_t lanes, const float *corners,
                                                      uint32_t row, uint32_t number, float reach,
                                                      struct mlrt_packet *packet, struct mlrt_worker *worker)
@@ -452,7 +467,7 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
     return outcome.nearer | decide_scaled_lanes(job, number, outcome.undecided, outcome.inside, packet, worker);
 }
 
-/* Lanes that go one by one from a child of a node on. */
+/* Traces lanes one by one through a child of a node. */
 static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t child, uint32_t lanes,
                                           struct lanes_search *search, struct mlrt_packet *packet,
                                           struct mlrt_worker *worker)
@@ -497,7 +512,7 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
     }
 }
 
-/* Traces the rays of a packet in the lanes `lanes`, which are in units. */
+/* Traces those rays of a packet, which are in units, that are in `lanes`. */
 static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                                  struct mlrt_worker *worker)
 {
@@ -539,8 +554,10 @@ static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, str
     }
 }
 
-/* Traces the rays of a packet in the lanes `lanes`. A bundle bears directions that must be brought into units first even
- * if the unit is 1. */
+/*
+ * Traces those rays of a packet that are in `lanes`. They are brought into units first if the unit is not 1, or if a
+ * direction has a component that is not safe: bundles have such rays, too.
+ */
 static MLRT_NOINLINE void trace_lanes(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                                       struct mlrt_worker *worker)
 {

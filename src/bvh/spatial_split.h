@@ -5,8 +5,8 @@
  *
  * Based on: Martin Stich, Heiko Friedrich, Andreas Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009.
  */
-#ifndef MLRT_BVH_SPATIAL_H
-#define MLRT_BVH_SPATIAL_H
+#ifndef MLRT_BVH_SPATIAL_SPLIT_H
+#define MLRT_BVH_SPATIAL_SPLIT_H
 
 #include "base/progress.h"
 #include "bvh/split.h"

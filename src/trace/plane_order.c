@@ -1,30 +1,36 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * WHAT IS COMPUTED. A ray meets the planes of triangles 1 and 2 at t_1 = N_1 / D_1 and t_2 = N_2 / D_2. With V_i = n_i . (a_i -
- * w), N at the waist, and the terms of a ray of a bundle (leaf.h), what is left of
+ * The line in which the planes of two triangles meet, as an edge function. L14 in docs/accuracy.md, "Bundles", derives
+ * its bound.
  *
- *     N_1 D_2 - N_2 D_1 = F = (D_1 D_2) (t_1 - t_2)
+ * WHAT IS COMPUTED. A ray meets the planes of triangles 1 and 2 at t_1 = N_1 / D_1 and t_2 = N_2 / D_2. Let
+ * V_i = n_i . (a_i - w) be N at the waist. With the terms of a ray of a bundle (leaf.h),
  *
- * is C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z, where C = V_1 n_2 - V_2 n_1 and g = n_2 x n_1: an edge function, of
- * the line that both planes have in common. Where the planes are close to each other C and g cancel, so they are made in
- * double.
+ *     F = N_1 D_2 - N_2 D_1 = (D_1 D_2) (t_1 - t_2)
  *
- * ERRORS OF DOUBLES, v = 2^-53. A component of n has 4 roundings, relative to its size, the sum of the magnitudes of its two
- * products; V has 8, relative to s(V), the sum of |a_k - w_k| times size k. So C_k is off by less than 14.001 v of T_k = s(V_1)
- * size_2k + s(V_2) size_1k, and g_k by less than 10.001 v of U_k, its four sizes multiplied so. As computed, T_k and U_k lack at
- * most 14 roundings. DOUBLE_ERROR, 16 v, is a bound for both.
+ * is C_z + s_j C_j + s_l C_l - x_j g_l + x_l g_j + m g_z, where C = V_1 n_2 - V_2 n_1 and g = n_2 x n_1: the edge
+ * function of the line that both planes have in common. C and g cancel where the planes are close to each other, so
+ * they are computed in double.
  *
- * THE LINE, u = 2^-24. As computed, let S = |C_z| + (|C_j| + |C_l|) / 2, at least 2^-20 G, G = |g_z| + |g_j| + |g_l|; and S', G' the
- * same of the errors. F / S is what the edge functions of leaf.h are, with coefficients that have 1 rounding of u instead of 6:
- * but for S' and G' it is off by less than 8.001 u R + (6.1 u X + 1.01 E) R rho, rho = G / S, and edge functions have the bound 14 u R +
- * (13 u X + 4 u R A + floor) R rho. As |s| <= R / 2, S' makes F / S off by R S' / S more, and G' by X R G' / S. The first
- * is added 14 / 6 times to 14 u R, the second 13 / 6 times to 13 u X R rho: twice as much as it has to be.
- * docs/accuracy.md, "Bundles", has this as a lemma.
+ * ERRORS OF DOUBLES, v = 2^-53. A component of n has 4 roundings, relative to its size, the sum of the magnitudes of
+ * its two products. V has 8, relative to s(V), the sum of |a_k - w_k| times size k. So C_k is off by less than 14.001
+ * v of T_k = s(V_1) size_2k + s(V_2) size_1k, and g_k by less than 10.001 v of U_k, the same two products of sizes.
+ * T_k and U_k as computed are too small by at most 14 roundings. DOUBLE_ERROR, 16 v, is a bound for both.
  *
- * RANGE. Corners that are usual are at most 2^60 and multiples of 2^-149. So n is 0 or within 2^-298 .. 2^124, V within
- * 2^-447 .. 2^187, C within 2^-745 .. 2^313, and nothing overflows or underflows.
+ * THE LINE, u = 2^-24. All as computed, let G = |g_z| + |g_j| + |g_l| and S = |C_z| + (|C_j| + |C_l|) / 2, or 2^-20 G
+ * if that is more; and let S', G' be the same sums of the errors. F / S has the form of the edge functions of leaf.h,
+ * and its coefficients have 1 rounding of u in place of 6. So, but for S' and G', it is off by less than
+ *
+ *     8.001 u R + (6.1 u X + 1.01 E) R rho,    rho = G / S.
+ *
+ * Edge functions have the bound 14 u R + (13 u X + 4 u R A + 2^-140) R rho. As |s| <= R / 2, S' adds R S' / S to the
+ * error of F / S, and G' adds X R G' / S. To the bound, S' adds 14 / 6 of the former, and G' 13 / 6 of the latter:
+ * twice as much as is needed.
+ *
+ * RANGE. Corners that are not odd are at most 2^60 and multiples of 2^-149. So n is 0 or within 2^-298 .. 2^124, V
+ * within 2^-447 .. 2^187, C within 2^-745 .. 2^313, and nothing overflows or underflows.
  */
-#include "trace/pair_line.h"
+#include "trace/plane_order.h"
 
 #include <math.h>
 
@@ -33,13 +39,13 @@
 
 #define DOUBLE_ERROR (16 * MLRT_UNIT_ROUNDOFF)
 
-/* Lines of which C is off by more than this many u are none. */
+/* A line is used only if its error is at most this many times EDGE_ERROR, which is so up to S' = 378 u S. */
 #define MOST_DOUBT 64
 
-/* Of edge functions: leaf.h. */
+/* As in leaf.h, in double. */
 #define EDGE_ERROR (14 * 0x1p-24)
 
-/* A cross product and its size, component by component. */
+/* Sets `cross` to p x q, and `size` to the size of each component. */
 static inline void cross_with_sizes(const double p[3], const double q[3], double cross[3], double size[3])
 {
     MLRT_UNROLL
@@ -61,7 +67,7 @@ void mlrt_set_plane(const struct mlrt_triangle *triangle, struct mlrt_plane *pla
     cross_with_sizes(ab, ac, plane->normal, plane->size);
 }
 
-/* A plane by axis from the main one on, in the signs of the waist. */
+/* A plane relative to the waist: component 0 is that of the main axis, with the sign of the waist. */
 struct plane_from_waist {
     double normal[3];
     double size[3];
@@ -94,7 +100,7 @@ static int is_odd(const struct mlrt_tree *tree, uint32_t number)
     return !mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &triangle);
 }
 
-/* As the size of edge functions: of terms 1, and slopes of at most a half. */
+/* The size S of C or of its errors: the sum of |coefficient| |term| if both slopes are 1/2. */
 static inline double weigh(const double a[3])
 {
     return fabs(a[0]) + 0.5 * (fabs(a[1]) + fabs(a[2]));
@@ -105,7 +111,7 @@ static inline double sum_of_magnitudes(const double a[3])
     return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
 }
 
-/* Sets the line of two planes; 0 if it is too uncertain. */
+/* Sets the line of two planes. Returns 0 if it is too uncertain. */
 static int set_line(const struct plane_from_waist *first, const struct plane_from_waist *second,
                     struct mlrt_pair_line *line)
 {

@@ -2,8 +2,8 @@
 /*
  * Runs a job: its tiles, workers and counters.
  */
-#ifndef MLRT_RUN_WORKERS_H
-#define MLRT_RUN_WORKERS_H
+#ifndef MLRT_RUN_RUN_JOB_H
+#define MLRT_RUN_RUN_JOB_H
 
 #include "base/run_options.h"
 #include "job/job.h"

@@ -7,7 +7,7 @@
  * Based on: Donald E. Knuth, "The Art of Computer Programming", volume 2, 1997, section 4.3.1 (algorithms A, S, M);
  * for the difference of two floats, the same, section 4.2.2, theorem B.
  */
-#include "exact/dyadic.h"
+#include "exact/big_numbers.h"
 
 #include <assert.h>
 #include <math.h>

@@ -3,7 +3,7 @@
  * Runs a job: cuts the picture into tiles of initial_tile_size, the items that workers claim. A worker writes results
  * to the caller's frame and, for the callback, to a tile buffer of its own.
  */
-#include "run/workers.h"
+#include "run/run_job.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,7 +13,7 @@
 #include "base/run_options.h"
 #include "base/scheduler.h"
 #include "hits/undecided.h"
-#include "job/sink.h"
+#include "job/write_arrays.h"
 #include "mlrta/setups.h"
 #include "rays/rectangle.h"
 #include "simd/sixteen.h"

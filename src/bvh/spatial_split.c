@@ -5,7 +5,7 @@
  * The bounds of the parts in slabs are estimates in float: they only choose the plane. References are then cut by
  * scene/clip.c, whose boxes hold every point of the triangle.
  */
-#include "bvh/spatial.h"
+#include "bvh/spatial_split.h"
 
 #include <float.h>
 #include <math.h>

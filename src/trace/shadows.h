@@ -2,8 +2,8 @@
 /*
  * Finds which lights reach the hits of a picture's rays (mlrt.h, "Shadows of a picture"), in the tile method.
  */
-#ifndef MLRT_TRACE_SHADE_H
-#define MLRT_TRACE_SHADE_H
+#ifndef MLRT_TRACE_SHADOWS_H
+#define MLRT_TRACE_SHADOWS_H
 
 #include "trace/ray_tile.h"
 
