@@ -103,7 +103,7 @@ struct mlrt_worker {
     uint32_t tile_y;
     struct mlrt_progress *progress;    /* stop.h; NULL = the host has no progress function */
     uint64_t environment;              /* floating-point environment of the caller */
-    double pixels_told;                /* pixels of the current item that the host knows are done */
+    double pixels_told;                /* pixels of the current item that progress has counted */
     uint32_t slow_steps;               /* counts calls of mlrt_is_stopped_in_step */
     struct mlrt_scaled_packet *scaled; /* the packet in units while its rays go alone (trace/units.h), else NULL */
     int stopped;                       /* the call is to end */
