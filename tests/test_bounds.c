@@ -1552,7 +1552,10 @@ static void stacks_hold_what_waits(void **state)
     caches[0].bits = 1;
     worker.bundle_caches = caches;
     worker.mask = MLRT_MASK_ALL;
+    for (int k = 0; k < 3; ++k) bundle.apex[k] = NAN;
     trace_cells(&job, &worker, 0, &bundle);
+    assert_true(bundle.is_apex);
+    for (int k = 0; k < 3; ++k) assert_true(bundle.apex[k] == bundle.waist.point[k]); /* packets are compared with it */
     assert_true(bundle.closed == 1 && bundle.going == 1 && bundle.hulls.cover[0] == MLRT_NONE);
 
     packet.direction[2][0] = 1;

@@ -1131,23 +1131,50 @@ static void subtract_products(const mpf_t a, const mpf_t b, const mpf_t c, const
     mpf_sub(result, other, product);
 }
 
-/* Sets `scale` to S of plane_order.c. */
-static void find_size_of_line(const struct exact_plane *first, const struct exact_plane *second)
+/* Are C and g 0? */
+static int are_one_plane(const struct exact_plane *first, const struct exact_plane *second)
 {
-    mpf_set_ui(scale, 0);
-    mpf_set_ui(value, 0);
+    int are_one = 1;
     for (int k = 0; k < 3; k++) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         subtract_products(first->v, second->normal.x[k], second->v, first->normal.x[k], truth);
-        mpf_abs(truth, truth);
-        if (k) mpf_div_2exp(truth, truth, 1);
-        mpf_add(scale, scale, truth);
+        are_one &= mpf_sgn(truth) == 0;
         subtract_products(second->normal.x[i], first->normal.x[j], second->normal.x[j], first->normal.x[i], truth);
-        mpf_abs(truth, truth);
-        mpf_add(value, value, truth);
+        are_one &= mpf_sgn(truth) == 0;
     }
-    mpf_div_2exp(value, value, 20);
-    if (mpf_cmp(value, scale) > 0) mpf_set(scale, value);
+    return are_one;
+}
+
+/* n and V of a plane in double, as plane_order.c computes them but for signs. */
+static void find_plane_in_double(const float *corners, double plane[4])
+{
+    double to[3], ab[3], ac[3];
+    for (int k = 0; k < 3; k++) {
+        const int axis = (bundle.waist.main_axis + k) % 3;
+        to[k] = (double)corners[axis] - bundle.waist.point[axis];
+        ab[k] = (double)corners[3 + axis] - corners[axis];
+        ac[k] = (double)corners[6 + axis] - corners[axis];
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        plane[k] = ab[i] * ac[j] - ab[j] * ac[i];
+    }
+    plane[3] = to[0] * plane[0] + to[1] * plane[1] + to[2] * plane[2];
+}
+
+/* S of plane_order.c, as it is computed there: F is divided by that, and the sign of what is left is all that matters. S itself
+ * may differ from it by 378 u, of which the bound of F / S knows nothing where G is large. */
+static double size_of_line(const float *first, const float *second)
+{
+    double p[4], q[4], size = 0, length = 0;
+    find_plane_in_double(first, p);
+    find_plane_in_double(second, q);
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        size += fabs(p[3] * q[k] - q[3] * p[k]) * (k ? 0.5 : 1);
+        length += fabs(q[i] * p[j] - q[j] * p[i]);
+    }
+    return fmax(size, 0x1p-20 * length);
 }
 
 /* F of a ray over its bound, and the sides of the line that it is said to be on. */
@@ -1181,9 +1208,9 @@ static double lines_over(const float *input, int has_places)
     mlrt_set_pair_line(&tree_of_two, &cache, 0, 1, &worker, &line);
     find_plane(input, &first);
     find_plane(input + SECOND, &second);
-    find_size_of_line(&first, &second);
-    if (line.kind == MLRT_ONE_PLANE) return mpf_sgn(scale) == 0 ? 0.01 : INFINITY;
+    if (line.kind == MLRT_ONE_PLANE) return are_one_plane(&first, &second) ? 0.01 : INFINITY;
     if (line.kind == MLRT_NO_LINE) return -1;
+    mpf_set_d(scale, size_of_line(input, input + SECOND));
     mpf_set_d(product, tile.rays[0].pace[0]);
     mpf_mul(scale, scale, product);
     subtract_products(first.n, second.d, second.n, first.d, truth);
@@ -1191,9 +1218,7 @@ static double lines_over(const float *input, int has_places)
     const int side = mpf_sgn(truth) * mpf_sgn(second.d);
     if ((above && side <= 0) || (below && side >= 0)) return INFINITY;
     const float f = find_line_values(&line, &bundle, 0, 0, &bound);
-    /* S as computed, of which F is divided, may differ from S by so much of itself. */
-    const double doubt = fmax(line.error / (14 * 0x1p-24) - 1, 0) * (6 * 0x1p-24) + 0x1p-44;
-    return fmax(fabs(error_over(f, bound)) - doubt * fabs(error_over(0, bound)), 0);
+    return fabs(error_over(f, bound));
 }
 
 static double attack_line(const float *input)

@@ -43,6 +43,10 @@ static const struct layout layouts[] = {
     {{0, 4, NONE, 7, 8}, 16, 0},
     {{0, APART, 3, APART, APART}, 4, 1},
     {{APART, 0, APART, 3, APART}, 4, 0},
+    {{0, APART, 3, APART, APART}, 3, 0}, /* of which the word that follows is in the next element */
+    {{APART, 0, APART, 3, APART}, 3, 0},
+    {{0, 3, NONE, NONE, 3}, 3, 0},
+    {{0, 4, 3, 7, NONE}, 4, 0},
 };
 
 #define LAYOUT_COUNT (sizeof layouts / sizeof *layouts)

@@ -45,10 +45,13 @@ static void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t 
     layout->has_word = 0;
 }
 
-/* Does an element of `other` follow each element of `array`, which takes twelve bytes? */
+/*
+ * Is the word behind each element of `array`, which takes twelve bytes, the start of an element of `other`? With a
+ * stride of 12 that word would belong to the next element of `array`.
+ */
 static int is_followed_by(const struct array_layout *array, const struct array_layout *other)
 {
-    return array->data && other->data == array->data + 12 && array->stride && array->stride == other->stride &&
+    return array->data && other->data == array->data + 12 && array->stride > 12 && array->stride == other->stride &&
            array->step == other->step;
 }
 

@@ -178,7 +178,7 @@ static unsigned char *lay_out_leaves(const struct mlrt_job *job, unsigned char *
     worker->bundle_caches = (struct mlrt_bundle_cache *)(void *)next;
     for (int any = 0; any < 2; ++any) {
         struct mlrt_bundle_cache *cache = &worker->bundle_caches[any];
-        cache->waist.main_axis = -1;
+        cache->waist = (struct mlrt_waist){.main_axis = -1};
         cache->waist_count = 0;
         cache->bits = bits;
         cache->leaves = leaves;

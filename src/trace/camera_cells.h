@@ -78,7 +78,6 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     bundle->going = bundle->closed = bundle->apexes = there;
-    bundle->is_apex = 1;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf zero = v_set1(0);
         MLRT_UNROLL

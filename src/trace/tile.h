@@ -519,6 +519,7 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
                                       struct mlrt_bundle *bundle)
 {
     begin_bundle(job, worker, bundle);
+    bundle->is_apex = find_apex(bundle, bundle->apex);
     bundle->has_places = 0;
     set_scene_depths(&job->tree->bvh, bundle);
     for (uint32_t left = ~bundle->going & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
