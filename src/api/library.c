@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the library says of itself: its version, what it can do here, the sizes of its structs, and what codes mean.
+ * The exported functions about the library itself: version, capabilities, sizes of structs, texts of status codes.
  */
 #include "mlrt.h"
 #include "run/dispatch.h"

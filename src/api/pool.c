@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pools of threads, as programs make them.
+ * The exported functions for pools of threads.
  */
 #include "base/scheduler.h"
 #include "base/structs.h"

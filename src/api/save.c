@@ -5,11 +5,11 @@
  * THE FORMAT, version 3
  *
  * A file is a header and ten sections, each at a multiple of 64 bytes from the start of the file, in the order below.
- * What lies between is zero, and so is the end, up to a multiple of 64. Numbers are in the byte order of the machine
- * that wrote them; floats are those of IEEE 754. Nothing depends on pointers, on the compiler or on when it was
- * written: the same tree is always the same file.
+ * Bytes between sections are zero, and so is the end of the file, up to a multiple of 64. Numbers are in the byte
+ * order of the machine that wrote them; floats are those of IEEE 754. The bytes depend on the tree alone, not on
+ * pointers, the compiler or the time: the same tree is always the same file.
  *
- *     header    struct header: 8 bytes that no other kind of file begins with, byte order, version, the size of the
+ *     header    struct header: 8 bytes that identify the format, byte order, version, the size of the
  *               file, the hash of the file, the hash of the geometry (at byte 32: a program may look there before it
  *               loads), counts, the build report, and offset and size of each section
  *     section   size in bytes               contents
@@ -24,26 +24,27 @@
  *     8        144 quad_count + 64          hierarchy of boxes: corners in units, see bvh/unit.h
  *     9         16 quad_count + 64          hierarchy of boxes: numbers
  *
- * Sections 8 and 9 end with 16 elements that may be read and mean nothing. Without box_node_count both are empty.
- * The unit follows from the triangles.
+ * Sections 8 and 9 end with 16 elements without a meaning, because vectors may read beyond the last quad. If
+ * box_node_count is 0, both are empty. The unit follows from the triangles.
  *
- * Both hashes are those of hash.h over 32-bit words. That of the file is over all of it, with 0 in place of the hash.
- * That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its mask
- * (of a mesh without triangles: all bits), then the coordinates of all triangles in order.
+ * Both hashes are those of base/hash.h over 32-bit words. That of the file is over all of it, with 0 in place of the
+ * hash. That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its
+ * mask (of a mesh without triangles: all bits), then the coordinates of all triangles in order.
  *
- * The first of the counts is what the tree is, MLRT_STRUCTURE_*, and sections of the other structure are empty. In the
- * build report it is 0, and so are bytes and seconds: they are not the tree's but the process's.
+ * The first of the counts is the structure of the tree, MLRT_STRUCTURE_*, and sections of the other structure are
+ * empty. In the build report the structure is 0, and so are bytes and seconds, which belong to the process that built
+ * the tree.
  *
- * WHAT LOADING CHECKS
+ * CHECKS OF LOADING
  *
- * Everything that memory safety and an end of every traversal rest on, after the hash and trusting nothing: sizes and
- * places of sections follow from the counts and must be these; tables of meshes are ascending; leaves name each
- * triangle as it is; bounds and the numbers of triangles left out are worked out again; nodes keep all that
- * mlrt_check_nodes and mlrt_check_boxes look at. So of what the invariants say only one thing is not checked: that
- * boxes and cells contain what is below them (I3, B3). A triangle can be missed for that, but nothing else: whether a
- * ray hits a triangle, and where, is decided with the triangle alone.
+ * After the hash, loading checks all that memory safety and the end of every traversal depend on. Sizes and places of
+ * sections must be those that follow from the counts. Tables of meshes must ascend. The corners in leaves must be
+ * those of their triangles. Bounds and the numbers of triangles left out are computed again. Nodes must pass
+ * mlrt_check_nodes or mlrt_check_boxes. One kind of invariant is not checked: that boxes and cells contain what is
+ * below them (I3, B3). If one is violated, rays can miss a triangle, but there are no false hits: whether a ray hits a
+ * triangle, and where, is decided with the triangle alone.
  *
- * Checks look at the tree's own copy, so data that someone changes meanwhile do no harm, unless they are used in place.
+ * Checks read the tree's own copy, so a change of the data meanwhile does no harm, unless they are used in place.
  */
 #include "api/save.h"
 
@@ -64,13 +65,13 @@
 
 #define SECTION_ALIGNMENT 64
 
-/* The eighth bit, line ends of two kinds and an end of file tell what treats it as text. */
+/* As in PNG: a byte above 127, line ends of both kinds and an end-of-file character reveal a transfer as text. */
 static const unsigned char magic[8] = {0x89, 'M', 'L', 'R', 'T', '\r', '\n', 0x1A};
 
 #define BYTE_ORDER_MARK 0x01020304u
 #define FORMAT_VERSION  3
 
-/* What sections consist of so many of. The first is MLRT_STRUCTURE_*, which is never 0 and so stands for "always". */
+/* The counts that give sections their sizes. The first is MLRT_STRUCTURE_*: never 0, so it also stands for "always". */
 enum { STRUCTURE, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, COUNT_COUNT };
 
 #define SECTION_COUNT 10
@@ -92,16 +93,16 @@ struct header {
     struct section sections[SECTION_COUNT];
 };
 
-/* The format is this struct: no compiler may add to it, and if mlrt_tree_info grows, the version must. */
+/* This struct is the format, so it must have no padding. If mlrt_tree_info grows, FORMAT_VERSION must grow too. */
 typedef char header_is_packed[sizeof(struct header) == 72 + 144 + 160 ? 1 : -1];
 
 /* The sections in their order. */
 static const struct {
-    uint16_t array;   /* where in struct mlrt_tree the pointer is */
-    uint16_t element; /* bytes for each of what is counted */
-    uint8_t more;     /* bytes besides */
-    uint8_t count;
-    uint8_t needs; /* what there must be, or the section is empty and the pointer NULL */
+    uint16_t array;   /* offset of the pointer in struct mlrt_tree */
+    uint16_t element; /* bytes of one element */
+    uint8_t more;     /* bytes after the last element */
+    uint8_t count;    /* the count of elements */
+    uint8_t needs;    /* if this count is 0, the section is empty and the pointer NULL */
 } kinds[SECTION_COUNT] = {
     {offsetof(struct mlrt_tree, triangles), sizeof(struct mlrt_triangle), 0, TRIANGLES, STRUCTURE},
     {offsetof(struct mlrt_tree, mesh_ids), 4, 0, MESHES, STRUCTURE},
@@ -115,7 +116,7 @@ static const struct {
     {offsetof(struct mlrt_tree, bvh.numbers), 16, 64, QUADS, BOX_NODES},
 };
 
-/* A tree's pointer to what is in a section: all pointers look alike here. */
+/* The tree's pointer to the array of a section. Copied by memcpy, as the pointers have different types. */
 static void *get_array(const struct mlrt_tree *tree, int i)
 {
     void *array;
@@ -128,7 +129,10 @@ static void set_array(struct mlrt_tree *tree, int i, const void *array)
     memcpy((unsigned char *)tree + kinds[i].array, &array, sizeof array);
 }
 
-/* Where the sections lie, by the counts of the header. Returns the size of the file. Nothing comes near 2^64. */
+/*
+ * Sets offsets and sizes of the sections by the counts of the header. Returns the size of the file, which is far below
+ * 2^64, as counts have 32 bits.
+ */
 static uint64_t lay_out(const struct header *header, struct section sections[SECTION_COUNT])
 {
     uint64_t end = sizeof *header;
@@ -141,7 +145,7 @@ static uint64_t lay_out(const struct header *header, struct section sections[SEC
     return (end + SECTION_ALIGNMENT - 1) / SECTION_ALIGNMENT * SECTION_ALIGNMENT;
 }
 
-/* Of everything: the header, with its hash as 0, and what follows it in `data`. */
+/* The hash of the file: of the header with its hash as 0, and of the bytes that follow it in `data`. */
 static uint64_t hash_file(const struct header *header, const unsigned char *data)
 {
     struct header without_hash = *header;
@@ -185,7 +189,7 @@ static int32_t add_triangles(const mlrt_mesh *mesh, struct mlrt_hash *hash)
     return MLRT_OK;
 }
 
-/* Ids as a tree has them: positions if all are 0. */
+/* Adds meshes with the ids that a tree gives them: their positions if all ids are 0. */
 static void add_meshes(const mlrt_mesh *meshes, uint32_t mesh_count, struct mlrt_hash *hash)
 {
     uint32_t any = 0;
@@ -266,7 +270,7 @@ MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capa
 
 /* ---- loading ---- */
 
-/* A structure comes with its arrays, and only with them. */
+/* Are the counts within their limits, and does the file have the arrays of its structure, and no others? */
 static int counts_make_sense(const uint32_t counts[COUNT_COUNT])
 {
     const int is_kdtree = counts[STRUCTURE] == MLRT_STRUCTURE_KDTREE;
@@ -279,7 +283,7 @@ static int counts_make_sense(const uint32_t counts[COUNT_COUNT])
     return (counts[BOX_NODES] > 0) == (counts[QUADS] > 0);
 }
 
-/* What is wrong with a file by its header, as a static string; NULL if nothing is. */
+/* Checks a header. Returns the error as a static string, or NULL. */
 static const char *check_header(const struct header *header, size_t size)
 {
     struct section sections[SECTION_COUNT];
@@ -295,8 +299,8 @@ static const char *check_header(const struct header *header, size_t size)
 }
 
 /*
- * Makes the contents of the sections the tree's: copies, or the data themselves, where `const` is dropped, as nobody
- * writes to a tree that is built. Returns 0 if there is no memory.
+ * Sets the tree's arrays to copies of the sections, or if borrowed, to the data themselves. Dropping `const` is safe,
+ * since the arrays of a tree are never written. Returns 0 if out of memory.
  */
 static int take_sections(const struct header *header, const unsigned char *data, struct mlrt_tree *tree)
 {
@@ -323,7 +327,9 @@ static int take_sections(const struct header *header, const unsigned char *data,
     return 1;
 }
 
-/* Positions whose ids ascend strictly are all different, and so are the ids. */
+/*
+ * Checks the tables of meshes. If ids ascend strictly in mesh_by_id, all positions are different, and so are all ids.
+ */
 static const char *check_meshes(const struct mlrt_tree *tree)
 {
     uint32_t first = 0;
@@ -351,7 +357,7 @@ static void extend_box(struct mlrt_box *box, const struct mlrt_triangle *triangl
     }
 }
 
-/* Works out bounds and numbers of triangles left out, compares the report with them, and sets the bounds. */
+/* Computes bounds and numbers of triangles left out, compares them with the report, and sets the tree's bounds. */
 static const char *check_report(struct mlrt_tree *tree)
 {
     uint64_t non_finite_count = 0, zero_area_count = 0;
@@ -395,7 +401,7 @@ static const char *check_contents(struct mlrt_tree *tree)
     return wrong;
 }
 
-/* Fills a tree that is empty but for `borrowed` and its memory. *wrong says why it is MLRT_ERROR_DATA. */
+/* Fills an empty tree, of which `borrowed` and `memory` are set. For MLRT_ERROR_DATA, *wrong receives the reason. */
 static MLRT_NOINLINE int32_t take_file(const unsigned char *data, size_t size, uint64_t geometry_hash,
                                        struct mlrt_tree *tree, const char **wrong)
 {
@@ -427,7 +433,7 @@ static MLRT_NOINLINE int32_t take_file(const unsigned char *data, size_t size, u
     return MLRT_OK;
 }
 
-/* Options and host, checked, in whatever version they came. */
+/* Checks options and host. Options of another version are converted to this one. */
 static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_options *options, struct mlrt_voice *voice)
 {
     memset(options, 0, sizeof *options);

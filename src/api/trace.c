@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The exported functions that trace: each checks its arguments, resolves its options, enters the floating-point
- * environment of the library, and calls one internal function that does the work.
+ * The exported functions that trace. Each checks its arguments, resolves its options in the floating-point environment
+ * of the library, and calls one internal function that does the work.
  */
 #include <math.h>
 #include <string.h>
@@ -22,11 +22,12 @@
 
 #define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
 
-#define DEFAULT_INITIAL_TILE        128
-#define DEFAULT_INITIAL_TILE_RAYS   32  /* of method ray: tiles are what a call can be stopped between */
-#define DEFAULT_TILE_ROWS           64  /* of the tile method, for arrays with rows */
-#define DEFAULT_TILE_LIST           256 /* and for lists, which are four wide */
-#define DEFAULT_INITIAL_TILE_ARRAYS 32  /* beams of arrays are made by looking at every ray: on one level only */
+/* Sides of tiles, in pixels. */
+#define DEFAULT_INITIAL_TILE        128 /* cameras */
+#define DEFAULT_INITIAL_TILE_RAYS   32  /* cameras, method ray: a render stops sooner with small tiles */
+#define DEFAULT_TILE_ROWS           64  /* arrays with rows, tile method: a square of tiles */
+#define DEFAULT_TILE_LIST           256 /* lists, which are four wide, tile method */
+#define DEFAULT_INITIAL_TILE_ARRAYS 32  /* arrays, kd-tree: a beam needs a pass over its rays, so there is one level */
 #define DEFAULT_MINIMUM_TILE        16
 #define DEFAULT_SPLIT_FACTOR        16
 
@@ -35,14 +36,14 @@ static int is_power_of_two(uint32_t n)
     return n != 0 && (n & (n - 1)) == 0;
 }
 
-/* The default, or what was given if it is a power of two in lo..hi; 0 if it is not. */
+/* Returns `standard` if nothing was given, `given` if it is a power of two in lo .. hi, and 0 otherwise. */
 static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uint32_t hi)
 {
     if (given == 0) return standard;
     return is_power_of_two(given) && given >= lo && given <= hi ? given : 0;
 }
 
-/* A method, with the default resolved; MLRT_METHOD_DEFAULT if it goes through the other structure. */
+/* Returns the method with the default resolved, or MLRT_METHOD_DEFAULT if it needs the other structure. */
 static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
 {
     const int is_bvh = tree->structure == MLRT_STRUCTURE_BVH;
@@ -51,7 +52,7 @@ static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
     return (method == MLRT_METHOD_TILE) == is_bvh ? method : MLRT_METHOD_DEFAULT;
 }
 
-/* The side of the tiles that are shared out among threads. */
+/* The default side of the tiles that threads claim. */
 static uint32_t standard_initial_tile(const struct mlrt_job *job)
 {
     if (job->source.kind == MLRT_SOURCE_CAMERA) {
@@ -61,7 +62,7 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
     return job->source.width <= 4 ? DEFAULT_TILE_LIST : DEFAULT_TILE_ROWS;
 }
 
-/* What a call was given besides the tree, checked, in whatever version it came. */
+/* The checked arguments of a call besides the tree. Structs of other versions are converted to this one. */
 struct call {
     mlrt_trace_options options;
     struct mlrt_run_options run;
@@ -85,7 +86,7 @@ static int32_t take_options(const mlrt_trace_options *given, struct call *call)
     return mlrt_take_host(call->options.host, &call->run.host);
 }
 
-/* Checks options that do not depend on the rays; lights are taken out of those of pictures before. */
+/* Checks options that do not depend on the rays. Lights are an error: take_lights removes those of pictures before. */
 static int32_t check_options(const mlrt_trace_options *options)
 {
     if (options->query != MLRT_QUERY_CLOSEST && options->query != MLRT_QUERY_ANY) return MLRT_ERROR_ARGUMENT;
@@ -101,7 +102,10 @@ static int32_t check_options(const mlrt_trace_options *options)
     return MLRT_OK;
 }
 
-/* Checks options and puts what they say, and the tree, into a job whose source is set. */
+/*
+ * Checks the options, and sets the fields of a job that follow from them and the tree. The job's source is set
+ * already.
+ */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     const int32_t status = check_options(options);
@@ -131,7 +135,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     return job->kernels ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
 }
 
-/* What a call may write. */
+/* The channels that a call may write. */
 static uint32_t channels_of(const struct mlrt_job *job)
 {
     return job->any ? MLRT_CHANNELS_OCCLUDED : MLRT_CHANNELS_CLOSEST;
@@ -159,9 +163,9 @@ static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
     return status == MLRT_OK && hits->reserved != 0 ? MLRT_ERROR_ARGUMENT : status;
 }
 
-/* ---- what cannot be shared; the host's log says so ---- */
+/* ---- checks whose failures the host's log explains ---- */
 
-/* Results, which have an element each. */
+/* Result arrays need an element for each result: MLRT_STRIDE_ALL is an error. */
 static int32_t check_results(const mlrt_array *const *arrays, const char *const *names, int count,
                              const struct call *call)
 {
@@ -194,7 +198,7 @@ static int32_t check_lists(const mlrt_hit_lists *lists, const struct call *call)
     return check_results(arrays, names, 9, call);
 }
 
-/* Points: of count / rays_per_origin groups of rays. */
+/* The count of rays must be a multiple of rays_per_origin. */
 static int32_t check_groups(const mlrt_rays *rays, const struct call *call)
 {
     if (rays->reserved != 0) return MLRT_ERROR_ARGUMENT;
@@ -232,7 +236,7 @@ static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
     return ray->t_max == 0 ? INFINITY : ray->t_max;
 }
 
-/* Method `ray`, and all others where they count. */
+/* Traces one ray in double. For method ray, for counters, and for rays that float does not carry. */
 static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask,
                                        uint32_t skip, mlrt_counters *counters, mlrt_hit *hit)
 {
@@ -245,14 +249,14 @@ static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ra
         number = mlrt_trace_segment(tree, &segment, skip, any, counters);
     }
     hit->occluded = number != MLRT_NONE;
-    if (!any) mlrt_tell_hit(tree, ray, number, hit);
+    if (!any) mlrt_set_hit(tree, ray, number, hit);
 }
 
-/* Any other method: a list of one ray. The arrays are a struct. */
+/* Traces one ray, by a method other than ray, as a list of one. The arrays of the list are the fields of `hit`. */
 static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
                              mlrt_hit *hit)
 {
-    const uint64_t environment = mlrt_enter_fp_environment(); /* where what is denormal is not 0 */
+    const uint64_t environment = mlrt_enter_fp_environment(); /* the caller's may take a denormal t_max for 0 */
     const float t_max = resolve_t_max(ray);
     mlrt_leave_fp_environment(environment);
     const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
@@ -282,7 +286,7 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
     return status;
 }
 
-/* One ray by the way that all rays go: with counters, another method, or sizes of tiles, which are checked. */
+/* Traces one ray with all checks of a call: for options with counters, another method, or sizes of tiles. */
 static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t skip,
                                            const mlrt_trace_options *options, mlrt_hit *hit)
 {
@@ -302,7 +306,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     return MLRT_OK;
 }
 
-/* Are all options 0 but for the query, the mask and the pool? */
+/* Are all options 0, except for the query, the mask and the pool? */
 static int are_plain(const mlrt_trace_options *of)
 {
     return (of->method | of->isa | of->culling | (of->query & ~MLRT_QUERY_ANY)) == 0 &&
@@ -311,7 +315,7 @@ static int are_plain(const mlrt_trace_options *of)
            ((uintptr_t)of->counters | (uintptr_t)of->host | (uintptr_t)of->lights) == 0;
 }
 
-/* Checks options of a ray that goes alone, and gives its kernels: NULL for method `ray`. */
+/* Checks the options of a single ray, and sets the kernels that trace it: NULL if it is traced in double. */
 static MLRT_NOINLINE int32_t choose_kernels(const mlrt_tree *tree, const mlrt_trace_options *options,
                                             const struct mlrt_kernels **kernels)
 {
@@ -326,7 +330,7 @@ static MLRT_NOINLINE int32_t choose_kernels(const mlrt_tree *tree, const mlrt_tr
     return MLRT_OK;
 }
 
-/* All structs are of this version. Of the hit, the fields that the query does not write stay. */
+/* Traces one ray; all structs are of this version. Fields of the hit that the query does not set keep their values. */
 static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                              mlrt_hit *hit)
 {
@@ -360,7 +364,7 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
 #define FIRST_RAY_SIZE MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle)
 #define FIRST_HIT_SIZE MLRT_SIZE_UP_TO(mlrt_hit, occluded)
 
-/* Of structs of other versions. */
+/* Likewise for structs of other versions. */
 static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                                  const mlrt_trace_options *options, mlrt_hit *hit)
 {
@@ -425,7 +429,7 @@ static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
     return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_camera, t_max), camera, sizeof *camera);
 }
 
-/* Takes the lights out of options: nobody but pictures has any. 0 if they cannot be. */
+/* Moves the lights of a picture out of its options. Returns 0 if they are invalid. */
 static int take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count)
 {
     *lights = options->lights;
@@ -435,14 +439,14 @@ static int take_lights(mlrt_trace_options *options, const mlrt_light **lights, u
     return (!*lights || options->query == MLRT_QUERY_CLOSEST) && *count <= MLRT_LIGHT_LIMIT && (*lights || !*count);
 }
 
-/* What is asked about each light: as the job, but whether anything is hit. */
+/* Makes a job for each light: as that of the picture, but for any hit, and without results of its own. */
 static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const struct mlrt_job *job,
                                struct mlrt_job jobs[MLRT_LIGHT_LIMIT])
 {
     for (uint32_t i = 0; i < count; ++i) {
         mlrt_light light;
         const void *given = (const unsigned char *)lights + (size_t)i * lights->struct_size;
-        /* First, so that nothing behind the array is looked at. */
+        /* Checked first: with another size, the light might reach beyond the array. */
         if (((const mlrt_light *)given)->struct_size != lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
         int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_light, position), &light, sizeof light);
         if (status != MLRT_OK) return status;
@@ -582,9 +586,9 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
 }
 
-/* Tells the ray of a light from the hit of another ray. */
-static MLRT_NOINLINE int32_t tell_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number,
-                                             const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
+/* Sets the shadow ray from the hit of a ray to a light, and whether the light is on the ray's side of the surface. */
+static MLRT_NOINLINE int32_t set_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number,
+                                            const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
 {
     struct mlrt_source source;
     struct mlrt_ray_segment segment, answer;
@@ -626,7 +630,7 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
                        .skip_mesh = own_hit.mesh,
                        .skip_triangle = own_hit.triangle};
     const uint64_t environment = mlrt_enter_fp_environment();
-    status = tell_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
+    status = set_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
     mlrt_leave_fp_environment(environment);
     if (status != MLRT_OK) return status;
     mlrt_give_struct(&answer, sizeof answer, shadow);

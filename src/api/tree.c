@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Trees as the caller sees them: building one, what it will need and what it took, and its end.
+ * The exported functions for trees: build, report, estimate memory, destroy.
  */
 #include <string.h>
 
@@ -17,8 +17,8 @@
 /* ---- options ---- */
 
 /*
- * A call that builds: what it is to build, and its options and host, checked, in whatever version they came. The
- * options of both builders begin with the same fields, up to memory_limit.
+ * The checked arguments of a call that builds. Options of other versions are converted to this one. The options of both
+ * builders begin with the same fields, up to memory_limit.
  */
 struct call {
     uint32_t structure; /* MLRT_STRUCTURE_* */
@@ -29,7 +29,7 @@ struct call {
     struct mlrt_voice voice;
 };
 
-/* What both have lies where `take_options` and `build_tree` read it, whichever it is. */
+/* take_options and build_tree read the common fields of both kinds of options through the union's `tree`. */
 #define SAME_PLACE(field) (offsetof(mlrt_tree_options, field) == offsetof(mlrt_kdtree_options, field))
 typedef char options_begin_alike[SAME_PLACE(preset) && SAME_PLACE(traversal_cost) && SAME_PLACE(intersection_cost) &&
                                          SAME_PLACE(message) && SAME_PLACE(message_size) && SAME_PLACE(host) &&
@@ -37,7 +37,7 @@ typedef char options_begin_alike[SAME_PLACE(preset) && SAME_PLACE(traversal_cost
                                      ? 1
                                      : -1];
 
-/* The name of an option that is out of its range; NULL if none is. */
+/* Returns the name of an option that is out of its range, or NULL. */
 static MLRT_NOINLINE const char *find_wrong_option(const struct call *call)
 {
     const int is_kdtree = call->structure == MLRT_STRUCTURE_KDTREE;
@@ -99,7 +99,7 @@ struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_memory *memory)
     return tree;
 }
 
-static void tell_result(const struct mlrt_voice *voice, const mlrt_tree_info *info)
+static void log_result(const struct mlrt_voice *voice, const mlrt_tree_info *info)
 {
     const uint64_t left_out = info->non_finite_count + info->zero_area_count;
     if (!voice->host.log) return;
@@ -112,7 +112,7 @@ static void tell_result(const struct mlrt_voice *voice, const mlrt_tree_info *in
              info->build_seconds);
 }
 
-static void tell_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
+static void log_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
 {
     const uint64_t limit = call->options.tree.memory_limit;
     if (status == MLRT_ERROR_OUT_OF_MEMORY && limit) {
@@ -133,7 +133,7 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
     struct mlrt_tree *made = mlrt_allocate_tree(&memory);
     const int32_t status = made ? fill_tree(meshes, mesh_count, call, made) : MLRT_ERROR_OUT_OF_MEMORY;
     if (status != MLRT_OK) {
-        tell_failure(call, made ? &made->memory : &memory, status);
+        log_failure(call, made ? &made->memory : &memory, status);
         mlrt_destroy_tree(made);
         return status;
     }
@@ -145,7 +145,7 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
     made->info.peak_memory_size = made->memory.peak_size;
     made->info.build_seconds = mlrt_seconds_now() - start;
     made->memory.limit_size = 0;
-    tell_result(&call->voice, &made->info);
+    log_result(&call->voice, &made->info);
     *tree = made;
     return MLRT_OK;
 }
@@ -198,7 +198,7 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
     return status;
 }
 
-/* ---- memory, before ---- */
+/* ---- estimates of memory ---- */
 
 static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_count, int have_masks, size_t mesh_count,
                                   mlrt_memory_estimate *estimate)

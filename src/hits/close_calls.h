@@ -1,36 +1,37 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Close calls: what the float filters leave of a packet and a triangle, decided in double for many lanes at once. Only
- * what double leaves too goes to the judge, lane by lane (undecided.h). The answers are those of the judge; the bounds
- * of t that are kept with a hit are a little wider than its.
+ * Close calls: lanes that the float filters leave undecided for a triangle are decided in double, many at once. Only
+ * lanes that double leaves undecided too go to the judge, one by one (undecided.h). The answers are those of the
+ * judge; the bounds of t that are kept with a hit are a little wider than the judge's.
  *
  * WHAT IS COMPUTED. The determinants at the head of predicate.c, with p = a - o and n = b-a cross c-a:
  *
  *     D = d . n     N = p . n     e_ab = (d cross p) . b-a     e_ca = -(d cross p) . c-a     e_bc = D - e_ab - e_ca
  *
- * The size s(x) of a determinant is the sum of the magnitudes of its six products, not the product of the sizes of its
- * vectors: formed in the same way as the determinant itself, with all factors and sums positive. As there, with u =
- * 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc: gamma_9 times the sum of
- * three), and a size has no more than 8 factors (e_bc: 10), so it is at least (1 - u)^10 of the true one. That makes
- * 8.001 u and 9.001 u of the computed size. A size of 0 says that all six products are 0, and so is the determinant:
- * nothing here underflows (predicate.c, "RANGE").
+ * The size s(x) of a determinant is the sum of the magnitudes of its six products. It is computed in the same way as
+ * the determinant, with all factors and sums positive. (It is not the product of the sizes of its vectors.) As in
+ * predicate.c, with u = 2^-53, a determinant as computed is off by at most gamma_8 times the true size (e_bc: gamma_9
+ * times the sum of three). A size as computed has at most 8 factors (e_bc: 10), so it is at least (1 - u)^10 of the
+ * true one. That makes 8.001 u and 9.001 u of the computed size. If a size is 0, all six products are 0, and so is the
+ * determinant: nothing here underflows (predicate.c, "RANGE").
  *
  * BOUNDS. In signs that make D positive, let E = 12 u s(N) and W = 12 u s(D). N -+ E and D -+ W have one more rounding
  * each, of at most 1.001 u of the size, and that of the bound, of less than 0.001 u: so they are bounds of the true
- * numerator and denominator with 2.9 u of the size to spare. The size is no less than (1 - 9 u) of the magnitude. So a
- * product of one of these bounds with a float, or with another bound, may be rounded once, by u of itself:
+ * numerator and denominator with 2.9 u of the size to spare. The size is at least (1 - 9 u) of the magnitude. So there
+ * is room for one rounding, by u of itself, of a product of one of these bounds with a float or with another bound:
  *
  *     t > x     if N - E > x (D + W)                          t < x     if N + E < x (D - W)         for x >= 0
  *     t > t'    if (N - E) (D' - W') > (N' + E') (D + W)      t < t'    likewise, with the triangles exchanged
  *
- * where D > W and D' > W', and all of it is the same with >= in place of >, where both sides are 0 in exact arithmetic
- * or what is spared makes it strict. x may be infinite. Likewise the quotients (N - E) / (D + W) and (N + E) / (D - W)
- * are below and above t after their rounding. Products of two bounds may be as small as 2^-1100 and then lose all they
- * have; but only where a factor is a difference that is nearly 0, which is the lesser side of what is compared: the
- * other is a sum, and at least 2^-894 or exactly 0, which says t = 0, and that is no hit.
+ * if D > W and D' > W'. The same holds with >= in place of >, since either both sides are 0 in exact arithmetic or the
+ * room that is left makes the inequality strict. x may be infinite. Likewise the quotients (N - E) / (D + W) and
+ * (N + E) / (D - W) are below and above t after their rounding. A product of two bounds may be as small as 2^-1100, and
+ * underflow to 0. But then one factor is a difference that is nearly 0, so the product is the lesser side of its
+ * comparison. The other side has a sum, and is at least 2^-894, or exactly 0, which means t = 0: that is no hit.
  *
- * With D > W, a ray is surely inside if no edge function, in D's sign, is less than its bound 12 u s(e), and surely
- * outside if one is less than minus that: D is the sum of the three, so another one has D's sign.
+ * If D > W, take the edge functions with the sign that makes D positive, and their bounds 12 u s(e). A ray is surely
+ * inside if each is at least its bound. It is surely outside if one is less than its negative bound: D is the sum of
+ * the three, so another one is positive.
  */
 #ifndef MLRT_HITS_CLOSE_CALLS_H
 #define MLRT_HITS_CLOSE_CALLS_H
@@ -48,14 +49,14 @@
 #define DOUBLE_LANES   ((1u << DW) - 1)
 #define DOUBLE_VECTORS (MLRT_PACKET_RAYS / DW)
 
-/* What the determinants of a triangle consist of. */
+/* The vectors and determinants of a triangle, DW lanes of each. */
 struct close_triangle {
     vd a[3];
     vd ab[3];
     vd ac[3];
     vd normal[3];
     vd normal_size[3];
-    vd to_a[3]; /* p, N and its size: of the lanes that were looked at last, or with an apex of all */
+    vd to_a[3]; /* p, N and its size: of all lanes if they have an apex, else of the vector that was tested last */
     vd n;
     vd n_size;
 };
@@ -70,7 +71,7 @@ struct close_bounds {
     vd greatest_d;
 };
 
-/* A cross product with all that is subtracted added, of sizes. */
+/* A cross product of magnitudes, where the difference of two products becomes their sum. */
 MLRT_INLINE void cross_product_of_sizes(const vd a[3], const vd b[3], vd cross[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -79,6 +80,7 @@ MLRT_INLINE void cross_product_of_sizes(const vd a[3], const vd b[3], vd cross[3
     }
 }
 
+/* Sets p, N and the size of N for the DW lanes from `lane` on. */
 MLRT_INLINE void place_origin(const struct mlrt_packet *packet, uint32_t lane, struct close_triangle *triangle)
 {
     for (int k = 0; k < 3; ++k) {
@@ -102,6 +104,7 @@ static MLRT_NOINLINE void set_close_triangle(const struct mlrt_triangle *corners
     if (packet->has_apex) place_origin(packet, 0, triangle);
 }
 
+/* Bounds N and D for the DW lanes from `lane` on. */
 static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const struct mlrt_packet *packet,
                                          uint32_t lane, struct close_bounds *bounds)
 {
@@ -119,7 +122,7 @@ static MLRT_NOINLINE void bound_quotient(struct close_triangle *triangle, const 
     bounds->greatest_d = d_add(size, d_error);
 }
 
-/* The negative edge functions of DW lanes, in D's sign, so that the greatest counts, and their bounds. */
+/* Computes the negated edge functions of DW lanes in D's sign, so that all are negative inside, and their bounds. */
 MLRT_INLINE void bound_edges(const struct close_triangle *triangle, const struct close_bounds *bounds,
                              const struct mlrt_packet *packet, uint32_t lane, vd edge[3], vd bound[3])
 {
@@ -139,7 +142,9 @@ MLRT_INLINE void bound_edges(const struct close_triangle *triangle, const struct
     bound[0] = d_mul(error, ab_size), bound[1] = d_mul(error, bc_size), bound[2] = d_mul(error, ca_size);
 }
 
-/* Of DW lanes, where D has a certain sign: those that are surely inside the triangle's edges, and surely outside. */
+/*
+ * Sets the lanes, of DW, that are surely inside the edges, and surely outside. True only where the sign of D is sure.
+ */
 MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct close_bounds *bounds,
                             const struct mlrt_packet *packet, uint32_t lane, uint32_t *inside, uint32_t *outside)
 {
@@ -152,18 +157,20 @@ MLRT_INLINE void find_sides(const struct close_triangle *triangle, const struct 
     *inside = ~d_gt(greatest, zero) & DOUBLE_LANES;
 }
 
-/* What there is to know of a packet's lanes and a triangle. */
+/* The decisions for a triangle and a set of lanes. Lanes in no set are undecided. */
 struct close_verdict {
-    uint32_t passed; /* surely not hit, or behind the nearest hit so far */
-    uint32_t hit;    /* surely hit, if it is nearer than the nearest so far, */
-    uint32_t nearer; /* which it surely is */
+    uint32_t passed; /* surely not hit, or surely behind the nearest hit so far */
+    uint32_t hit;    /* surely inside the edges, and behind t_min */
+    uint32_t nearer; /* of `hit`, those that surely are before the nearest hit so far */
 };
 
-/* DW lanes from `lane` on, of rays that end, or have their nearest hits so far, between t = `lo` and `hi`. Bits begin with
- * `lane`; those in `inside` are known to be. */
-MLRT_INLINE struct close_verdict look_at_lanes(const struct close_triangle *triangle, const struct mlrt_packet *packet,
-                                               uint32_t lane, uint32_t lanes, uint32_t inside, vd lo, vd hi,
-                                               const struct close_bounds *bounds)
+/*
+ * Tests DW lanes from `lane` on; bit 0 of all sets is that lane. `inside`: those already known to be inside the edges.
+ * The nearest hits so far, or the ends of the rays, lie between t = `lo` and `hi`.
+ */
+MLRT_INLINE struct close_verdict test_lanes(const struct close_triangle *triangle, const struct mlrt_packet *packet,
+                                            uint32_t lane, uint32_t lanes, uint32_t inside, vd lo, vd hi,
+                                            const struct close_bounds *bounds)
 {
     struct close_verdict verdict;
     const vd t_min = d_load(packet->t_min + lane), zero = d_set1(0);
@@ -185,8 +192,11 @@ MLRT_INLINE struct close_verdict look_at_lanes(const struct close_triangle *tria
     return verdict;
 }
 
-/* Compares where rays in `lanes` meet a triangle, by what is known of it, and their nearest hits so far, triangle
- * `nearest`. Returns those where the triangle is surely nearer; *farther receives those where it surely is not. */
+/*
+ * Compares the distances of a triangle, bounded by `of_triangle`, with those of triangle `nearest`, the nearest hit so
+ * far of all `lanes`. Returns the lanes where the first is surely nearer; *farther receives those where it surely is
+ * farther.
+ */
 static MLRT_NOINLINE uint32_t compare_with_nearest(const struct mlrt_tree *tree, uint32_t nearest,
                                                    const struct mlrt_packet *packet, uint32_t lanes,
                                                    const struct close_bounds *of_triangle, uint32_t *farther)
@@ -212,7 +222,7 @@ static MLRT_NOINLINE uint32_t compare_with_nearest(const struct mlrt_tree *tree,
     return nearer;
 }
 
-/* Likewise for lanes with any nearest hits. */
+/* Likewise for lanes whose nearest hits are different triangles. */
 MLRT_INLINE uint32_t compare_with_all_nearest(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
                                               uint32_t lanes, const struct close_bounds *of_triangle, uint32_t *farther)
 {
@@ -230,16 +240,16 @@ MLRT_INLINE uint32_t compare_with_all_nearest(const struct mlrt_tree *tree, cons
     return nearer;
 }
 
-/* What is known of a triangle and the nearest hits of lanes, whatever the rays are. */
+/* The lanes for which the order of a triangle and the nearest hit follows from the two triangles, without the rays. */
 struct known_lanes {
-    uint32_t tied;    /* settled, being in the plane of the nearest hit */
-    uint32_t farther; /* if hit at all */
-    uint32_t nearer;  /* if hit at all */
+    uint32_t tied;    /* decided: both triangles lie in one plane */
+    uint32_t farther; /* the triangle, if it is hit, is behind the nearest hit */
+    uint32_t nearer;  /* the triangle, if it is hit, is before the nearest hit */
 };
 
 /*
- * Looks up planes and pairs of triangles. A pair that is seen from an apex for the first time is compared; rays of
- * different origins would need another answer each.
+ * Finds the lanes that are decided by the worker's tables of planes and pairs of triangles. If the packet has an apex,
+ * a new pair is compared once for all rays from there; rays of different origins would each need a comparison.
  */
 MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
                                              uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker)
@@ -264,8 +274,9 @@ MLRT_INLINE struct known_lanes look_up_lanes(const struct mlrt_tree *tree, uint3
 }
 
 /*
- * Makes the triangle the nearest hit of the lanes `nearer`. The quotients are moved outward by more than the half unit
- * in the last place that their rounding to floats may move them inward; 2^-149 is for those that become denormal.
+ * Makes the triangle the nearest hit of the lanes `nearer`. Rounding the bounds of t to floats can move them inward by
+ * half a unit in the last place, so they are moved outward by more than that; 2^-149 is for bounds that become
+ * denormal.
  */
 MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct close_bounds *of_triangle,
                                  struct mlrt_packet *packet)
@@ -283,15 +294,15 @@ MLRT_INLINE void keep_close_hits(uint32_t number, uint32_t nearer, const struct 
     for (; nearer; nearer &= nearer - 1) {
         const uint32_t lane = mlrt_lowest_bit(nearer);
         packet->triangle[lane] = number;
-        packet->lo[lane] = lo[lane] < FLT_MAX ? lo[lane] : FLT_MAX; /* t may be more than a float */
+        packet->lo[lane] = lo[lane] < FLT_MAX ? lo[lane] : FLT_MAX; /* t may exceed all floats */
         packet->hi[lane] = hi[lane];
     }
 }
 
 /*
- * Lanes without a hit, which surely hit the triangle if they do not end before it. Rays from a light end in walls, and
- * where a wall is across an axis, it is easy to say whether they reach another one in its plane. Returns those that do;
- * *passed receives those that do not.
+ * Decides `lanes` that have no hit yet, and surely hit the triangle unless they end before it. Rays from a light often
+ * end in the plane of a wall; if that plane is across an axis, mlrt_reaches_flat decides whether they reach the
+ * triangle. Returns the lanes that reach it; *passed receives those that end before it. Other lanes remain undecided.
  */
 static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *triangle, const struct mlrt_packet *packet,
                                                 uint32_t lanes, uint32_t *passed)
@@ -310,8 +321,10 @@ static MLRT_NOINLINE uint32_t find_lanes_at_end(const struct mlrt_triangle *tria
     return reached;
 }
 
-/* Decides `lanes` by doubles, some of which are known to be nearer. Returns those that are nearer; *left receives those
- * that are not decided. */
+/*
+ * Decides `lanes` in double. In the lanes `known_nearer` the triangle, if hit, is known to be nearer. Returns the lanes
+ * where it is the nearest hit now; *left receives the undecided lanes.
+ */
 static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
                                                 uint32_t inside, uint32_t known_nearer, struct mlrt_packet *packet,
                                                 uint32_t *left)
@@ -325,8 +338,8 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
         if (!among) continue;
         bound_quotient(&triangle, packet, lane, &bounds[lane / DW]);
         const struct close_verdict verdict =
-            look_at_lanes(&triangle, packet, lane, among, inside >> lane, d_load(packet->lo + lane),
-                          d_load(packet->hi + lane), &bounds[lane / DW]);
+            test_lanes(&triangle, packet, lane, among, inside >> lane, d_load(packet->lo + lane),
+                       d_load(packet->hi + lane), &bounds[lane / DW]);
         passed |= verdict.passed << lane;
         hit |= verdict.hit << lane;
         nearer |= verdict.nearer << lane;
@@ -347,8 +360,9 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
 }
 
 /*
- * As mlrt_decide_lanes (undecided.h), which it asks about what it cannot decide. First what is known without the rays,
- * then the triangle by itself, then it and the nearest hits so far.
+ * As mlrt_decide_lanes (undecided.h), which it calls for the lanes that it leaves undecided. It first looks up the
+ * order of the two triangles, then tests the triangle in double, then compares its distances with those of the nearest
+ * hits.
  */
 static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes,
                                            uint32_t inside, struct mlrt_packet *packet, struct mlrt_worker *worker,
@@ -365,7 +379,7 @@ static MLRT_NOINLINE uint32_t decide_lanes(const struct mlrt_tree *tree, uint32_
         if (lanes & ~(known.tied | left)) {
             const uint64_t test_count = counters->undecided_test_count + 1;
             if (left) nearer |= mlrt_decide_lanes(tree, number, left, inside, packet, worker, counters);
-            counters->undecided_test_count = test_count; /* one, in two parts */
+            counters->undecided_test_count = test_count; /* both parts count as one test */
             return nearer;
         }
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What comes after the search: see finish.h.
+ * Single rays, and results of packets and rectangles: see finish.h.
  */
 #include "hits/finish.h"
 
@@ -30,7 +30,7 @@ static void write_misses_to(const struct mlrt_job *job, struct mlrt_worker *work
     }
 }
 
-/* Of a list, the last row may be short. */
+/* The last row of a list may be short; it is written by itself. */
 void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
                                const struct mlrt_rectangle *tile)
 {
@@ -61,7 +61,6 @@ static void write_shadows_to(const uint8_t *shadows, uint32_t lanes, uint32_t x,
     if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_shadows(shadows, lanes, x, y, sink);
 }
 
-/* Writes which lights do not reach what the lanes of a packet hit. */
 void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
                                const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
                                const struct mlrt_rectangle *block)
@@ -72,6 +71,7 @@ void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_wor
     }
 }
 
+/* Writes the hits of one triangle in a block if t, u, v or facing are wanted: these need rays. */
 static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                                 const struct mlrt_rectangle *block)
 {
@@ -82,7 +82,7 @@ static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *
     job->kernels->picture->write_packet(job, worker, &packet, lanes, block);
 }
 
-/* Writes hits of one triangle: all that is left to do for a ray is its t, u and v, if somebody wants them. */
+/* Without channels for t, u, v and facing, no ray is made: all pixels get the same ids. */
 void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                       const struct mlrt_rectangle *tile)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What comes after the search: rays that have to be traced one by one, and results of packets and of whole rectangles
- * on their way to frame and callback.
+ * The steps around the traversal that are compiled once: rays that are traced one by one in double, and results of
+ * packets and of whole rectangles, which are written to frame and callback.
  */
 #ifndef MLRT_HITS_FINISH_H
 #define MLRT_HITS_FINISH_H
@@ -9,7 +9,7 @@
 #include "job/job.h"
 #include "rays/rectangle.h"
 
-/* The rays of a block. `lanes` are those that exist. */
+/* Makes the rays of a block, and checks them. `lanes` are those that exist. */
 static inline void mlrt_get_packet(const struct mlrt_job *job, const struct mlrt_rectangle *block, uint32_t lanes,
                                    struct mlrt_packet *packet)
 {
@@ -17,7 +17,7 @@ static inline void mlrt_get_packet(const struct mlrt_job *job, const struct mlrt
     job->kernels->picture->check_block(&job->source, lanes, packet);
 }
 
-/* Traces lanes of a packet one by one in double. */
+/* Traces lanes of a packet one by one in double, and stores the triangles that they hit. */
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                             mlrt_counters *counters);
 
@@ -25,7 +25,7 @@ void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct m
 void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
                                const struct mlrt_rectangle *tile);
 
-/* Writes hits of one triangle to a rectangle of a picture. Shadows are left as they are. */
+/* Writes hits of one triangle to a rectangle of a picture. A picture with lights keeps its values of `occluded`. */
 void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                       const struct mlrt_rectangle *tile);
 
@@ -33,7 +33,7 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
 void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
                                const struct mlrt_rectangle *tile);
 
-/* Writes which lights do not reach what the lanes of a packet hit. */
+/* Writes the lights that do not reach the hits of a packet's lanes. */
 void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
                                const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
                                const struct mlrt_rectangle *block);

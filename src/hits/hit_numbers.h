@@ -1,39 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time: what mlrt_report_hit says of one
- * ray, to the same bits, since each is the float nearest to one and the same quotient.
+ * t, u, v and facing of the hits of a packet (rule R5), a vector of doubles at a time. The bits are those of
+ * mlrt_report_hit, which computes them for one ray, since each number is the float nearest to the same exact quotient.
  *
  * With p = a - o, the determinants are those at the head of predicate.c:
  *
  *     normal = (c-a) x (a-b)     D = d . normal     e_ca = (c-a) . (p x d) = d . ((c-a) x p)
  *                                N = p . normal     e_ab = (a-b) . (p x d) = d . ((a-b) x p)
  *
- * A component of a cross product has a product, a difference and the factors of what is multiplied: 1 for a side or p,
- * none for d. The dot product adds those of its other vector, a product and at most two sums. So there are 7 factors,
- * for N 8, as there, and the errors are at most 8.001 u of the sizes. Where a processor multiplies and adds at once
- * there are fewer.
+ * Count the factors (1 + delta) of each. A component of a cross product has one for its product, one for its
+ * difference, and those of its operands: 1 for a side or p, none for d. The dot product adds those of its other
+ * vector, one product and at most two sums. So there are 7 factors, for N 8, as in predicate.c, and the errors are at
+ * most 8.001 u of the sizes. With fused multiply-add there are fewer.
  *
- * WIDTHS. Let X and D be as computed, x and d the true ones, s(X) and s(D) their sizes, or more: all lanes of a packet
- * share a bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain, the judge reports (mlrt_report_lane).
- * Elsewhere |D - d| < 2^-37 |D|, so facing is the sign of D, and
+ * WIDTHS. Let X and D be the determinants as computed, x and d the true ones, and s(X) and s(D) upper bounds of their
+ * sizes, since all lanes of a packet share one bound of |d_0| + |d_1| + |d_2|. Where s(D) < 2^12 |D| is not certain,
+ * the judge computes the numbers (mlrt_report_lane). Elsewhere |D - d| < 2^-37 |D|, so facing is the sign of D, and
  *
  *     x / d - X / D = ((x - X) + (x / d) (D - d)) / D.
  *
  * u and v are at most 1 where a ray hits, so this is at most 8.001 u (s(X) + s(D)) / |D|. t is at most 1 + 2^-36 times
- * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D) is
- * rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. That is less than w / |D| with the
- * width
+ * (|N| + 8.001 u s(N)) / |D|, so the error of t is at most 8.002 u (s(N) + 2^12 |N|) / |D|. The quotient X * (1 / D)
+ * is rounded twice more, and its ends once each: 3.01 u s(X) / |D| as in predicate.c. The sum is less than w / |D|
+ * with the width
  *
  *     w = 12 u s(X) + 9 u s(D)  for u and v,     w = 12 u s(N) + 9 u 2^12 |N|  for t,
  *
  * and leaves 0.9 u of each size for the roundings of w, of its product with 1 / |D|, and of the ends by as much as
- * that. If both ends round to one float, that is the answer; else the judge has it. For a direction of common length
- * the widths are 2^-38 of t, and 2^-48 of the ratios of the triangle's size and distance in u and v: one hit of
- * thousands goes to the judge.
+ * that. If both ends round to one float, that is the answer; else the judge computes it. For a direction of usual
+ * length the width is 2^-38 of t, and for u and v 2^-48 of the ratio of the triangle's size and distance: so one hit
+ * in thousands goes to the judge.
  *
- * What all rays that hit a triangle share, and those of one origin, hit_terms.h keeps: neighbours mostly hit the same.
- * A packet that hits more than FEW_TRIANGLES works that out for each lane; with 3 in place of 2 nothing is gained, as
- * more of them are new.
+ * hit_terms.h caches the terms that all rays that hit a triangle share, and those that also depend on one origin:
+ * neighbours mostly hit the same triangle. A packet that hits more than FEW_TRIANGLES triangles computes the terms for
+ * each lane. With 3 in place of 2 nothing is gained, as then more triangles are not in the cache yet.
  */
 #ifndef MLRT_HITS_HIT_NUMBERS_H
 #define MLRT_HITS_HIT_NUMBERS_H
@@ -49,7 +49,9 @@
 
 #define FEW_TRIANGLES 2
 
-/* The corners of the triangles that the lanes hit. Lanes without a hit get the triangle of one that has. */
+/*
+ * Loads the corners of the triangles that the lanes hit. Lanes without a hit get the triangle of a lane that has one.
+ */
 static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                            float corners[9][MLRT_PACKET_RAYS])
 {
@@ -83,7 +85,7 @@ MLRT_INLINE vd fused_dot_product(const vd a[3], const vd b[3])
     return d_mul_add(a[2], b[2], d_mul_add(a[1], b[1], d_mul(a[0], b[0])));
 }
 
-/* What does not depend on rays: the sides of a triangle and its normal. */
+/* The terms of a triangle that do not depend on rays: its sides and its normal. */
 struct plane_terms {
     vd corner[3];
     vd side[2][3]; /* c-a and a-b */
@@ -106,13 +108,12 @@ MLRT_INLINE void set_plane_terms(const vd corner[9], struct plane_terms *plane)
     plane->normal_size = d_mul(plane->side_size[0], plane->side_size[1]);
 }
 
-/* Where rays start: a corner from there, N, and the widths of quotients (see the head of this file), those of u and v
- * before they are multiplied with the size of d. */
+/* The terms that also depend on the origin of a ray, and the widths from the head of this file. */
 struct start_terms {
     vd p[3];
     vd n;
     vd n_width;
-    vd edge_width[2];
+    vd edge_width[2]; /* of u and v, to be multiplied with the size of d */
 };
 
 MLRT_INLINE void set_start_terms(const struct plane_terms *plane, const vd origin[3], uint32_t outputs,
@@ -149,7 +150,7 @@ MLRT_INLINE void get_plane_terms(const struct mlrt_hit_terms *kept, struct plane
     get_terms(kept->term + MLRT_HIT_NORMAL_SIZE, 1, &plane->normal_size);
 }
 
-/* The terms of a triangle that all lanes hit. They are there until the next call. */
+/* Returns the terms of a triangle, and of the apex if the packet has one. They are valid until the next call. */
 MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tree *tree,
                                                            const struct mlrt_packet *packet, uint32_t number,
                                                            struct mlrt_hit_term_cache *cache)
@@ -166,7 +167,7 @@ MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tre
     return kept;
 }
 
-/* The greatest size of a direction, or more. */
+/* An upper bound of |d_0| + |d_1| + |d_2| over the lanes `hit`. */
 MLRT_INLINE double greatest_direction_size(const struct mlrt_packet *packet, uint32_t hit)
 {
     vf greatest = v_set1(0);
@@ -185,7 +186,7 @@ struct lane_denominator {
     vd minus_size;
 };
 
-/* Returns the lanes where D is great enough for what follows. */
+/* Returns the lanes where s(D) < 2^12 |D| is certain, as the widths require. */
 MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator *denominator)
 {
     denominator->inverse = d_div(d_set1(1), d);
@@ -194,7 +195,7 @@ MLRT_INLINE uint32_t invert_denominator(vd d, vd d_size, struct lane_denominator
     return d_gt(d_set1(MLRT_GREATEST_D_SIZE), d_mul(d_size, denominator->size));
 }
 
-/* Ends that x / D lies between. */
+/* Bounds of x / D. */
 struct quotient_ends {
     vd low;
     vd high;
@@ -207,7 +208,7 @@ MLRT_INLINE struct quotient_ends enclose_quotients(vd x, vd width, const struct 
                                   d_mul_add(width, denominator->size, quotient)};
 }
 
-/* Rounds x / D to floats. Returns the lanes where that is certain. */
+/* Rounds x / D to floats. Returns the lanes where the float is certain. */
 MLRT_INLINE uint32_t round_quotients(vd x, vd width, const struct lane_denominator *denominator, float *result)
 {
     const struct quotient_ends ends = enclose_quotients(x, width, denominator);
@@ -221,7 +222,7 @@ MLRT_INLINE void load_directions(const struct mlrt_packet *packet, uint32_t lane
     for (int k = 0; k < 3; ++k) direction[k] = d_load(packet->direction[k] + lane);
 }
 
-/* What misses have: the lanes outside of `hit`. */
+/* Sets the numbers of a miss in the lanes outside of `hit`. */
 static MLRT_NOINLINE void report_misses(uint32_t hit, struct mlrt_packet_values *values)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -233,6 +234,7 @@ static MLRT_NOINLINE void report_misses(uint32_t hit, struct mlrt_packet_values 
     }
 }
 
+/* Sets facing: 1 in the lanes `positive`, where D > 0, and -1 in the others. */
 static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -241,9 +243,9 @@ static void report_facing(uint32_t positive, struct mlrt_packet_values *values)
 }
 
 /*
- * All lanes that hit something hit one triangle, from one origin. What is returned, here and below: bits 0 .. 15 are
- * lanes that are certain, 16 .. 31 those with D > 0, if anybody wants to know. (Of a struct gcc would load both after
- * storing each, and wait.)
+ * Computes the numbers of a packet with an apex whose hits are all of one triangle. Here and below, bits 0 .. 15 of the
+ * result are the lanes whose numbers are certain, and bits 16 .. 31 those with D > 0 if facing is wanted. (If both were
+ * fields of a struct, gcc would store and reload them.)
  */
 static uint32_t report_from_apex(const struct mlrt_packet *packet, const double *term, double direction_size,
                                  uint32_t outputs, struct mlrt_packet_values *values)
@@ -276,7 +278,7 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const double 
     return reported | positive << 16;
 }
 
-/* Lanes of different origins, or of different triangles. */
+/* Computes the numbers of DW lanes from `lane` on, whose origins or triangles differ. */
 MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct plane_terms *plane, uint32_t lane,
                                   double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
@@ -305,7 +307,7 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
     return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
 }
 
-/* They hit one triangle, from different origins. */
+/* Computes the numbers of a packet whose hits are all of one triangle, from different origins. */
 static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_hit_terms *terms,
                                     double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
@@ -318,6 +320,7 @@ static uint32_t report_one_triangle(const struct mlrt_packet *packet, const stru
     return reported;
 }
 
+/* Computes the numbers of a packet whose hits are of many triangles, without the cache. */
 static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                  double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
 {
@@ -335,7 +338,7 @@ static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt
     return reported;
 }
 
-/* All lanes of a triangle, as its terms are kept. */
+/* Computes the numbers of all lanes as if they hit triangle `number`, with its terms from the cache. */
 static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
                                           uint32_t number, double direction_size, uint32_t outputs,
                                           struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
@@ -345,7 +348,8 @@ static MLRT_NOINLINE uint32_t report_kept(const struct mlrt_tree *tree, const st
                             : report_one_triangle(packet, terms, direction_size, outputs, values);
 }
 
-static void take_lanes(uint32_t lanes, const struct mlrt_packet_values *from, struct mlrt_packet_values *values)
+/* Copies t, u and v of `lanes`. */
+static void copy_lanes(uint32_t lanes, const struct mlrt_packet_values *from, struct mlrt_packet_values *values)
 {
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm is_taken = m_from_bits(lanes >> v);
@@ -355,7 +359,7 @@ static void take_lanes(uint32_t lanes, const struct mlrt_packet_values *from, st
     }
 }
 
-/* Do lanes hit at most FEW_TRIANGLES triangles? */
+/* Do the lanes `hit` hit at most FEW_TRIANGLES triangles? */
 MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hit)
 {
     for (int i = 0; i < FEW_TRIANGLES && hit; ++i) {
@@ -364,25 +368,28 @@ MLRT_INLINE int hits_few_triangles(const struct mlrt_packet *packet, uint32_t hi
     return !hit;
 }
 
-/* Several triangles: few of them one after the other. */
+/* Computes the numbers of a packet that hits several triangles: few of them one after the other, with the cache. */
 static MLRT_NOINLINE uint32_t report_several(const struct mlrt_tree *tree, const struct mlrt_packet *packet,
                                              uint32_t hit, double direction_size, uint32_t outputs,
                                              struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {
     if (!hits_few_triangles(packet, hit)) return report_triangles(tree, packet, hit, direction_size, outputs, values);
-    struct mlrt_packet_values some;
+    struct mlrt_packet_values of_one;
     uint32_t reported = 0;
     for (uint32_t left = hit; left;) {
         const uint32_t number = packet->triangle[mlrt_lowest_bit(left)];
         const uint32_t lanes = left & lanes_of_triangle(packet, number);
-        reported |= report_kept(tree, packet, number, direction_size, outputs, cache, &some) & (lanes | lanes << 16);
-        take_lanes(lanes, &some, values);
+        reported |= report_kept(tree, packet, number, direction_size, outputs, cache, &of_one) & (lanes | lanes << 16);
+        copy_lanes(lanes, &of_one, values);
         left &= ~lanes;
     }
     return reported;
 }
 
-/* The numbers of a packet's lanes, `hit` those with a hit. */
+/*
+ * Computes the numbers of a packet's lanes that `outputs` asks for; `hit` are the lanes with a hit. Lanes whose
+ * numbers are not certain are left to the judge.
+ */
 static void report_packet(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                           uint32_t outputs, struct mlrt_hit_term_cache *cache, struct mlrt_packet_values *values)
 {

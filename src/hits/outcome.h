@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A triangle and the rays of a packet, before and after a float filter has looked at them.
+ * A triangle and the rays of a packet: which rays a float filter tests, and where its verdict goes.
  */
 #ifndef MLRT_HITS_OUTCOME_H
 #define MLRT_HITS_OUTCOME_H
@@ -9,16 +9,16 @@
 #include "rays/packet.h"
 #include "simd/simd.h"
 
-/* What a float filter has to say: lanes that are nearer, and what is left of the others. */
+/* The result of a float filter for the lanes of a packet. */
 struct outcome {
-    uint32_t nearer;
-    uint32_t undecided;
-    uint32_t inside;
+    uint32_t nearer;    /* the triangle has become their nearest hit */
+    uint32_t undecided; /* to be decided by close_calls.h */
+    uint32_t inside;    /* surely inside all edges */
 };
 
 /*
- * Of a vector of lanes, the rays that a triangle is offered to: it is no news to those that it is the nearest of, and
- * may be met again in another leaf.
+ * The lanes, of the vector from v on, that must test triangle `number`: those of `lanes` that do not skip it, and do
+ * not already have it as their nearest hit (a triangle can be in several leaves).
  */
 MLRT_INLINE vm concerned_rays(const struct mlrt_packet *packet, uint32_t lanes, uint32_t number, int v)
 {
@@ -26,7 +26,9 @@ MLRT_INLINE vm concerned_rays(const struct mlrt_packet *packet, uint32_t lanes, 
     return packet->has_skip ? m_andnot(rays, i_eq(i_load(packet->skip + v), i_set1(number))) : rays;
 }
 
-/* Makes the triangle the nearest hit where it is, and adds the rest to the outcome. */
+/*
+ * Makes the triangle the nearest hit of the lanes where it is nearer, and adds the verdict on a vector to the outcome.
+ */
 MLRT_INLINE void keep_verdict(const struct verdict *verdict, uint32_t number, int v, struct mlrt_packet *packet,
                               struct outcome *outcome)
 {
@@ -41,7 +43,7 @@ MLRT_INLINE void keep_verdict(const struct verdict *verdict, uint32_t number, in
     outcome->inside |= m_bits(verdict->inside) << v;
 }
 
-/* The lanes whose nearest hit is a triangle. */
+/* The lanes whose nearest hit is triangle `number`. */
 MLRT_INLINE uint32_t lanes_of_triangle(const struct mlrt_packet *packet, uint32_t number)
 {
     uint32_t lanes = 0;

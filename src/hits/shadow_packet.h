@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rays from what a packet hit to a light, a vector of doubles at a time: what shadow_ray.h says of one ray, step by
- * step, to the same bits. Where its conditions do not hold shadow_ray.c makes the ray.
+ * The shadow rays of a packet's hits, a vector of doubles at a time: the steps of shadow_ray.h, to the same bits. If
+ * its conditions do not hold for a lane, shadow_ray.c makes the ray.
  */
 #ifndef MLRT_HITS_SHADOW_PACKET_H
 #define MLRT_HITS_SHADOW_PACKET_H
@@ -18,17 +18,17 @@
 #include "simd/simd.h"
 
 #if !MLRT_COUNTING
-/* Of the rays of a vector: of the triangle that they hit, and what lies between it, their origin and the light. */
+/* For a vector of rays: the terms of shadow_ray.h that depend on triangle, origin and light, not on the direction. */
 struct shadow_terms {
     vd m[3];
-    vd n;          /* p . m */
-    vd from[3];    /* from the light to the origin */
-    vd plane_size; /* the greatest |p_k| / 32 */
-    vd height;     /* H */
-    uint32_t certain;
+    vd n;             /* p . m */
+    vd from[3];       /* from the light to the origin */
+    vd plane_size;    /* the greatest |p_k| / 32 */
+    vd height;        /* H */
+    uint32_t certain; /* lanes where the conditions on n and H hold */
 };
 
-/* Corners and origins of the lanes that hit something; of the others, anything like them. */
+/* Corners and origins of the lanes that hit a triangle; lanes without a hit have the corners of one that is hit. */
 struct seen_points {
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS];
@@ -39,7 +39,7 @@ MLRT_INLINE vd greatest_of_doubles(const vd a[3])
     return d_max(d_max(d_abs(a[0]), d_abs(a[1])), d_abs(a[2]));
 }
 
-/* Of a directional light the origin counts as it is, and so does the light. */
+/* Computes the terms of DW lanes. With a directional light, L is 0 for `from`, and the vector to the light is -l. */
 static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, uint32_t lane,
                                               const struct mlrt_source *light, struct shadow_terms *terms)
 {
@@ -65,7 +65,11 @@ static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, 
                      d_gt(d_abs(terms->height), d_mul(d_set1(MLRT_SHADOW_SIDE), size_of_doubles(to_light)));
 }
 
-/* Makes the rays of DW lanes: where they end, or begin. Returns those that are certain; *facing: the light is there. */
+/*
+ * Computes q of DW lanes: the directions of rays from a point light, or the origins of rays to a directional one.
+ * Returns the lanes where the conditions of shadow_ray.h hold; *facing receives those that have the light on the ray's
+ * side.
+ */
 MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const struct mlrt_packet *seen, uint32_t lane,
                                         uint32_t *facing, float (*ends)[MLRT_PACKET_RAYS])
 {
@@ -84,7 +88,7 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
            d_gt(size, d_set1(MLRT_SHADOW_LEAST)) & d_gt(d_set1(MLRT_SHADOW_GREATEST), size);
 }
 
-/* The triangles that lanes hit, and where their rays begin. Returns whether that is the same for all of them. */
+/* Gathers corners and origins of the lanes `hit`. Returns 1 if all lanes have one triangle and one origin. */
 static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
                            struct seen_points *points)
 {
@@ -102,8 +106,8 @@ static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packe
 }
 
 /*
- * Makes the rays to the light of a job from what the lanes `hit` of a packet hit. Returns the lanes that the light is
- * on the other side of: they have no ray.
+ * Makes the shadow rays of the lanes `hit` of packet `seen` to the light of a job. Returns the lanes where the light
+ * is on the other side of the surface: they get no ray.
  */
 static MLRT_NOINLINE uint32_t make_shadow_packet(const struct mlrt_job *job, const struct mlrt_packet *seen,
                                                  uint32_t hit, struct mlrt_packet *packet)

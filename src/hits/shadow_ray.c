@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays towards lights, one at a time. The kernels make them a vector at a time, to the same bits
+ * Shadow rays, one at a time: see shadow_ray.h. The kernels make them a vector at a time, to the same bits
  * (shadow_packet.h).
  */
 #include "hits/shadow_ray.h"
@@ -47,7 +47,10 @@ void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triang
     surface->height_size = size_of(to_light);
 }
 
-/* The ray as shadow_ray.h has it. Returns 0 if its conditions do not hold. */
+/*
+ * Computes the ray by the steps of shadow_ray.h. Returns 0 if its conditions do not hold; the results are then
+ * invalid.
+ */
 static int find_end(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
                     const struct mlrt_ray_segment *ray, int *faces, float end[3])
 {
@@ -70,7 +73,10 @@ static int find_end(const struct mlrt_source *light, const struct mlrt_triangle 
            size < MLRT_SHADOW_GREATEST;
 }
 
-/* The same for any numbers. If no float is there, the light counts as one on the other side. */
+/*
+ * Likewise for any numbers, with exact sides. If there is no float point on the ray's side, the light counts as being
+ * on the other side.
+ */
 static MLRT_NOINLINE void find_end_exactly(const struct mlrt_source *light, const struct mlrt_triangle *triangle,
                                            const struct mlrt_ray_segment *ray, int *faces, float end[3])
 {

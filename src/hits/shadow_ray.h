@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays towards lights from what a picture's rays hit (mlrt.h, "Shadows of a picture").
+ * Shadow rays: from the hits of a picture's rays to lights (mlrt.h, "Shadows of a picture").
  *
- * THE RAY, in double, each step rounded, for a ray o + t d that hits a triangle a b c, and a point light at L (a
- * directional light with direction l: L = 0):
+ * THE RAY is computed in double, each step rounded, for a ray o + t d that hits a triangle a b c, and a point light at
+ * L (for a directional light with direction l, L = 0):
  *
  *     n = (b - a) cross (c - a)      S = |b - a| |c - a|     (|x| = |x_0| + |x_1| + |x_2|)
  *     m = n (1 / greatest |n_k|)        p = a - o               N = p . m       D = d . m       t = N / D
@@ -12,31 +12,34 @@
  *     q_k = the float nearest to x_k + step m_k, step = 2^-22 size with the sign of -D
  *     H = (a - L) . m, or -l . m     h = |a - L|, or |l|
  *
- * The light is on the ray's side if H and D have one sign. The ray's end is L + q, or it begins at q. That is so if
+ * The light is on the ray's side if H and D have one sign. The shadow ray of a point light goes from L to L + q, that
+ * of a directional light begins at q. This is valid if
  *
  *     greatest |n_k| > 2^-16 S      |D| > 2^-14 |d|      |H| > 2^-32 h      2^-100 < size < 2^100
  *
- * and if not, sides are found exactly, and q by offset.c.
+ * and otherwise the sides are found exactly, and q by offset.c.
  *
- * ITS SIDE. Let u = 2^-53, and n^ the exact normal, divided by n's greatest component. A component of n has 4 factors
- * (1
- * + delta), on magnitudes that sum up to S at most: it is off by 4.01 u S, and m_k by 2^16 times that and two
- * roundings, less than 2^-34. So N and D are off by 3.1 * 2^-34 of the greatest |p_k| and |d_k|, P and E. The point o +
- * t d then lies at a height |n^ . (o + t d - a)| <= 3.1 * 2^-34 (P + t E) <= 3.1 * 2^-34 * 33 size < 2^-27 size.
- * Rounding x_k and the sum takes 2^-49 size, and that to float 2^-24 |q_k| each, 3.01 * 2^-24 size in all. The step
- * gives 2^-22 size (1 - 2^-30), which is more than all of it. So L + q, or q, is strictly on the ray's side, in exact
- * arithmetic. For D and H the bounds above are more than what they can be off by, 2^-32 of |d| or h with all roundings:
- * their signs are right.
+ * ITS SIDE. Let u = 2^-53, and n^ the exact normal, divided by the greatest component of n. A component of n has 4
+ * factors (1 + delta), on magnitudes that sum up to S at most: it is off by 4.01 u S, and m_k by 2^16 times that and
+ * two roundings, less than 2^-34. Let P be the greatest |p_k| and E the greatest |d_k|: N is off by 3.1 * 2^-34 P, and
+ * D by 3.1 * 2^-34 E. So the point o + t d lies at a height
  *
- * ITS PLACE. t is off by 3.1 * 2^-34 (P + t E) / |D|, which moves the point along the ray by less than 3.1 * 2^-34 (P +
- * t E) E / |D|: 2^-18 (P + t E) at most, and far less unless the ray nearly lies in the plane.
+ *     |n^ . (o + t d - a)| <= 3.1 * 2^-34 (P + t E) <= 3.1 * 2^-34 * 33 size < 2^-27 size.
+ *
+ * Rounding x_k and the sum takes 2^-49 size, and rounding to float takes 2^-24 |q_k| each, 3.01 * 2^-24 size in all.
+ * The step gives 2^-22 size (1 - 2^-30), which is more than their sum. So L + q, or q, is strictly on the ray's side,
+ * in exact arithmetic. The signs of D and H are right, since the conditions on them exceed their errors, which are at
+ * most 2^-32 of |d| or h with all roundings.
+ *
+ * ITS PLACE. t is off by 3.1 * 2^-34 (P + t E) / |D|. This moves the point along the ray by less than
+ * 3.1 * 2^-34 (P + t E) E / |D|: at most 2^-18 (P + t E), and far less unless the ray nearly lies in the plane.
  */
 #ifndef MLRT_HITS_SHADOW_RAY_H
 #define MLRT_HITS_SHADOW_RAY_H
 
 #include "job/job.h"
 
-/* The conditions above. */
+/* The constants of the steps and conditions above. */
 #define MLRT_SHADOW_NORMAL   0x1p-16
 #define MLRT_SHADOW_GRAZING  0x1p-14
 #define MLRT_SHADOW_SIDE     0x1p-32
@@ -45,14 +48,14 @@
 #define MLRT_SHADOW_STEP     0x1p-22
 #define MLRT_SHADOW_PLANE    0x1p-5
 
-/* A triangle between where a ray begins and a light, in the words above. */
+/* The terms above that depend on the triangle, the origin of the ray and the light. */
 struct mlrt_surface {
     double m[3];
     double n;
     double reach;       /* greatest |p_k| */
     double height;      /* H */
     double height_size; /* h */
-    int is_round;       /* n is more than 2^-16 S: the rest has a meaning */
+    int is_round;       /* greatest |n_k| > 2^-16 S; if not, the other terms are invalid */
 };
 
 void mlrt_find_surface(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float origin[3],
@@ -66,20 +69,20 @@ int mlrt_make_shadow_ray(const struct mlrt_source *light, const struct mlrt_tria
                          const struct mlrt_ray_segment *ray, int *faces, struct mlrt_ray_segment *shadow);
 
 /*
- * The same for a lane of a packet: where the ray ends, or begins, goes to `ends`; one that hits nothing has a direction
- * of 0. Returns the lane's bit if the light is on its side.
+ * Likewise for a lane of a packet. `ends` receives the direction from a point light, or the origin of the ray to a
+ * directional one; a ray that can hit nothing gets zeros. Returns the lane's bit if the light is on the ray's side.
  */
 uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t lane,
                                float (*ends)[MLRT_PACKET_RAYS]);
 
 /*
- * Does something lie between the hit of a ray and the light? `job` is that of the light; `number` is what was hit.
- * `counters` may be NULL.
+ * Is the hit of a ray on triangle `number` in the shadow of the light of `job`: behind the surface, or with a triangle
+ * between? `counters` may be NULL.
  */
 int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ray, uint32_t number,
                    mlrt_counters *counters);
 
-/* The lights that do not reach the hits of a packet's lanes, bit k for light k of the job: one ray at a time. */
+/* Finds the lights that do not reach the hits of a packet's lanes, one ray at a time. Bit k is light k of the job. */
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,
                        uint8_t shadows[MLRT_PACKET_RAYS], mlrt_counters *counters);
 

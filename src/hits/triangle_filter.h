@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A packet against a triangle: for nearly all rays, float arithmetic with a bound on its error says surely not, or
- * surely yes and surely nearer. The rest are judged one by one (exact/nearest.h).
+ * The float filter of a packet against a triangle. With bounds on its errors, float arithmetic decides nearly all rays:
+ * surely a miss or farther, or surely a nearer hit. The undecided lanes go to close_calls.h, and at last to the judge.
  *
  * WHAT IS COMPUTED. Relative to the origin o let a = fl(v_i - o), b = fl(v_j - o), and g = fl(v_j - v_i) from the
  * corners themselves. Then
@@ -10,42 +10,43 @@
  *     D' = d . (n / size)                  n = (a - c) x (b - a)
  *     N' = fl(a - o) . (n / size)          so t = N' / D'
  *
- * where size belongs to the cross product. With M_k the sum of the magnitudes of the two products in its component k,
- * |a| + |b| in place of |a + b|, it is M_main + (M_j + M_l) / 2, where the main axis is that along which the rays go.
- * |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, so of what is there already, but for 3 u of itself; for n
- * something larger does no harm. (a + b) x g = 2 (a x b), but where a x b cancels for a small triangle far away, this
- * does not: its error shrinks with the edge. Only signs of e' and ratios of N' and D' matter, so they can be scaled,
- * and scaled like this they have one bound for all triangles.
+ * where each cross product has its own size. Let M_k be the sum of the magnitudes of the two products in its component
+ * k, with |a| + |b| in place of |a + b|. The size is M_main + (M_j + M_l) / 2, where the main axis is that along which
+ * the rays go. |a_k| + |b_k| is the larger of |a_k + b_k| and |a_k - b_k|, which are computed already, but for 3 u of
+ * itself; for n, a larger value does no harm. (a + b) x g = 2 (a x b); but a x b cancels for a small triangle far
+ * away, and (a + b) x g does not: its error shrinks with the edge. Only the signs of e' and the ratios of N' and D'
+ * matter, so they can be scaled, and with this scale one bound holds for all triangles.
  *
- * EDGES, with u = 2^-24 and R no less than |d_main|, 2 |d_j|, 2 |d_l| of the rays at hand. Roundings of a component
- * of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which can be
- * much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, 1 / size 1, the product with
- * it 1; in the dot product the products have 1 and the sums 2. That makes 10, relative to the sum of |d_k| M_k / size,
- * which is at most R for the size without rounding. As computed it is less by at most 8 roundings. So
- * |e' - exact| <= 10.001 u R.
+ * EDGES. Let u = 2^-24, and R at least |d_main|, 2 |d_j| and 2 |d_l| of all rays of the packet. Roundings of a
+ * component of a + b: 1 for each of a and b, 1 for their sum, together 2 u of |a_k| + |b_k| (not of |a_k + b_k|, which
+ * can be much smaller). The edge has 1, the products of the cross product 1, their subtraction 1, 1 / size 1, the
+ * product with it 1; in the dot product the products have 1 and the sums 2. That makes 10, relative to the sum of
+ * |d_k| M_k / size, which is at most R for the size without rounding. The size as computed is smaller by at most 8
+ * roundings. So |e' - exact| <= 10.001 u R.
  *
- * Where a processor multiplies and adds at once, in cross and dot products, there is one rounding in place of the
- * product's and the sum's: less than is counted here.
+ * With fused multiply-add, cross and dot products have one rounding where a product and a sum have one each: fewer than
+ * are counted here.
  *
  * Underflow: float sums have none. A product in the cross product may lose 2^-150; since size is made at least 2^-100,
- * the three components lose no more than 2^-47 R in all. The product with 1 / size may lose 2^-150 and so may those
- * with d: nothing beside u R, since R >= 2^-60 (packet.h). So EDGE_BOUND R = 11 u R is a bound. Overflow: magnitudes up
- * to 2^60 make sizes of at most 2^125, whose reciprocals are no denormals. So all of this is finite: there is no NaN,
- * which v_min would drop. Without a least size there would be: a cross product can underflow to 0 altogether.
+ * the three components lose at most 2^-47 R in all. The product with 1 / size may lose 2^-150 and so may those with d:
+ * negligible beside u R, since R >= 2^-60 (packet.h). So EDGE_BOUND R = 11 u R is a bound. Overflow: magnitudes up to
+ * 2^60 make sizes of at most 2^125, whose reciprocals are not denormal. So all numbers are finite, and there is no NaN,
+ * which v_min would drop. Without the least size there could be one, since a cross product can underflow to 0.
  *
- * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10; with A made of a as R is of
- * d it is off by 10.001 u A, and by 2^-148 where its products underflow, and |N'| < 1.001 A. In signs that make D'
- * positive, let E = 12 u A + 2^-82 and W = 16 u R. Rounded themselves, N' -+ E are bounds on either side with 2^-83 to
- * spare, and D' -+ W with 5.9 u R.
+ * DISTANCES. D' has 9 roundings, so it is off by 9.001 u R, and |D'| < 1.001 R. N' has 10. With A for the components
+ * of a as R is for those of d, N' is off by 10.001 u A, and by 2^-148 where its products underflow, and
+ * |N'| < 1.001 A. In signs that make D' positive, let E = 12 u A + 2^-82 and W = 16 u R. Then N' - E and N' + E, as
+ * rounded, are bounds of the true numerator with 2^-83 to spare, and D' - W and D' + W are bounds of the true
+ * denominator with 5.9 u R to spare.
  *
- * So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W), for x >= 0: the rounding of the product takes 1.1
- * u R of what W has to spare, and the 2^-150 it may lose are nothing beside 2^-83. x may be infinite, and so may the
- * product: D' - W is positive where it counts, and no N' is infinite.
+ * So t < x if N' + E < x (D' - W), and t > x if N' - E > x (D' + W), for x >= 0: the rounding of the product takes
+ * 1.1 u R of the room that W leaves, and the 2^-150 that it may lose are negligible beside 2^-83. x may be infinite,
+ * and so may the product: D' - W is positive wherever the comparison is used, and no N' is infinite.
  *
- * Let D' > 2 W and s = W / D'. Then t lies between (N' - E) / D' (1 - s) and (N' + E) / D' (1 + 2 s): D' is off
- * by 9.001 / 16 s of itself, and what s has to spare, 6.9 u at least, pays for the four roundings of each. They may
- * lose 2^-149, less than 2^-83 / D'. The lower end is kept of hits only, and is finite: along some axis |d_k| >= 2^-60,
- * and a hit is no farther than 2^61, so t <= 2^121. (The upper one may be infinite.)
+ * Let D' > 2 W and s = W / D'. Then t lies between (N' - E) / D' (1 - s) and (N' + E) / D' (1 + 2 s): D' is off by
+ * 9.001 / 16 s of itself, and the room that s leaves, at least 6.9 u, is more than the four roundings of each take.
+ * They may lose 2^-149, less than 2^-83 / D'. The lower bound is kept for hits only, and is finite: along some axis
+ * |d_k| >= 2^-60, and a hit is at most 2^61 away, so t <= 2^121. (The upper bound may be infinite.)
  */
 #ifndef MLRT_HITS_TRIANGLE_FILTER_H
 #define MLRT_HITS_TRIANGLE_FILTER_H
@@ -79,7 +80,7 @@ MLRT_INLINE vf dot_product(const vf a[3], const vf b[3])
     return v_mul_add(a[2], b[2], v_mul_add(a[1], b[1], v_mul(a[0], b[0])));
 }
 
-/* The cross product of what stands for a vertex and an edge, scaled by its size. */
+/* The cross product of a + b, or of a side, and an edge, divided by its size: see the head of this file. */
 MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_t main_axis, vf cross[3])
 {
     cross_product(sum, edge, cross);
@@ -99,34 +100,34 @@ MLRT_INLINE void scaled_cross_product(const vf sum[3], const vf edge[3], uint32_
     for (int k = 0; k < 3; ++k) cross[k] = v_mul(cross[k], scale);
 }
 
-/* What the filter says of a vector of rays; the lanes in neither have nothing to do with the triangle. */
+/* The filter's verdict on a vector of rays. Lanes in neither of the first two surely miss, or hit no nearer. */
 struct verdict {
     vm nearer; /* surely hit, surely before the nearest hit so far */
     vm undecided;
-    vm inside; /* surely inside all edges; of the undecided lanes only */
+    vm inside; /* surely inside all edges */
     vf lo;     /* where nearer: lo <= t <= hi */
     vf hi;
 };
 
-/* What the decision needs: computed numbers, and bounds of their errors. */
+/* The numbers that the filter compares, and bounds of their errors. */
 struct float_test {
-    vf least; /* of the edge functions */
-    vf greatest;
-    vf above; /* their bound, and its negative */
-    vf below;
+    vf least;    /* of the three edge functions */
+    vf greatest; /* of the three */
+    vf above;    /* their bound */
+    vf below;    /* -above */
     vf determinant;
     vf plane_bound;
     vf distance;
     vf distance_bound;
 };
 
-/* Lanes that are not surely outside. */
+/* The lanes of `active` that are not surely outside the edges. */
 MLRT_INLINE vm may_be_inside(const struct float_test *test, vm active)
 {
     return m_andnot(active, m_and(v_gt(test->greatest, test->above), v_lt(test->least, test->below)));
 }
 
-/* lo and hi of t = N / |D|: see the head of this file. `width` is W. */
+/* Sets lo and hi of t = N / |D| as derived at the head of this file. `width` is W, `size` is |D|. */
 MLRT_INLINE void bound_distance(vf least_n, vf greatest_n, vf size, vf width, struct verdict *verdict)
 {
     const vf inverse = v_div(v_set1(1), size), slack = v_mul(inverse, width);
@@ -134,8 +135,10 @@ MLRT_INLINE void bound_distance(vf least_n, vf greatest_n, vf size, vf width, st
     verdict->hi = v_mul(v_mul(greatest_n, inverse), v_add(v_set1(1), v_add(slack, slack)));
 }
 
-/* The verdict on lanes that are not surely outside; lo and hi are of the nearest hits so far. Those of the verdict are
- * found unless any hit will do. */
+/*
+ * The verdict on `candidates`, which are not surely outside. The nearest hits so far lie between `lo` and `hi`. The
+ * verdict's own lo and hi are set unless `any`.
+ */
 MLRT_INLINE struct verdict compare_distances(const struct float_test *test, vm candidates, vf t_min, vf lo, vf hi,
                                              int any)
 {

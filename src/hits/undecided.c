@@ -9,10 +9,11 @@
 #include "simd/sixteen.h"
 
 /*
- * PLANES. Triangles that were found to lie in one plane form a tree: each refers to another one of its plane, but for
- * the last, which stands for all of them. A triangle whose entry was overwritten stands for itself again, and so the
- * answer is asked for again: what is known is true, and need not be all. A reference is only made from and to triangles
- * that stand for themselves, or in place of one that led to the same end, so there is no circle.
+ * PLANES. Triangles that were found to lie in one plane form a tree: each refers to another triangle of its plane,
+ * except the root, which represents all of them. The table is a cache: a triangle whose entry was overwritten
+ * represents itself again, and is compared again when that is needed. So what the table says is true, and it need not
+ * be complete. A new reference goes from one root to another, or replaces a reference that leads to the same root, so
+ * there is no cycle.
  */
 
 void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker)
@@ -48,7 +49,10 @@ MLRT_NOINLINE void mlrt_find_order(const struct mlrt_tree *tree, const float ape
     *pair = (struct mlrt_triangle_pair){first, second, differ || order != 0, order, {apex[0], apex[1], apex[2]}};
 }
 
-/* Settles what is a tie. Returns the lanes of `lanes` that are settled. */
+/*
+ * Settles the lanes whose nearest hit lies in the plane of triangle `number`. Returns those of `lanes` that are
+ * settled.
+ */
 static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                             struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -64,7 +68,7 @@ static uint32_t settle_ties(const struct mlrt_tree *tree, uint32_t number, uint3
     return settled;
 }
 
-/* Hands single lanes to the judge. Returns those that are hit nearer than before. */
+/* Lets the judge decide lanes one by one. Returns those that have a nearer hit than before. */
 static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, struct mlrt_packet *packet,
                             struct mlrt_worker *worker, mlrt_counters *counters)
 {

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is left of close calls: exact ties in one plane, and then the judge, ray by ray (nearest.h). Compiled once, for all
- * instruction sets: `counters` are NULL but for kernels that count. close_calls.h decides what it can before.
+ * Lanes that float filters and close_calls.h leave undecided: exact ties in one plane are found first, and the judge
+ * (exact/nearest.h) decides the others, ray by ray. Compiled once for all instruction sets. `counters` is NULL except
+ * in kernels that count.
  */
 #ifndef MLRT_HITS_UNDECIDED_H
 #define MLRT_HITS_UNDECIDED_H
 
 #include "job/job.h"
 
-/* Empties what a worker remembers of planes and pairs, of which there is room for 1 << bits. */
+/* Empties the worker's tables of planes and pairs, and sets their lengths: 1 << plane_bits and 1 << pair_bits. */
 void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker);
 
-/* Do two triangles lie in one plane? A worker remembers the last answers, since neighbours ask the same. */
+/* Do two triangles lie in one plane? The worker keeps the last answers, since neighbouring rays need the same ones. */
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker);
 
-/* The triangle that stands for the plane of a triangle, as far as is known (undecided.c). */
+/* The triangle that represents the plane of a triangle, by the worker's table (undecided.c). */
 static inline uint32_t mlrt_known_plane_of(const struct mlrt_worker *worker, uint32_t number)
 {
     for (;;) {
@@ -24,6 +25,7 @@ static inline uint32_t mlrt_known_plane_of(const struct mlrt_worker *worker, uin
     }
 }
 
+/* The table entry of a pair of triangles; it may hold another pair (mlrt_is_pair). */
 static inline struct mlrt_triangle_pair *mlrt_pair_of(const struct mlrt_worker *worker, uint32_t first, uint32_t second)
 {
     return &worker->pairs[(first ^ second) & worker->pair_mask];
@@ -34,11 +36,11 @@ static inline int mlrt_is_pair(const struct mlrt_triangle_pair *pair, uint32_t f
     return pair->first == first && pair->second == second;
 }
 
-/* Makes a pair of the triangles, with their order from an apex. */
+/* Finds the order of two triangles from an apex, and stores it in `pair`. */
 void mlrt_find_order(const struct mlrt_tree *tree, const float apex[3], uint32_t first, uint32_t second,
                      struct mlrt_triangle_pair *pair);
 
-/* The order of two triangles from an apex (predicate.h: mlrt_order_of_triangles). */
+/* The order of two triangles from an apex (mlrt_order_of_triangles in exact/predicate.h), looked up or found. */
 static inline int mlrt_known_order(const struct mlrt_tree *tree, const float apex[3], uint32_t first, uint32_t second,
                                    struct mlrt_worker *worker)
 {
@@ -51,10 +53,10 @@ static inline int mlrt_known_order(const struct mlrt_tree *tree, const float ape
 }
 
 /*
- * Exact ties are common: things drawn twice, walls of one plane. Where the nearest hit so far lies in the plane of the
- * triangle, so does the ray's hit of it: at the same t, which is known to be in range. So the later of the two in the
- * input changes nothing, whether it is hit or not, and the earlier one replaces the other where it is surely inside.
- * Returns the lanes of `lanes`, whose nearest hit is `nearest`, that this settles.
+ * Settles exact ties, which are common: surfaces that are there twice, walls in one plane. `nearest` is the nearest
+ * hit of all `lanes`, and triangle `number` lies in its plane. So if a ray hits triangle `number`, it does at the same
+ * t, which is known to be in range. A triangle that comes later in the input changes nothing, hit or not. An earlier
+ * one becomes the nearest hit of the lanes that are surely inside it. Returns the lanes that are settled.
  */
 static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32_t lanes, uint32_t inside,
                                        struct mlrt_packet *packet)
@@ -65,13 +67,17 @@ static inline uint32_t mlrt_settle_tie(uint32_t number, uint32_t nearest, uint32
     return lanes;
 }
 
-/* Offers a triangle to the rays in `lanes`, of which those in `inside` are surely inside its edges. Returns the lanes
- * that are hit nearer than before: not those where only the triangle is another, at the same distance. */
+/*
+ * Decides whether the rays in `lanes` hit a triangle; those in `inside` are known to be inside its edges. Returns the
+ * lanes whose nearest hit is nearer than before. (A tie may change the triangle without changing the distance.)
+ */
 uint32_t mlrt_decide_lanes(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
                            struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 
-/* Offers those of the triangles numbers[i] for which bit i is set to one ray. Returns 1 if one of
- * them became the nearest hit, which for a job that looks for any is the last one offered. */
+/*
+ * Decides whether one ray hits the triangles numbers[i], for each bit i of `undecided`; those in `inside` are known to
+ * be. Returns 1 if one of them became a nearer hit. With a query for any hit, the first hit ends it.
+ */
 int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
                           uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
                           mlrt_counters *counters);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The results of a packet on their way out: its triangles are turned into ids and numbers a vector at a time. Where
- * they go is write_arrays.h's.
+ * Writes the results of a packet: the triangles that it hits become ids and numbers, a vector at a time, and
+ * write_arrays.h stores them.
  */
 #ifndef MLRT_HITS_WRITE_PACKET_H
 #define MLRT_HITS_WRITE_PACKET_H
@@ -13,8 +13,10 @@
 #include "rays/rectangle.h"
 #include "simd/simd.h"
 
-/* The ids of the lanes whose triangles are of a mesh. `is_first`: other lanes get those of misses; else they stay.
- * Returns the lanes. */
+/*
+ * Sets the ids of the lanes that hit a triangle of mesh `mesh` (a position), and returns these lanes. Other lanes get
+ * the ids of a miss with `is_first`, and otherwise keep theirs.
+ */
 MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
                                       int is_first, struct mlrt_packet_values *values)
 {
@@ -31,7 +33,9 @@ MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mes
     return found;
 }
 
-/* The ids of what the lanes `hit` hit, mesh by mesh. Neighbours mostly hit the mesh that was hit last. */
+/*
+ * Sets the ids of the lanes `hit`, mesh by mesh. The mesh that was hit last comes first, as neighbours mostly hit it.
+ */
 MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                                  uint32_t *last_mesh, struct mlrt_packet_values *values)
 {
@@ -42,7 +46,7 @@ MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt
     }
 }
 
-/* Writes the results of a packet's lanes, whose block starts at (x, y) of the sink. */
+/* Writes the results of a packet's lanes to a sink, where the packet's block starts at (x, y). */
 static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         const struct mlrt_packet *packet, uint32_t lanes, uint32_t x, uint32_t y,
                                         const struct mlrt_sink *sink)
@@ -60,6 +64,7 @@ static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_
     mlrt_write_values(&values, lanes, x, y, sink);
 }
 
+/* Writes the results of a packet's lanes to the frame and to the callback's tile. */
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
                          uint32_t lanes, const struct mlrt_rectangle *block)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What rays that hit one triangle share of t, u and v: see hit_terms.h. Formulas and widths are those of
- * hit_numbers.h, for one triangle and one origin.
+ * The cached terms of t, u and v: see hit_terms.h. Formulas and widths are those of hits/hit_numbers.h, for one
+ * triangle and one origin.
  */
 #include "job/hit_terms.h"
 

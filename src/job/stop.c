@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Looking up from an item. The host's function runs in the caller's floating-point environment, as it does between
- * items.
+ * Progress within an item: see stop.h. The host's function runs in the caller's floating-point environment, as it does
+ * between items.
  */
 #include "job/stop.h"
 

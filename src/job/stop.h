@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A worker looks up in the middle of an item: the host is told how far the call has come, and may end it.
+ * Reports progress to the host in the middle of an item, and asks whether the host has ended the call.
  */
 #ifndef MLRT_JOB_STOP_H
 #define MLRT_JOB_STOP_H
@@ -8,15 +8,16 @@
 #include "job/job.h"
 
 /*
- * Adds pixels that are done, and tells the host if it was last told some time ago (progress.h). Returns 1 if the call
- * is to end: from then on the worker's results are not looked at, and what it has begun may end as it likes. Called in
- * the floating-point environment of the library.
+ * Adds pixels that are done, and calls the host if it was not called for a millisecond (base/progress.h). Returns 1 if
+ * the call is to end: from then on the worker's results are not used, and it may return with any. To be called in the
+ * floating-point environment of the library.
  */
 int mlrt_is_stopped(struct mlrt_worker *worker, double pixels);
 
-/* Likewise, in a step of up to some microseconds, with nothing done: looks up in one of so many only. */
+/* Steps that take up to some microseconds ask the host in one of so many calls only. */
 #define MLRT_SLOW_STEPS 64
 
+/* As mlrt_is_stopped, for such a step, with no pixels done. */
 static inline int mlrt_is_stopped_in_step(struct mlrt_worker *worker)
 {
     if (!worker->progress) return 0;

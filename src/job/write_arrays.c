@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Results on their way out: where they go. What nobody reads is not computed: the numbers of a hit (rule R5) are worked
- * out by the kernels (hit_numbers.h), and only for channels that a sink has.
+ * Writes results to the arrays of a sink. The numbers of a hit (rule R5) are computed by the kernels
+ * (hits/hit_numbers.h), and only for channels that the sink has.
  */
 #include "job/write_arrays.h"
 
@@ -17,7 +17,7 @@ size_t mlrt_channel_size(enum mlrt_channel channel)
     return channel == MLRT_CHANNEL_OCCLUDED ? 1 : 4;
 }
 
-/* The channel out of a set that has these strides and this address; MLRT_CHANNEL_COUNT if there is none. */
+/* The channel of the set that is at `data` with the strides of `group`; MLRT_CHANNEL_COUNT if there is none. */
 static int find_channel(const struct mlrt_sink *sink, uint32_t channels, const struct mlrt_sink_group *group,
                         const unsigned char *data)
 {
@@ -30,7 +30,7 @@ static int find_channel(const struct mlrt_sink *sink, uint32_t channels, const s
     return MLRT_CHANNEL_COUNT;
 }
 
-/* The channel out of a set that has the lowest address. */
+/* The channel of the set that has the lowest address. */
 static int find_lowest_channel(const struct mlrt_sink *sink, uint32_t channels)
 {
     int lowest = (int)mlrt_lowest_bit(channels);
@@ -40,7 +40,10 @@ static int find_lowest_channel(const struct mlrt_sink *sink, uint32_t channels)
     return lowest;
 }
 
-/* A group of channels out of a set. Returns them. Structs do not overlap. */
+/*
+ * Makes a group that begins with the lowest channel of the set, and returns its channels. They fit into one stride, so
+ * that the structs of neighbouring pixels do not overlap.
+ */
 static uint32_t make_group(const struct mlrt_sink *sink, uint32_t channels, struct mlrt_sink_group *group)
 {
     uint32_t taken = 0;
@@ -139,7 +142,7 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *triangle = number - tree->mesh_first[position];
 }
 
-void mlrt_tell_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
+void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
 {
     struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
     if (number != MLRT_NONE) {
@@ -199,14 +202,14 @@ static size_t lane_offset(uint32_t lane, size_t stride, size_t row_stride)
     return row * row_stride + column * stride;
 }
 
-/* The values of a channel of a group. */
+/* The array with the values of channel i of a group. */
 MLRT_INLINE const unsigned char *values_of(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
                                            uint32_t i)
 {
     return (const unsigned char *)values + sizeof values->t * group->channel[i];
 }
 
-/* A whole packet to elements that lie side by side. Lanes 0 .. 3 and 4 .. 7 are two squares beside each other. */
+/* Writes a whole packet to packed elements. Lanes 0 .. 3 and 4 .. 7 are two squares of 2x2 beside each other. */
 MLRT_INLINE void write_block(const unsigned char *values, unsigned char *at, size_t row_stride)
 {
     for (int half = 0; half < 2; ++half, at += 2 * row_stride, values += 32) {
@@ -216,7 +219,7 @@ MLRT_INLINE void write_block(const unsigned char *values, unsigned char *at, siz
     }
 }
 
-/* Where a square of four lanes goes to, of a whole packet in structs. */
+/* The addresses of the elements of four lanes, a square of 2x2. */
 struct square {
     unsigned char *at[4];
 };
@@ -227,14 +230,14 @@ MLRT_INLINE struct square find_square(unsigned char *corner, size_t square, size
     return (struct square){{above, above + stride, above + row_stride, above + row_stride + stride}};
 }
 
-/* One element each, */
+/* Writes one value to each struct of a square. */
 MLRT_INLINE void write_singles(const unsigned char *values, const struct square *to)
 {
     MLRT_UNROLL
     for (int i = 0; i < 4; ++i) memcpy(to->at[i], values + 4 * i, 4);
 }
 
-/* two, */
+/* Writes two neighbouring values to each. */
 MLRT_INLINE void write_pairs(const unsigned char *first, const unsigned char *second, const struct square *to)
 {
     const f4 a = f4_load_any(first), b = f4_load_any(second);
@@ -246,7 +249,7 @@ MLRT_INLINE void write_pairs(const unsigned char *first, const unsigned char *se
     f4_store_high(to->at[3], below);
 }
 
-/* or four. */
+/* Writes four neighbouring values to each. */
 MLRT_INLINE void write_fours(const unsigned char *const *values, size_t offset, const struct square *to)
 {
     f4 a[4];
@@ -260,7 +263,7 @@ MLRT_INLINE void write_fours(const unsigned char *const *values, size_t offset, 
     f4_store_any(to->at[3], f4_odds(odds, more_odds));
 }
 
-/* A whole packet to structs. */
+/* Writes a whole packet to structs. */
 static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
                                         unsigned char *corner)
 {
@@ -282,7 +285,7 @@ static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values,
     }
 }
 
-/* Some lanes of a packet, to elements of any kind. */
+/* Writes any lanes of a packet to elements with any stride. */
 static MLRT_NOINLINE void write_lanes(const struct mlrt_packet_values *values, uint32_t lanes,
                                       const struct mlrt_sink_group *group, unsigned char *corner)
 {
@@ -309,12 +312,12 @@ void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, 
     }
 }
 
-/* Four bits as bytes. */
+/* A byte for each bit of a number of four bits. */
 static const uint8_t bytes_of_bits[16][4] = {
     {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, 1, 0}, {0, 1, 1, 0}, {1, 1, 1, 0},
     {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1}, {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
 
-/* Bytes of lanes to elements that do not lie side by side. */
+/* Writes a byte for each lane to elements with any stride. */
 static MLRT_NOINLINE void write_bytes(const uint8_t bytes[MLRT_PACKET_RAYS], uint32_t lanes, unsigned char *corner,
                                       size_t stride, size_t row_stride)
 {
@@ -395,7 +398,7 @@ void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
     }
 }
 
-/* One word to rows of so many times four elements that lie side by side. */
+/* Writes one word to rows of 4 * quads packed elements. */
 MLRT_INLINE void fill_quads(uint32_t value, uint32_t quads, uint32_t height, size_t row_stride, unsigned char *row)
 {
     const uint32_t words[4] = {value, value, value, value};
@@ -405,7 +408,7 @@ MLRT_INLINE void fill_quads(uint32_t value, uint32_t quads, uint32_t height, siz
     }
 }
 
-/* The same to all structs of a rectangle. */
+/* Writes the same words to all structs of a rectangle. */
 static void fill_structs(f4 words, uint32_t width, uint32_t height, const struct mlrt_sink_group *group,
                          unsigned char *row)
 {
@@ -425,7 +428,7 @@ static void fill_structs(f4 words, uint32_t width, uint32_t height, const struct
     }
 }
 
-/* The same values, of those channels that there are, to a rectangle. */
+/* Writes the same values, one for each channel of 4 bytes, to a rectangle. */
 static void fill_channels(const uint32_t values[MLRT_CHANNEL_OCCLUDED], uint32_t x, uint32_t y, uint32_t width,
                           uint32_t height, const struct mlrt_sink *sink)
 {
@@ -454,7 +457,7 @@ void mlrt_write_same_shadow(uint8_t value, uint32_t x, uint32_t y, uint32_t widt
     for (; height; --height, row += row_stride) {
         if (stride != 1) {
             for (uint32_t i = 0; i < width; ++i) row[i * stride] = value;
-        } else if (width == 16) { /* a store, where the other is a call */
+        } else if (width == 16) { /* a fixed length: compiled to a store, not a call */
             memset(row, value, 16);
         } else {
             memset(row, value, width);

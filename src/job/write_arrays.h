@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Results on their way out: to the caller's frame, to the buffer of a tile callback, or to both.
+ * A sink: the arrays that results are written to, those of the caller's frame or of a tile callback.
  */
 #ifndef MLRT_JOB_WRITE_ARRAYS_H
 #define MLRT_JOB_WRITE_ARRAYS_H
@@ -20,31 +20,33 @@ enum mlrt_channel {
     MLRT_CHANNEL_COUNT
 };
 
-/* Channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses: they are
- * written together. */
+/*
+ * Channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses. They are
+ * written together.
+ */
 struct mlrt_sink_group {
-    unsigned char *data; /* of the first; the strides are those of all */
+    unsigned char *data; /* of the first channel; all have the same strides */
     size_t stride;
     size_t row_stride;
     uint8_t count;          /* 4, 2 or 1 */
-    uint8_t channel[4];     /* those past the last are any */
-    uint8_t is_same_struct; /* as that of the group before it */
+    uint8_t channel[4];     /* entries past `count` have no meaning */
+    uint8_t is_same_struct; /* its elements lie in the same structs as those of the group before it */
 };
 
-/* Arrays over a picture, with resolved strides. data = NULL: not wanted. */
+/* Arrays over a picture, with resolved strides. data = NULL: the channel is not wanted. */
 struct mlrt_sink {
     struct {
         unsigned char *data;
         size_t stride;
         size_t row_stride;
     } channel[MLRT_CHANNEL_COUNT];
-    /* What follows from these: mlrt_group_channels. */
-    uint32_t numbers; /* what mlrt_report_hit would have to work out: MLRT_OUTPUT_T, _UV and _FACING */
+    /* Set by mlrt_group_channels. */
+    uint32_t numbers; /* outputs that have to be computed for each hit: MLRT_OUTPUT_T, _UV and _FACING */
     uint32_t group_count;
     struct mlrt_sink_group groups[MLRT_CHANNEL_OCCLUDED];
 };
 
-/* What is reported of the hits of a packet: an array for each channel of 4 bytes, in their order. */
+/* The results of a packet: an array for each channel of 4 bytes, in the order of the channels. */
 struct mlrt_packet_values {
     MLRT_ALIGNED(64) float t[MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float uv[2][MLRT_PACKET_RAYS];
@@ -53,45 +55,48 @@ struct mlrt_packet_values {
     MLRT_ALIGNED(64) uint32_t facing[MLRT_PACKET_RAYS];
 };
 
-/* Of closest hits, of any-hit and shadows: bit per channel. */
+/* The channels of closest hits, and those of any hit and of shadows: a bit for each. */
 #define MLRT_CHANNELS_CLOSEST  ((1u << MLRT_CHANNEL_OCCLUDED) - 1)
 #define MLRT_CHANNELS_OCCLUDED (1u << MLRT_CHANNEL_OCCLUDED)
 
 /*
- * Checks and resolves a frame of `width` columns that may have these channels. `packed_rows`: rows follow each other
- * without gaps, whatever the arrays' row_stride says (lists of rays).
+ * Makes a sink of a frame of `width` columns, which may have the channels `channels`. Returns MLRT_ERROR_ARGUMENT for
+ * other channels, and for strides or addresses that the contract does not allow. `packed_rows`: rows follow each other
+ * without gaps, and the arrays' row_stride is ignored (lists of rays).
  */
 int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
                        struct mlrt_sink *sink);
 
-/* Sets what follows from the channels. */
+/* Sets the fields of a sink that follow from its channels. */
 void mlrt_group_channels(struct mlrt_sink *sink);
 
-/* Does the sink want anything? */
+/* Is no channel of the sink wanted? */
 int mlrt_sink_is_empty(const struct mlrt_sink *sink);
 
 /* Bytes of one element. */
 size_t mlrt_channel_size(enum mlrt_channel channel);
 
-/* t, u, v and facing of one lane, which hits something, by the judge; what is not asked for may be any number. */
+/*
+ * Lets the judge compute t, u, v and facing of one lane that has a hit. Numbers outside of `outputs` have no meaning.
+ */
 void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
                       struct mlrt_packet_values *values);
 
-/* Writes values of the lanes `lanes` of a packet, whose block starts at (x, y) of the sink, to all channels of 4 bytes. */
+/* Writes the values of lanes of a packet, whose block starts at (x, y) of the sink, to all channels of 4 bytes. */
 void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
                        const struct mlrt_sink *sink);
 
-/* Likewise, which lanes are occluded. */
+/* Likewise writes which of the lanes are occluded, 1 or 0, to the channel `occluded`. */
 void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink);
 
-/* Adds `bit` to the shadows of the lanes `dark`, */
+/* Sets `bit`, that of one light, in the shadows of the lanes `dark`. It must not be set yet. */
 void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t bit);
 
-/* and writes those of lanes. */
+/* Writes the shadows of lanes of a packet, whose block starts at (x, y), to the channel `occluded`. */
 void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
                         const struct mlrt_sink *sink);
 
-/* Has what a rectangle of at most 16 columns will be written to brought into the cache. */
+/* Prefetches the elements of a rectangle of at most 16 columns for writing. */
 void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
 
 /* Writes misses to a rectangle. */
@@ -101,20 +106,20 @@ void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, 
 void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
                          uint32_t height, const struct mlrt_sink *sink);
 
-/* Writes one value to the channel `occluded` of a rectangle, if there is one. */
+/* Writes one value to a rectangle of the channel `occluded`, if the sink has it. */
 void mlrt_write_same_shadow(uint8_t occluded, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                             const struct mlrt_sink *sink);
 
-/* The ray of a lane. Its mask is only known if the packet has masks. */
+/* Sets *ray to the ray of a lane. If the packet has no masks, its mask is MLRT_MASK_ALL. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);
 
-/* The position of the mesh that a triangle number belongs to. */
+/* Returns the position of the mesh that triangle `number` belongs to. */
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 
-/* The ids that a triangle number is reported by; those of a miss for MLRT_NONE. */
+/* Sets the ids of triangle `number`; those of a miss for MLRT_NONE. */
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
 
-/* All of a hit but `occluded`, for the triangle with this number; that of a miss for MLRT_NONE. */
-void mlrt_tell_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit);
+/* Sets all of a hit but `occluded`, for triangle `number`; a miss for MLRT_NONE. */
+void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit);
 
 #endif

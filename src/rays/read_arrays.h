@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rays of a tile out of the caller's arrays, whatever their strides: a whole block a vector at a time. Blocks at the
- * end of a list, and those of which rows do not share elements evenly, are read by source.c.
+ * Reads rays from the caller's arrays, of any strides, a whole block of 4x4 rays at a time, with vectors. Blocks that
+ * are cut off, rays with masks, and sources where blocks share origins unevenly are read by source.c.
  */
 #ifndef MLRT_RAYS_READ_ARRAYS_H
 #define MLRT_RAYS_READ_ARRAYS_H
@@ -12,18 +12,17 @@
 #include "rays/check_packet.h"
 #include "simd/simd.h"
 
-/* How the elements of a block lie: neighbours of a row, and rows, in bytes apart. Elements of twelve bytes with nothing
- * between them are packed; behind some others a word follows that is an element of another array. */
+/* Where the elements of a block lie in an array. Distances are in bytes. */
 struct array_layout {
     const unsigned char *data;
-    size_t stride; /* between elements; 0: one serves all rays */
-    size_t step;   /* between the neighbours of a block; 0 where they share elements */
-    size_t row_step;
-    int is_packed;
-    int has_word; /* a word behind each element may be read, too */
+    size_t stride;   /* between elements; 0: all rays share one */
+    size_t step;     /* between neighbours in a row of a block; 0: they share one element */
+    size_t row_step; /* between the rows of a block */
+    int is_packed;   /* the step is 12, so that vectors of three floats follow each other without a gap */
+    int has_word;    /* the word behind each element belongs to another array, so it may be read too */
 };
 
-/* The arrays of a source as its whole blocks are read: the same for all blocks of a tile. */
+/* The layouts of a source's arrays: the same for all blocks of a tile. */
 struct array_reader {
     const struct mlrt_source *source;
     struct array_layout points;
@@ -31,9 +30,9 @@ struct array_reader {
     struct array_layout t_min;
     struct array_layout t_max;
     struct array_layout skip;
-    int points_have_t_min; /* as the word behind them */
-    int directions_have_t_max;
-    int are_structs; /* directions follow the word behind the points */
+    int points_have_t_min;     /* the word behind each point is its t_min */
+    int directions_have_t_max; /* the word behind each direction is its t_max */
+    int are_structs;           /* each direction follows the word behind its point */
 };
 
 static void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t row_length, struct array_layout *layout)
@@ -46,20 +45,26 @@ static void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t 
     layout->has_word = 0;
 }
 
-/* Does an element of `other` follow each of these, twelve bytes from where it begins? Not where that is in the next one. */
+/*
+ * Is the word behind each element of `array`, which takes twelve bytes, the start of an element of `other`? With a
+ * stride of 12 that word would belong to the next element of `array`.
+ */
 static int is_followed_by(const struct array_layout *array, const struct array_layout *other)
 {
     return array->data && other->data == array->data + 12 && array->stride > 12 && array->stride == other->stride &&
            array->step == other->step;
 }
 
-/* 0 if neighbours share origins in another way than sixteen at a time. */
+/*
+ * Sets up the reader of a source. Returns 0 if whole blocks cannot be read: for a camera, and if the number of rays per
+ * origin is neither 1 nor a multiple of a packet's rays.
+ */
 static int begin_reading(const struct mlrt_source *source, struct array_reader *reader)
 {
     const uint32_t group = source->rays_per_origin;
     const int is_rays = source->kind == MLRT_SOURCE_RAYS;
     static const mlrt_const_array none;
-    const mlrt_const_array light = {source->light, 0}; /* the direction of all, if it is a directional one */
+    const mlrt_const_array light = {source->light, 0}; /* of a directional light: the direction of all rays */
     if (source->kind == MLRT_SOURCE_CAMERA || (group > 1 && group % MLRT_PACKET_RAYS != 0)) return 0;
     reader->source = source;
     lay_out_array(&source->points, group, source->width, &reader->points);
@@ -81,7 +86,7 @@ static int begin_reading(const struct mlrt_source *source, struct array_reader *
     return 1;
 }
 
-/* The column and row of a packet's lane. */
+/* The offset of the element of a packet's lane from that of lane 0. */
 MLRT_INLINE size_t offset_of_lane(const struct array_layout *layout, int lane)
 {
     return (size_t)((lane & 1) | (lane >> 1 & 2)) * layout->step +
@@ -89,8 +94,9 @@ MLRT_INLINE size_t offset_of_lane(const struct array_layout *layout, int lane)
 }
 
 /*
- * Reads three words of each lane into rows of lanes, and that behind them, if there is one, into `fourth`. Of the vectors
- * `from` is subtracted, if it is not NULL: not afterwards, as what was just stored is not loaded as fast.
+ * Reads three words of each lane into `rows`, and the word behind them into `fourth`, if that is not NULL. Unless
+ * `from` is NULL, it is subtracted from the vectors, here and not in a second pass, since loads of words just stored
+ * are slow.
  */
 static MLRT_NOINLINE void read_vectors_apart(const struct array_layout *layout, const unsigned char *first,
                                              const float *from, float (*rows)[MLRT_PACKET_RAYS], float *fourth)
@@ -110,8 +116,10 @@ static MLRT_NOINLINE void read_vectors_apart(const struct array_layout *layout, 
     }
 }
 
-/* Reads structs of origin, a word, direction and another one. The words go where limits do: who has them elsewhere reads
- * these later. */
+/*
+ * Reads structs of origin, a word, direction and a word. The words go to t_min and t_max; if they are not these limits,
+ * read_whole_block reads the limits afterwards.
+ */
 static MLRT_NOINLINE void read_structs(const struct array_layout *points, const unsigned char *first,
                                        struct mlrt_packet *packet)
 {
@@ -156,7 +164,7 @@ static MLRT_NOINLINE void read_floats_of(const struct array_layout *layout, size
     }
 }
 
-/* Reads a number of each lane; `standard` where there is no array. */
+/* Reads a number of each lane; `standard` if there is no array. */
 MLRT_INLINE void read_floats(const struct array_layout *layout, size_t element, float standard, float *row)
 {
     if (layout->data) {
@@ -166,8 +174,10 @@ MLRT_INLINE void read_floats(const struct array_layout *layout, size_t element, 
     }
 }
 
-/* What the rays of a block pass: pairs of mesh and triangle, as numbers. Neighbours mostly pass triangles of one mesh, or
- * nothing. */
+/*
+ * Reads the triangles that the rays of a block skip: pairs of mesh and triangle become numbers. Neighbours mostly skip
+ * triangles of one mesh, or none, so that case is fast.
+ */
 static void read_skips(const struct array_layout *skip, size_t element, const struct mlrt_tree *tree,
                        struct known_mesh *known, struct mlrt_packet *packet)
 {
@@ -182,7 +192,7 @@ static void read_skips(const struct array_layout *skip, size_t element, const st
         i_store(packet->skip_mesh + v, meshes);
         i_store(packet->skip + v, others ? triangles : numbers_in_mesh(known, triangles));
         if (MLRT_LIKELY(!others)) continue;
-        for (int w = 0; w < v; w += VW) { /* as they were given, again */
+        for (int w = 0; w < v; w += VW) { /* replaces the numbers found so far by triangles as given */
             i_pairs_at(first + offset_of_lane(skip, w), skip->step, skip->row_step, &meshes, &triangles);
             i_store(packet->skip + w, triangles);
         }
@@ -190,7 +200,7 @@ static void read_skips(const struct array_layout *skip, size_t element, const st
     if (MLRT_UNLIKELY(others)) mlrt_number_skips(tree, packet);
 }
 
-/* Reads the rays of a whole block; not masks. */
+/* Reads the rays of a whole block, of a source without masks. */
 static void read_whole_block(const struct array_reader *reader, uint32_t x, uint32_t y, struct known_mesh *known,
                              struct mlrt_packet *packet)
 {

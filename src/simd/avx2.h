@@ -72,7 +72,7 @@ MLRT_INLINE vm i_lt(vi a, vi b)
 MLRT_INLINE vm i_eq(vi a, vi b) { return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b)); }
 MLRT_INLINE vi i_select(vm m, vi a, vi b) { return _mm256_blendv_epi8(b, a, _mm256_castps_si256(m)); }
 
-/* A row is in a half: columns 0 and 1 of both come first. */
+/* Reorders two rows of four columns, one in each half, into two squares: columns 0 and 1 of both rows, then 2 and 3. */
 MLRT_INLINE vf squares_of_rows(__m256 rows)
 {
     return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(rows), _MM_SHUFFLE(3, 1, 2, 0)));
@@ -81,7 +81,7 @@ MLRT_INLINE __m128 triple_at(const unsigned char *p)
 {
     return _mm_maskload_ps((const float *)(const void *)p, _mm_setr_epi32(-1, -1, -1, 0));
 }
-/* Eight quads, lane by lane: x of all, y, z and w. */
+/* Transposes eight quads of words: by_word[k] has word k of each. */
 MLRT_INLINE void transpose_quads(const __m256 r[4], vf by_word[4])
 {
     const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpacklo_ps(r[2], r[3]);

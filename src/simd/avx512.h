@@ -77,7 +77,7 @@ MLRT_INLINE __m128 triple_at(const unsigned char *p)
 {
     return _mm_maskload_ps((const float *)(const void *)p, _mm_setr_epi32(-1, -1, -1, 0));
 }
-/* Sixteen quads, lane by lane: x of all, y, z and w. */
+/* Transposes sixteen quads of words: by_word[k] has word k of each. */
 MLRT_INLINE void transpose_quads(const __m512 r[4], vf by_word[4])
 {
     const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpacklo_ps(r[2], r[3]);
@@ -127,7 +127,7 @@ MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step
 }
 MLRT_INLINE void v_triples(const unsigned char *p, size_t row_step, vf by_axis[3])
 {
-    /* Of two rows, in squares of 2x2 lanes: columns 0, 1 of the first and of the second, and columns 2, 3. */
+    /* Two rows become squares of 2x2 lanes: columns 0, 1 of the first and of the second row, then columns 2, 3. */
     const __m512i xy = _mm512_setr_epi32(0, 3, 16, 19, 6, 9, 22, 25, 1, 4, 17, 20, 7, 10, 23, 26);
     const __m512i z = _mm512_setr_epi32(2, 5, 18, 21, 8, 11, 24, 27, 2, 5, 18, 21, 8, 11, 24, 27);
     __m512 row[4];

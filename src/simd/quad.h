@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Four floats for code that is compiled once, not for each instruction set: what every processor of this kind has.
+ * Vectors of four floats for code that is compiled once: in the instruction set that every processor of this kind has.
  */
 #ifndef MLRT_QUAD_H
 #define MLRT_QUAD_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Four floats, whatever the width of vectors is: the corners or edges of a triangle, and a fourth. In plain C: what
- * every other quad_*.h must mean.
+ * Vectors of four floats in plain C, for the corners or edges of a triangle and a fourth element. It defines each word
+ * for the other quad_*.h.
  */
 #ifndef MLRT_QUAD_SCALAR_H
 #define MLRT_QUAD_SCALAR_H
@@ -18,7 +18,7 @@ typedef struct {
 MLRT_INLINE f4 f4_set1(float a) { return (f4){{a, a, a, a}}; }
 MLRT_INLINE f4 f4_load(const float *p) { return (f4){{p[0], p[1], p[2], p[3]}}; } /* aligned to 16 bytes */
 MLRT_INLINE void f4_store(float *p, f4 a) { memcpy(p, a.x, sizeof a.x); }         /* aligned to 16 bytes */
-/* any four words, as they are, aligned or not */
+/* any four words, unchanged, at any address */
 MLRT_INLINE f4 f4_load_any(const void *p)
 {
     f4 a;
@@ -26,28 +26,29 @@ MLRT_INLINE f4 f4_load_any(const void *p)
     return a;
 }
 MLRT_INLINE void f4_store_any(void *p, f4 a) { memcpy(p, a.x, sizeof a.x); }
-/* two of them: the first ones, the last ones */
+/* the first two lanes; the last two */
 MLRT_INLINE void f4_store_low(void *p, f4 a) { memcpy(p, a.x, 2 * sizeof a.x[0]); }
 MLRT_INLINE void f4_store_high(void *p, f4 a) { memcpy(p, a.x + 2, 2 * sizeof a.x[0]); }
-/* bits of those of any four words that are `word` */
+/* bits of those of the four words at p that are `word` */
 MLRT_INLINE unsigned f4_same_words(const void *p, uint32_t word)
 {
     uint32_t words[4];
     memcpy(words, p, sizeof words);
     return (words[0] == word) | (words[1] == word) << 1 | (words[2] == word) << 2 | (words[3] == word) << 3;
 }
-/* bits of those that are 0, and of those that are 0 or whose magnitude is lo .. hi */
+/* bits of the lanes that are 0 */
 MLRT_INLINE unsigned f4_zeros(f4 a)
 {
     return (unsigned)((a.x[0] == 0) | (a.x[1] == 0) << 1 | (a.x[2] == 0) << 2 | (a.x[3] == 0) << 3);
 }
+/* bits of the lanes that are 0 or whose magnitude is lo .. hi */
 MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
 {
     unsigned bits = f4_zeros(a);
     for (int i = 0; i < 4; ++i) bits |= (unsigned)(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) << i;
     return bits;
 }
-/* the last three, and the last one again */
+/* lanes 1, 2, 3, 3 of a */
 MLRT_INLINE f4 f4_rest(f4 a) { return (f4){{a.x[1], a.x[2], a.x[3], a.x[3]}}; }
 /* a where the sign bit of `sign` is set, else b */
 MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
@@ -56,7 +57,7 @@ MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)
     for (int i = 0; i < 4; ++i) c.x[i] = signbit(sign.x[i]) ? a.x[i] : b.x[i];
     return c;
 }
-/* so_far, but 0 where any four words are not those of a */
+/* `so_far` in the lanes where the words at p are those of a, else 0 */
 MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
 {
     uint32_t words[4], wanted[4];
@@ -65,7 +66,7 @@ MLRT_INLINE f4 f4_and_same(f4 so_far, const void *p, f4 a)
     for (int i = 0; i < 4; ++i) so_far.x[i] = words[i] == wanted[i] ? so_far.x[i] : 0;
     return so_far;
 }
-/* bits of those that have the sign bit */
+/* bits of the lanes with a sign bit */
 MLRT_INLINE unsigned f4_signs(f4 a)
 {
     uint32_t words[4];
@@ -89,9 +90,9 @@ MLRT_INLINE f4 f4_max(f4 a, f4 b)
 MLRT_INLINE f4 f4_abs(f4 a) { return (f4){{fabsf(a.x[0]), fabsf(a.x[1]), fabsf(a.x[2]), fabsf(a.x[3])}}; }
 /* a, negated if b is negative */
 MLRT_INLINE f4 f4_flip(f4 a, float b) { return b < 0 ? (f4){{-a.x[0], -a.x[1], -a.x[2], -a.x[3]}} : a; }
-/* 1, 2, 0, 1 of a */
+/* lanes 1, 2, 0, 1 of a */
 MLRT_INLINE f4 f4_next(f4 a) { return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}}; }
-/* 0, 1, 2 of a, and 2 of b */
+/* lanes 0, 1, 2 of a, and 2 of b */
 MLRT_INLINE f4 f4_join(f4 a, f4 b) { return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}}; }
 MLRT_INLINE float f4_last(f4 a) { return a.x[3]; }
 MLRT_INLINE float f4_hmin(f4 a)
@@ -104,23 +105,24 @@ MLRT_INLINE float f4_hmax(f4 a)
     const float b = a.x[0] > a.x[2] ? a.x[0] : a.x[2], c = a.x[1] > a.x[3] ? a.x[1] : a.x[3];
     return b > c ? b : c;
 }
-/* 0, 1 of a and of b */
+/* lanes 0, 1 of a and of b */
 MLRT_INLINE f4 f4_low(f4 a, f4 b) { return (f4){{a.x[0], a.x[1], b.x[0], b.x[1]}}; }
-/* 2, 3 of a and of b */
+/* lanes 2, 3 of a and of b */
 MLRT_INLINE f4 f4_high(f4 a, f4 b) { return (f4){{a.x[2], a.x[3], b.x[2], b.x[3]}}; }
-/* 0, 2 of a and of b */
+/* lanes 0, 2 of a and of b */
 MLRT_INLINE f4 f4_evens(f4 a, f4 b) { return (f4){{a.x[0], a.x[2], b.x[0], b.x[2]}}; }
-/* 1, 3 of a and of b */
+/* lanes 1, 3 of a and of b */
 MLRT_INLINE f4 f4_odds(f4 a, f4 b) { return (f4){{a.x[1], a.x[3], b.x[1], b.x[3]}}; }
-/* Four vectors of three coordinates, whose starts are `step` floats apart: by_axis[k] has those along axis k. */
+/* four floats, `step` apart */
 MLRT_INLINE f4 f4_gather(const float *p, size_t step) { return (f4){{p[0], p[step], p[2 * step], p[3 * step]}}; }
+/* four vectors of three coordinates, whose starts are `step` floats apart: by_axis[k] has those along axis k */
 MLRT_INLINE void f4_gather_triples(const float *p, size_t step, f4 by_axis[3])
 {
     for (int k = 0; k < 3; ++k, ++p) by_axis[k] = (f4){{p[0], p[step], p[2 * step], p[3 * step]}};
 }
-/* The same of vectors that lie side by side. */
+/* the same for packed vectors */
 MLRT_INLINE void f4_triples(const float *p, f4 by_axis[3]) { f4_gather_triples(p, 3, by_axis); }
-/* From three corners of three coordinates each: corner[k] has those along axis k, of a, b, c and a. */
+/* three corners a, b, c of three coordinates each: corner[k] has those along axis k, of a, b, c and a */
 MLRT_INLINE void f4_corners(const float v[3][3], f4 corner[3])
 {
     for (int k = 0; k < 3; ++k) corner[k] = (f4){{v[0][k], v[1][k], v[2][k], v[0][k]}};

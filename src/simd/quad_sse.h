@@ -67,7 +67,7 @@ MLRT_INLINE f4 f4_high(f4 a, f4 b) { return _mm_movehl_ps(b, a); }
 MLRT_INLINE f4 f4_evens(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(2, 0, 2, 0)); }
 MLRT_INLINE f4 f4_odds(f4 a, f4 b) { return _mm_shuffle_ps(a, b, _MM_SHUFFLE(3, 1, 3, 1)); }
 MLRT_INLINE f4 f4_gather(const float *p, size_t step) { return _mm_setr_ps(p[0], p[step], p[2 * step], p[3 * step]); }
-/* Words of elements, for vocabularies: four that lie side by side; two of two; one of each of two in two rows. */
+/* For v_quads_at and its like: four words at p; two words of two elements; one word of two elements in two rows. */
 MLRT_INLINE __m128 quad_at(const unsigned char *p) { return _mm_loadu_ps((const float *)(const void *)p); }
 MLRT_INLINE __m128 pairs_at(const unsigned char *p, size_t step)
 {

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The vocabulary of the kernels, one lane wide and in plain C: what every other header of a vocabulary must mean lane by lane.
+ * The vocabulary of the kernels in plain C, one lane wide. It defines each word: in the other headers of this folder,
+ * each lane has the same meaning.
  *
- *   vf floats, vi 32-bit integers, vm masks; VW lanes; ALL_LANES has a bit for each. Loads and stores are aligned to
- * the width, but for v_load_any and i_load_any. v_min and v_max return their second operand if either is a NaN;
- * comparisons with a NaN are false. A mask lane is all ones or all zeros; m_bits has lane i in bit i.
- *   v_mul_add is a b + c and v_mul_sub a b - c, with one rounding or two: only what has bounds for both may use them.
- *   v_hmin is the least lane of a vector, v_hmax the greatest, and v_hmin4 the least of each of four.
- *   vd doubles; DW lanes, which are loaded from floats and rounded to floats. d_first is lane 0, as it is. d_mul_add
- * and d_mul_sub round once or twice, like v_mul_add.
- *   v_triples_at (by axis), v_quads_at, v_floats_at and i_pairs_at: three, four, one or two words of each lane, out of a
- * block of elements whose neighbours in a row are `step` bytes apart, and whose rows are `row_step` apart; v_triples is
- * for a step of 12; v_triples_of, for lanes at p + offset[i]. p is where the first lane's element is; the lanes are squares of 2x2 (packet.h). Nothing beside
- * these words is read.
+ * - vf is a vector of floats, vi of 32-bit integers, vm a mask, each with VW lanes; ALL_LANES has a bit for each lane.
+ * - Addresses of loads and stores are aligned to the width, except for v_load_any and i_load_any.
+ * - v_min and v_max return their second operand if either is a NaN. Comparisons with a NaN are false.
+ * - A lane of a mask is all ones or all zeros. m_bits has lane i in bit i.
+ * - v_mul_add is a b + c, and v_mul_sub a b - c, with one rounding or two: only code with bounds for both may use them.
+ * - v_hmin is the least lane of a vector, v_hmax the greatest; v_hmin4 has the least lanes of four vectors.
+ * - vd is a vector of DW doubles, which are loaded from floats, and rounded to floats when stored. d_first is lane 0,
+ *   not rounded. d_mul_add and d_mul_sub have one rounding or two, like v_mul_add.
+ * - v_triples_at, v_quads_at, v_floats_at and i_pairs_at load three, four, one or two words of each lane, one vector
+ *   a word. Lanes are squares of 2x2 elements (rays/packet.h), and p is the element of the first lane. Neighbours
+ *   in a row are `step` bytes apart, rows `row_step` bytes. v_triples is for a step of 12. v_triples_of is for lanes at
+ *   p + offset[i]. These words read no bytes except those that they load.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H

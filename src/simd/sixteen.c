@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sixteen words, four at a time.
+ * Sixteen words, four at a time: see sixteen.h.
  */
 #include "simd/sixteen.h"
 

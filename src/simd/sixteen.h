@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sixteen words: numbers of triangles, one for each ray of a packet, or each cell.
+ * Sixteen words, such as the numbers of triangles of a packet's rays or of a bundle's cells.
  */
 #ifndef MLRT_SIMD_SIXTEEN_H
 #define MLRT_SIMD_SIXTEEN_H
@@ -9,10 +9,10 @@
 
 #include "mlrt.h"
 
-/* Which of them are `word`: bit per place. */
+/* Returns the places whose words are `word`, one bit each. */
 uint32_t mlrt_same_words(const uint32_t words[16], uint32_t word);
 
-/* Makes all of them `word`. */
+/* Sets all sixteen words to `word`. */
 void mlrt_fill_words(uint32_t words[16], uint32_t word);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The kernels in AVX2 and FMA. Compiled for them (Makefile); dispatch.c sees to it that only processors that have them
- * come here. */
+/*
+ * The kernels in AVX2 and FMA. The Makefile has the compiler's flags; run/dispatch.c chooses these kernels only on
+ * processors that have both.
+ */
 #include "simd/avx2.h"
 #define KERNELS mlrt_kernels_avx2
 #define PICTURE mlrt_picture_avx2

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A camera's packets, or tiles of them, as a bundle of which no ray is made: the rectangle of the slopes of each.
+ * A camera's packets, or its tiles, as a bundle without rays: each is a rectangle of slopes.
  */
 #ifndef MLRT_TRACE_CAMERA_CELLS_H
 #define MLRT_TRACE_CAMERA_CELLS_H
@@ -13,7 +13,10 @@
 #include "trace/bundle.h"
 #include "trace/ray_tile.h"
 
-/* The columns or rows of a camera's pixels that cells begin and end with; 0 for what is beyond `length`. */
+/*
+ * The positions of the first and the last column (or row) of pixels of four cells of `side` pixels each, within an area
+ * that is `length` pixels long. A cell that begins beyond the area gets the positions of the first one.
+ */
 MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
                                   float samples[2][4])
 {
@@ -24,14 +27,14 @@ MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side,
     }
 }
 
-/* Of a vector of cells: the least depth of the directions at their corners, and bounds of their slopes. */
+/* For a vector of cells: the least depth of the directions at their corners, and bounds of their slopes. */
 struct corner_slopes {
     vf least_depth;
     vf lo[2];
     vf hi[2];
 };
 
-/* Adds the corners at these columns and rows. */
+/* Extends `of` by the corners at these columns and rows, one of each cell. */
 static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct mlrt_waist *waist, const float *columns,
                                      const float *rows, struct corner_slopes *of)
 {
@@ -50,8 +53,10 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
     }
 }
 
-/* A view whose directions are brought near 1 by a power of two: slopes are the same. *floor receives what its rays may have
- * lost to underflow before that, *limit what they must not exceed to be finite. */
+/*
+ * Copies a view with its directions brought near 1 by a power of two, which leaves slopes as they are. *floor receives
+ * a bound of the underflow of its rays before that, and *limit the greatest size with which they are finite.
+ */
 static MLRT_NOINLINE void scale_view(const struct mlrt_view *view, struct mlrt_view *scaled, float *floor, float *limit)
 {
     float largest = 0;
@@ -68,7 +73,7 @@ static MLRT_NOINLINE void scale_view(const struct mlrt_view *view, struct mlrt_v
     *limit = exponent < 66 ? MLRT_SAFE_MAX : (float)ldexp(1, 126 - exponent);
 }
 
-/* Has packets of a bundle, all from the waist and without rays so far, look from there to the end of the scene. */
+/* Begins the cells `there` of a bundle: closed, all rays start at the waist, and look from there without an end. */
 static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
@@ -91,18 +96,18 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 }
 
 /*
- * Makes a bundle out of a camera's picture, of cells of `side` x `side` pixels from (x, y) on. 0 if their rays have no
- * main axis in common, or more to them than a direction.
+ * Makes a bundle of the cells of `side` x `side` pixels that `area` of a camera's picture consists of. Returns 0 if the
+ * rays are parallel, have limits of t or no main axis in common, or if float does not carry them.
  *
  * A ray's direction before rounding is affine in column and row, so that ratios of two components have their extremes
  * over a cell at its corners. Rounding moves component k of any ray by at most 3.001 u (|d00_k| + |x dx_k| + |y dy_k|)
- * (view_beam.c); `pad` is 8 u of it and 2^-100 for underflow. A ratio so differs from the extreme of those computed at
- * the corners by at most 2 (p_j + |slope| p_main) / (|d_main| - 2 p_main), with p = 0.38 pad: less than with pad and
- * |d_main| alone, since that is more than 4 pad_main. So it is more than 2^-98, and reciprocals are finite: an infinite
- * slope times 0 would be a NaN.
+ * (mlrta/view_beam.c); `pad` is 8 u of that sum, and 2^-100 for underflow. So a ratio exceeds the extreme of those
+ * computed at the corners by at most 2 (p_j + |slope| p_main) / (|d_main| - 2 p_main), with p = 0.38 pad. That is less
+ * than 2 (pad_j + |slope| pad_main) / |d_main|, which is used, since |d_main| is more than 4 pad_main. So |d_main| is
+ * more than 2^-98, and reciprocals are finite: an infinite slope times 0 would be a NaN.
  *
- * Slopes of a camera's rays may be denormal, where SLOPE_SLACK is nothing and a rounding no small part: so all of them
- * are moved by SLOPE_FLOOR too. (Those of packets that have rays are 0 or at least LEAST_SLOPE.)
+ * Slopes of a camera's rays may be denormal, where SLOPE_SLACK vanishes and a rounding is a large part of the slope: so
+ * all slopes are moved by SLOPE_FLOOR too. (Those of packets that have rays are 0 or at least LEAST_SLOPE.)
  */
 static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                struct mlrt_bundle *bundle)

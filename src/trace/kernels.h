@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All kernels for the hierarchy of boxes, in the words of the simd header that was included before: one instruction set's
- * file is that header, the names of its tables, and this. Compiled with and without MLRT_COUNTING (counters.h).
- * Everything is static but the table.
+ * All kernels for the hierarchy of boxes. The file of an instruction set includes its simd header, defines the names of
+ * its tables, and includes this. With MLRT_COUNTING the kernels count (counters.h). Only the tables are not static.
  */
 #ifndef MLRT_TRACE_KERNELS_H
 #define MLRT_TRACE_KERNELS_H

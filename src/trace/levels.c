@@ -11,20 +11,22 @@
 #include "trace/make_rays.h"
 #include "trace/shadows.h"
 
-/* A list of rays is a picture four rays wide: its tiles are one packet wide. */
+/* Is the source a list? It is then a picture four rays wide, and its tiles are one packet wide. */
 static int is_list(const struct mlrt_source *source)
 {
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
-/* Packets or tiles of a picture as a bundle without rays; 0 if they cannot be that. */
+/*
+ * Makes a bundle without rays of the cells of `side` x `side` pixels of a picture. Returns 0 if that is not possible.
+ */
 static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                                 struct mlrt_bundle *bundle)
 {
     return mlrt_is_pinhole(&job->source) && job->kernels->gather_camera_cells(job, area, side, bundle);
 }
 
-/* One triangle, or nothing, for a rectangle of pixels of a camera. */
+/* Writes the results of a closed cell: hits of the triangle `cover`, or misses if that is MLRT_NONE. */
 static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
                          const struct mlrt_rectangle *area)
 {
@@ -35,6 +37,7 @@ static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
+/* Traces the rays of a packet that float does not carry, and writes the results of the packet. */
 static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                          uint32_t place)
 {
@@ -44,7 +47,7 @@ static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker,
     job->kernels->picture->write_packet(job, worker, packet, mlrt_existing_lanes(&job->source, &block), &block);
 }
 
-/* Where the tile begins that comes after one of rows of tiles that are 64 wide at most. */
+/* Sets (*x, *y) to the corner of the tile after `tile`, where tiles go row by row through squares of 64 pixels. */
 static void find_next_tile(const struct mlrt_source *source, const struct mlrt_rectangle *tile, uint32_t *x,
                            uint32_t *y)
 {
@@ -55,9 +58,9 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
 }
 
 /*
- * Has the triangles that a packet hits brought into the cache: who works out t needs their corners as they were given,
- * which the hierarchy does not. Where all lanes hit one, that is soon there by itself. Always inlined: to the compiler
- * a function that only prefetches does nothing, and a call of it is dropped.
+ * Prefetches the triangles that a packet hits: t, u and v are computed from the corners as they were given, which the
+ * traversal does not read. A packet whose lanes all hit one triangle is left out, since one cache miss costs little.
+ * Always inlined: the compiler drops a call of a function that only prefetches.
  */
 MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
 {
@@ -68,7 +71,10 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
     }
 }
 
-/* Traces the packets of a tile, which have rays or not afterwards. */
+/*
+ * Traces the packets of a tile. Afterwards the packets in bundle->closed have a cover in place of rays; all others have
+ * rays with their nearest hits.
+ */
 static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     struct mlrt_ray_tile *tile = bundle->tile;
@@ -87,9 +93,9 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 }
 
 /*
- * Writes the results of the packets of a tile, and has the rays of the next one brought into the cache. Their rows lie too
- * far apart for the processor to foresee, and it has few misses under way at once: so they come one by one. Lists are read
- * in order.
+ * Writes the results of the packets of a tile, and prefetches the rays of the next one. Their rows lie too far apart
+ * for the processor's own prefetching, and only few cache misses can be under way at once: so each packet that is
+ * written prefetches one row. A list needs no prefetch, as it is read in order.
  */
 static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                           const struct mlrt_bundle *bundle)
@@ -112,7 +118,7 @@ static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     }
 }
 
-/* Traces a rectangle of at most 16 blocks. `known`: what is known of all of it; NULL: nothing. */
+/* Traces a rectangle of at most 16 blocks. `known`: the tile is closed, with this cover and these lights; else NULL. */
 static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area,
                            const struct mlrt_known_lights *known)
 {
@@ -165,7 +171,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     }
 }
 
-/* Traces a part of a picture that starts at multiples of 4. */
+/* Traces the squares of a part of a picture, or the tiles of a list. */
 static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
     if (is_list(&job->source)) {

@@ -7,7 +7,7 @@
 #include "hits/finish.h"
 #include "simd/sixteen.h"
 
-/* The rays of a picture's packet. */
+/* Makes the rays of a picture's packet. */
 static void make_picture_rays(const struct mlrt_job *job, struct mlrt_ray_tile *tile, uint32_t place)
 {
     const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the tile method works on: a tile of sixteen packets.
+ * A tile of sixteen packets: the rays of a bundle, which are made when they are needed.
  */
 #ifndef MLRT_TRACE_RAY_TILE_H
 #define MLRT_TRACE_RAY_TILE_H
@@ -11,29 +11,29 @@
 
 #define MLRT_CELL_COUNT MLRT_BUNDLE_PACKETS
 
-/* A tile of sixteen packets: the rays of a bundle, made when they are needed. */
+/* Sets of packets have a bit per place. A tile of shadow rays refers to that of the picture's rays. */
 struct mlrt_ray_tile {
     struct mlrt_rectangle area;
-    uint32_t column_bits;            /* of packets there are 1 << column_bits columns: 4, or 1 for a list */
-    uint32_t blocks;                 /* places that have one; those that are cut off count */
+    uint32_t column_bits;            /* there are 1 << column_bits columns of packets: 4, or 1 for a list */
+    uint32_t blocks;                 /* places with a block, whole or cut off by the edge of the picture */
     uint32_t made;                   /* packets that have their rays */
-    const struct mlrt_job *picture;  /* of shadow rays: the call whose hits they come from, */
-    struct mlrt_ray_tile *seen;      /* the tile with them, */
-    const struct mlrt_bundle *cells; /* and what was found without rays; else NULL */
-    uint32_t dark[MLRT_CELL_COUNT];  /* of shadow rays: lanes without one, as the light is on the other side */
+    const struct mlrt_job *picture;  /* the call whose hits the shadow rays come from */
+    struct mlrt_ray_tile *seen;      /* the tile of the picture with these hits; NULL: this is such a tile */
+    const struct mlrt_bundle *cells; /* the bundle with the covers of this tile's closed packets */
+    uint32_t dark[MLRT_CELL_COUNT];  /* lanes without a shadow ray, because the light is behind the surface */
     struct mlrt_packet packets[MLRT_CELL_COUNT];
     struct mlrt_bundle_rays rays[MLRT_CELL_COUNT];
     struct mlrt_reciprocals reciprocals[MLRT_CELL_COUNT];
 };
 
-/* The places of so many columns and rows of packets. */
+/* The places in the first `columns` columns and `rows` rows of packets. */
 MLRT_INLINE uint32_t mlrt_places(uint32_t column_bits, uint32_t columns, uint32_t rows)
 {
     if (!columns) return 0;
     return column_bits ? (0xFu >> (4 - columns)) * (0x11110u >> 4 * (4 - rows) >> 4) : 0xFFFFu >> (16 - rows);
 }
 
-/* A tile of which nothing is made; a list's has one column. */
+/* Begins a tile without rays. The tile of a list has one column of packets. */
 MLRT_INLINE void mlrt_begin_tile(const struct mlrt_rectangle *area, int is_list, struct mlrt_ray_tile *tile)
 {
     tile->area = *area;
@@ -44,7 +44,7 @@ MLRT_INLINE void mlrt_begin_tile(const struct mlrt_rectangle *area, int is_list,
     tile->cells = NULL;
 }
 
-/* The part of a tile that is at a place with a block. */
+/* The block of a tile at a place that has one. */
 MLRT_INLINE struct mlrt_rectangle mlrt_block_of_tile(const struct mlrt_ray_tile *tile, uint32_t place)
 {
     const uint32_t row = place >> tile->column_bits, column = place - (row << tile->column_bits);

@@ -10,7 +10,10 @@
 #include "rays/read_arrays.h"
 #include "trace/ray_tile.h"
 
-/* Those that exist are active; nothing is checked. */
+/*
+ * Reads the rays of all packets of a tile. Those of a pinhole camera are checked; of another source, all rays that
+ * exist become active without a check.
+ */
 static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
 {
     struct known_mesh known = NO_MESH;

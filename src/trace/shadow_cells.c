@@ -1,20 +1,27 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a light sees of what a camera's cells see: cells again, of shadow rays that nobody has made yet.
+ * The cells of a light: for each cell of a camera that one triangle covers, the slopes and depths of its shadow rays,
+ * which are not made yet.
  *
  * The rays of a camera's cell have slopes in a rectangle, and all hit one triangle. In units of depth, a ray's
- * direction is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the words of shadow_ray.h. As D > 0 over
- * the whole rectangle, the hits lie in the quadrilateral whose corners are those of the corners' rays, and slopes and
- * depths as seen from the light have their extremes there, as long as all of it lies in front.
+ * direction is d = (+-1, s, s'), and it hits the triangle's plane at z = N / D, in the terms of shadow_ray.h. If D > 0
+ * over the whole rectangle, the hits lie in the quadrilateral whose corners are the hits of the rays at the corners of
+ * the rectangle. So slopes and depths as seen from the light have their extremes at these corners, if the whole
+ * quadrilateral lies in front of the light.
  *
- * m is rounded to float, 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three roundings: it
- * is off by less than 2^-20; N, in double, by 2^-32 of P, the greatest |p_k|, and by 2^-24 of itself. So with D > 2^-5
- * shadow_ray.h's condition on D holds for each ray, as |d| is less than 5.1, and z is off by 2^-32 P / D < 2^-26 P, and
- * 2^-19.9 z / D; places by twice that, as |d_k| <= 2: 2^-18.9 z / D < 2^-18 z / D. What is off besides, per component,
- * is: the rounding of o - L, z d and their sum, 2^-22 (|o - L| + 2 z) with something to spare, as much again for the
- * step, with 2^-27 P, 2^-24 (|o - L| + 2 z) for the rounding of the ray itself, and shadow_ray.h's "place", 3.1 * 2^-34 (P
- * + 2.1 z) 2.1 / D < 2^-26 (P + 2 z). All in all, 2^-20 (|o - L| + 2 z + P) is more. Where D is less, bounds are wide,
- * and rays are better.
+ * ERRORS. m is rounded to float, by 2^-24 of at most 1. D is a sum of three products with slopes up to 2 and three
+ * roundings: it is off by less than 2^-20. N, computed in double, is off by 2^-32 of P, the greatest |p_k|, and by
+ * 2^-24 of itself. So with D > 2^-5 the condition of shadow_ray.h on D holds for each ray, as |d| is less than 5.1.
+ * Then z is off by 2^-32 P / D < 2^-26 P, and by 2^-19.9 z / D. As |d_k| <= 2, places are off by twice that:
+ * 2^-18.9 z / D < 2^-18 z / D. Besides, each component is off by
+ *
+ *     2^-22 (|o - L| + 2 z)                 the rounding of o - L, z d and their sum, with something to spare
+ *     2^-22 (|o - L| + 2 z) + 2^-27 P       the step off the surface
+ *     2^-24 (|o - L| + 2 z)                 the rounding of the shadow ray itself
+ *     3.1 * 2^-34 (P + 2.1 z) 2.1 / D < 2^-26 (P + 2 z)     "ITS PLACE" in shadow_ray.h
+ *
+ * The sum of these is less than 2^-20 (|o - L| + 2 z + P). With a smaller D the bounds would be wide, and the packet
+ * gets shadow rays instead.
  */
 #include "trace/shadow_cells.h"
 
@@ -25,21 +32,21 @@
 #include "rays/slope_limits.h"
 #include "simd/quad.h"
 
-/* The least D, and what places are off by: per z / D, and per what else there is. */
+/* The least D, and the errors of places: relative to z / D, and relative to |o - L| + 2 z + P. */
 #define LEAST_STEEPNESS 0x1p-5f
 #define ALONG_ERROR     0x1p-18f
 #define PLACE_ERROR     0x1p-20f
 
-/* Of each cell: the plane of its cover. */
+/* The plane of the cover of each cell. */
 struct planes {
-    MLRT_ALIGNED(16) float m[3][MLRT_BUNDLE_PACKETS];  /* with the sign of N */
+    MLRT_ALIGNED(16) float m[3][MLRT_BUNDLE_PACKETS];  /* m, with the sign that makes N positive */
     MLRT_ALIGNED(16) float n[MLRT_BUNDLE_PACKETS];     /* |N| */
     MLRT_ALIGNED(16) float reach[MLRT_BUNDLE_PACKETS]; /* P */
 };
 
 enum side { UNKNOWN, DARK, FACING };
 
-/* The plane of a triangle, for one cell. */
+/* Finds the plane of a triangle, for one cell, and on which side of it the light is as seen from `eye`. */
 static enum side find_plane(const struct mlrt_source *light, const struct mlrt_triangle *triangle, const float eye[3],
                             struct planes *planes, uint32_t place)
 {
@@ -64,8 +71,10 @@ static void copy_plane(struct planes *planes, uint32_t from, uint32_t to)
     planes->reach[to] = planes->reach[from];
 }
 
-/* Planes of the cells that face the light: bit per cell. *dark receives those that do not; about others is nothing
- * known. */
+/*
+ * Finds the planes of the cells `among` whose covers face the light, and returns these cells. *dark receives those
+ * whose covers surely face away. Cells in neither set are undecided.
+ */
 static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_tree *tree,
                             const struct mlrt_bundle *seen, uint32_t among, struct planes *planes, uint32_t *dark)
 {
@@ -85,7 +94,7 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
     return facing;
 }
 
-/* The light's main axis, from what it sees in a cell: where the ray of lowest slopes hits. */
+/* Sets the main axis of the light's bundle: that of the shadow ray to the hit of the lowest slopes of one cell. */
 static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], const struct planes *planes,
                           uint32_t place, struct mlrt_bundle *lit)
 {
@@ -98,17 +107,17 @@ static void set_main_axis(const struct mlrt_bundle *seen, const float from[3], c
     mlrt_set_main_axis(x, &lit->waist);
 }
 
-/* Four cells: what of them the light sees, and the least D and depth and how far off places may be. */
+/* For four cells: the extremes over the hits of their corner rays, as seen from the light. */
 struct quad_extremes {
-    f4 least_steepness;
+    f4 least_steepness; /* D */
     f4 least_depth;
     f4 greatest_depth;
-    f4 greatest_z;
-    f4 lo[2];
+    f4 greatest_z; /* from the camera */
+    f4 lo[2];      /* slopes */
     f4 hi[2];
 };
 
-/* The hits of the rays at one corner. */
+/* Extends the extremes of four cells by the hits of their rays at one corner. */
 static MLRT_NOINLINE void add_corner(const struct mlrt_bundle *seen, const struct planes *planes, const float from[3],
                                      uint32_t first, uint32_t corner, const struct mlrt_bundle *lit,
                                      struct quad_extremes *of)
@@ -142,7 +151,7 @@ MLRT_INLINE float lane_of(const f4 *quad, uint32_t place)
     return ((const float *)quad)[place % 4];
 }
 
-/* Sets what is known of one cell. Returns 0 if it is too little. */
+/* Sets the slopes and depths of one cell. Returns 0 if its bounds would be too wide or its slopes too steep. */
 static int set_lit_cell(const struct quad_extremes *of, float reach, float away, uint32_t place,
                         struct mlrt_bundle *lit)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a light sees of cells that one triangle covers.
+ * The cells of a point light: bundles of shadow rays that are not made yet.
  */
 #ifndef MLRT_TRACE_SHADOW_CELLS_H
 #define MLRT_TRACE_SHADOW_CELLS_H
@@ -9,10 +9,10 @@
 #include "trace/bundle.h"
 
 /*
- * What a point light sees of those packets, or tiles, of a pinhole camera's bundle in `among` (bit per place, some), each
- * of which one triangle covers: in `lit`, the main axis with its sign, and for packets of which that is known slopes, and
- * depths between which their shadow rays look; the waist is the light. Returns these packets. *dark receives those where
- * the light is on the other side of the cover.
+ * Finds the cells of a point light for the cells `among` (bits by place, at least one) of a pinhole camera's bundle,
+ * each of which one triangle covers. Returns the cells that could be found: for these, `lit` receives slopes, and the
+ * depths between which their shadow rays look for hits, and it receives the main axis and its sign. The waist is the
+ * light. *dark receives the cells whose cover has the light on its other side.
  */
 uint32_t mlrt_make_lit_cells(const struct mlrt_source *light, const struct mlrt_tree *tree,
                              const struct mlrt_bundle *seen, uint32_t among, struct mlrt_bundle *lit, uint32_t *dark);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where one triangle covers a cell of the picture, the light sees a cell there, too, as a rule, and it needs no rays as
- * long as nothing lies between, or one triangle shades all of it. Other packets have rays of their own to the light.
+ * Where one triangle covers a cell of the picture, its shadow rays usually form a cell of the light. That cell needs no
+ * rays if all of it is lit, or if one triangle shades all of it. The other packets get shadow rays.
  */
 #include "trace/shadows.h"
 
@@ -14,8 +14,10 @@
 #include "trace/make_rays.h"
 #include "trace/shadow_cells.h"
 
-/* Makes a bundle without rays of what a point light sees of closed cells of a picture. Returns those; *dark receives those
- * that are behind. */
+/*
+ * Makes a bundle without rays: the cells of a point light that belong to the cells `among` of a picture. Returns the
+ * cells that it has; *dark receives those whose surface faces away from the light.
+ */
 static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_bundle *seen, uint32_t among,
                                  struct mlrt_bundle *bundle, uint32_t *dark)
 {
@@ -27,22 +29,23 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_b
     return lit;
 }
 
-/* Do closed cells of a picture have what a light's cells are made of? */
+/* Can closed cells of the picture become cells of the light? Requires a pinhole camera, a point light and unit 1. */
 static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
     return job->tree->bvh.unit == 1 && !job->kernels->counts && mlrt_is_pinhole(&job->source) &&
            light->source.kind == MLRT_SOURCE_POINT_LIGHT;
 }
 
-/* Cells with a cover. */
+/* The closed cells that a triangle covers. */
 static uint32_t covered_cells(const struct mlrt_bundle *bundle)
 {
     return bundle->closed & ~mlrt_same_words(bundle->hulls.cover, MLRT_NONE);
 }
 
 /*
- * Takes what a light sees of covered cells down the hierarchy. Returns the cells that are lit; *dark receives those
- * that are not. About others `bundle` says nothing, or has rays by now.
+ * Traces the light's cells of the cells `covered`. Returns the cells that are lit; *dark receives those that are in
+ * shadow. The others are undecided: either `bundle` does not have them, or they were opened; if it has a tile, their
+ * shadow rays are made.
  */
 static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker *worker,
                                 const struct mlrt_bundle *seen, uint32_t covered, struct mlrt_bundle *bundle,
@@ -55,7 +58,6 @@ static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker
     return bundle->closed & ~shaded;
 }
 
-/* What is known of the lights at the closed cells of a square. Returns the cells of which all is known. */
 uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
                           struct mlrt_known_lights known[MLRT_CELL_COUNT])
 {
@@ -82,7 +84,7 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
     return all;
 }
 
-/* All lights, one ray at a time, for kernels that count: there who asks can wait, and they should be small. */
+/* Finds the shadows of all lights, one ray at a time. For kernels that count, which are kept small and may be slow. */
 static void shade_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *seen,
                        uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS])
 {
@@ -125,8 +127,6 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     }
 }
 
-/* Finds and writes which lights do not reach what the rays of a tile hit. `known`: what is known of all of it, or NULL.
- */
 void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                      const struct mlrt_known_lights *known)
 {

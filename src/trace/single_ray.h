@@ -1,44 +1,49 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray at a time down the hierarchy of boxes: a vector is the boxes of a node, or the triangles of a leaf. For rays
- * that have nothing in common. Of a node's children the nearest comes first (or, where any hit will do, one that is
- * likely to have one), the others wait on a stack, and the nearest hit so far cuts all of them short.
+ * One ray at a time down the hierarchy of boxes, for rays that have nothing in common. A vector holds the boxes of a
+ * node, or the triangles of a leaf. Of the children that the ray meets, the nearest is visited first (with a query for
+ * any hit: the one that is most likely to have a hit). The others wait on a stack, and are dropped if they begin behind
+ * the nearest hit so far.
  *
- * BOXES. A ray is in a slab between t_near and t_far, x r with x = c - o for the plane at c and r = 1 / d. As computed,
- * x and r are off by one rounding each; r is multiplied by 1 -+ RECIPROCAL_SLACK (8 u), which is one more. So before
- * its last rounding, that of the product, t_near is surely too small and t_far too large where they are positive (and
- * where they are not, a t_near does not matter and a t_far says rightly that the box is behind). That rounding is
- * monotone: as t_min and the nearest hit's `hi` are floats, it turns no true t_near <= t_far, t_near <= hi or t_min <=
- * t_far around, even where it underflows. So a box is left out only if the ray surely passes it or comes to it surely
- * behind `hi`.
+ * BOXES. A ray is in a slab between t_near and t_far. Each is x r, with x = c - o for the plane at c, and r = 1 / d. As
+ * computed, x and r have one rounding each; r is multiplied by 1 -+ RECIPROCAL_SLACK (8 u), which is one rounding more.
+ * So before the product is rounded, t_near is surely too small and t_far surely too large if they are positive. (A
+ * t_near that is not positive does not matter; a t_far that is negative says rightly that the box is behind.) The
+ * rounding of the product is monotone, and t_min and the `hi` of the nearest hit are floats: so where t_near <= t_far,
+ * t_near <= hi and t_min <= t_far are true, they remain true, even with underflow. So a box is left out only if the ray
+ * surely passes it, or surely enters it behind `hi`.
  *
- * Where d_k = 0, r is infinite: t_near is -inf and t_far inf inside the slab, both are inf or -inf outside, and on a
- * plane of it one is a NaN, which v_min and v_max drop, as it is their first operand. Distances beyond FLT_MAX are no
- * hits (triangle_filter.h: t <= 2^121), so that is where rays end, and t_near = inf is out. It is also that of an empty
- * slot, whose lo is inf and hi -inf: so slots need not be counted.
+ * If d_k = 0, r is infinite. Then t_near is -inf and t_far inf if the origin is inside the slab; both are inf, or both
+ * -inf, if it is outside; if it is on a plane of the slab, one is a NaN, which v_min and v_max drop because it is their
+ * first operand. Distances beyond FLT_MAX are no hits (triangle_filter.h: t <= 2^121), so rays end there, and a box
+ * with t_near = inf is left out. An empty slot is such a box, since its lo is inf and its hi -inf: so the slots in use
+ * need not be counted.
  *
  * TRIANGLES. Let s = fl(o - a), f = fl(b - a), g = fl(c - a), p = g x d, q = f x s. Then
  *
  *     e_ca = s . p     e_ab = d . q     D = f . p     N = g . q     e_bc = D - e_ca - e_ab
  *
- * With u = 2^-24: s, f, g have 1 rounding per component, p has 3 (g, product, difference), q 4. So D and e_ca have 1 +
- * 3 and, for product and sums, 3 more: 7, and so has e_ab (4 + 3); N has 8. All are determinants of three vectors, and
- * the error is relative to the sum of the magnitudes of their six products. Where m is the largest |d_k|, and S, F, G
- * are the sums of the magnitudes of the components of s, f, g, that is no more than m S G for e_ca: |g_i| |d_j| + |g_j|
- * |d_i| <= m G, times |s_k|, summed. Likewise m S F for e_ab, m F G for D, S F G for N. e_bc has two roundings more, of
- * no more than the sum of the three. So 9.001 u m (S F + S G + F G) is a bound for all edges, of which EDGE_BOUND makes
- * 11 u. With PLANE_BOUND, 16 u of m F G, D has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u:
- * more than triangle_filter.h, which derives how distances are compared, needs (6.9 and 1.9). The bounds themselves are
- * off by a few u of themselves, which is nothing.
+ * Let u = 2^-24. s, f and g have 1 rounding per component, p has 3 (g, product, difference), q has 4. D and e_ca have
+ * 1 + 3 roundings from their factors and 3 more from product and sums: 7. So has e_ab (4 + 3); N has 8. Each is a
+ * determinant of three vectors, and its error is relative to the sum of the magnitudes of its six products. Let m be
+ * the largest |d_k|, and S, F, G the sums of the magnitudes of the components of s, f, g. For e_ca the sum of the
+ * products is at most m S G: |g_i| |d_j| + |g_j| |d_i| <= m G, times |s_k|, summed over k. Likewise it is at most
+ * m S F for e_ab, m F G for D, and S F G for N. e_bc has two roundings more, of at most the sum of the three. So
+ * 9.001 u m (S F + S G + F G) bounds the errors of all edge functions; EDGE_BOUND has 11 u. With PLANE_BOUND, 16 u of
+ * m F G, D has 8.9 u to spare, and with DISTANCE_BOUND, 12 u of S F G, N has 3.9 u. The comparison of distances, which
+ * triangle_filter.h derives, needs 6.9 and 1.9. The bounds as computed are off by a few u of themselves, for which
+ * there is room.
  *
- * Nothing here is scaled, but for the units (units.h). An odd triangle's corners are NaN, and so is all that is worked out
- * of them: of that no comparison is true, and it is undecided. Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S,
- * F, G and 3 m are less than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The
- * quotients that become t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
- * Overflow: p and q are finite, magnitudes being 2^60 at most. What is more than 2^126 in the rest has a bound that
- * overflows when it is multiplied by 4 on the way: then everything is undecided, since nothing is compared with <= or
- * >=, which would say that infinities are in order. So scenes much smaller than 2^-20 or larger than 2^40 are slow
- * here, not wrong.
+ * Nothing here is scaled, but for the units (units.h). The corners of an odd triangle are NaN, and so are all numbers
+ * computed from them. A comparison with a NaN is false, so the triangle is undecided.
+ *
+ * Underflow: a product loses 2^-150 at most; in p and q that is 2^-149 for a component, and S, F, G and 3 m are less
+ * than 2^63: so 2^-84 covers it, and DISTANCE_FLOOR = 2^-82 is added to each of the bounds. The quotients that become
+ * t lose 2^-149, and D may be large here: for them, 2^-60 m F G is added to the bound of N.
+ *
+ * Overflow: p and q are finite, as magnitudes are 2^60 at most. If another number exceeds 2^126, its bound overflows,
+ * because it is multiplied by 4 on the way. Then everything is undecided: no decision uses <= or >=, which would hold
+ * between infinities. So scenes much smaller than 2^-20 or larger than 2^40 are slow here, not wrong.
  *
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; I. Wald et al., "Getting
  * Rid of Packets", 2008 (one ray, wide nodes).
@@ -63,15 +68,16 @@
 #include "trace/units.h"
 
 /*
- * Of PLANE_BOUND's 2^-20 m F G, and of its floor, so that this is not denormal, which would take a hundred cycles. It
- * is less than what the error of D does to t, unless t is less than 2^-40.
+ * The share of the bound of D that is added to that of N: it makes PLANE_BOUND's 2^-20 m F G the 2^-60 m F G above.
+ * The bound of D includes its floor, so the product is not denormal, which would take a hundred cycles. Unless t is
+ * less than 2^-40, the error of D moves t by more than this does.
  */
 #define QUOTIENT_FLOOR 0x1p-40f
 
 /*
- * What waits is a child, with the distance from which on it is met in the upper half: floats that are not negative are
- * in order as integers. Of a node all children but one wait, and so on down; where one is taken off the stack, no more
- * are put there than its node has.
+ * A stack entry has a child in its lower half, and in its upper half the bits of the distance at which the ray enters
+ * it: floats that are not negative are in order as integers. All entries of one level of the tree are children of one
+ * node, which has visited at least one of its children.
  */
 #define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
 
@@ -81,9 +87,9 @@ struct single_ray {
     vf near[3];
     vf far[3];
     vf t_min;
-    uint32_t near_row[3]; /* of a node's floats: where the planes are that the ray comes to first */
-    uint32_t far_row[3];
-    float reach; /* 4 m: see "Overflow" */
+    uint32_t near_row[3]; /* per axis, the index in a node's floats of the planes that the ray crosses first */
+    uint32_t far_row[3];  /* of those that it crosses last */
+    float reach;          /* 4 m: see "Overflow" */
     uint32_t lane;
 };
 
@@ -116,13 +122,13 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct m
         reach = larger_of(fabsf(d), reach);
     }
     ray->reach = 4 * reach;
-    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* no -0: see WAITING_LIMIT */
+    ray->t_min = v_set1(packet->t_min[lane] + 0.0f); /* -0 becomes 0: see WAITING_LIMIT */
     ray->lane = lane;
 }
 
 /*
- * Which of a node's boxes the ray can meet up to `limit`; and from where on, or for those who look for any hit, how
- * long it is in them.
+ * Returns the boxes of a node that the ray can meet up to `limit`, one bit each. order[i] receives the distance at
+ * which the ray enters box i, or with `any` the length that it spends in the box.
  */
 MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_bvh_node *node, float limit, int any,
                                 float order[MLRT_BVH_WIDTH])
@@ -151,26 +157,27 @@ MLRT_INLINE uint32_t order_bits(float a)
     return bits;
 }
 
-MLRT_INLINE uint64_t waiting_entry(float enter, uint32_t child)
+MLRT_INLINE uint64_t stack_entry(float enter, uint32_t child)
 {
     return (uint64_t)order_bits(enter) << 32 | child;
 }
 
 /*
- * The nearest child comes first. But who looks for any hit goes to leaves first, which may end the search, and then to
- * the box that the ray is in the longest. Nodes and leaves per random ray (bindings/python/bench.py --only counts), by
- * distance, leaves first, then longest: erw6 2.54, 2.26, 2.25, conference 3.96, 3.63, 3.10, sponza 4.48, 4.16, 3.40,
- * clinic 3.59, 3.48, 3.15, dragon 4.49, 4.51, 4.14.
+ * The entry of a child; the lowest entry is visited first. For the closest hit that is the nearest child. For any hit
+ * it is a leaf, which may end the search, or else the box that the ray spends the greatest length in. Nodes and leaves
+ * visited per random ray (bindings/python/bench.py --only counts) if children are ordered by distance, with leaves
+ * first, and with leaves first and then by length: erw6 2.54, 2.26, 2.25, conference 3.96, 3.63, 3.10, sponza 4.48,
+ * 4.16, 3.40, clinic 3.59, 3.48, 3.15, dragon 4.49, 4.51, 4.14.
  */
 MLRT_INLINE uint64_t child_entry(float order, uint32_t child, int any)
 {
-    if (!any) return waiting_entry(order, child);
+    if (!any) return stack_entry(order, child);
     return (uint64_t)(mlrt_bvh_quad_count(child) ? 0 : ~order_bits(order)) << 32 | child;
 }
 
 /*
- * Of the children in `met`, at least one, returns the first to look at; the others go on the stack, the last first.
- * Most often there are one or two, and then nothing depends on a branch but how many.
+ * Returns the child to visit first of those in `met`, which has at least one bit. The others go on the stack, sorted,
+ * so that the next one to visit is on top. Mostly one or two children are met; then only their number takes a branch.
  */
 MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met, const float order[MLRT_BVH_WIDTH],
                                   int any, uint64_t *stack, uint32_t *count)
@@ -198,7 +205,7 @@ MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
     return v_add(v_add(v_abs(a[0]), v_abs(a[1])), v_abs(a[2]));
 }
 
-/* The bounds of the head of this file; a guess has none. `reach` is 4 m. */
+/* Sets the bounds derived at the head of this file; builds that guess have none. `reach` is 4 m. */
 MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reach, struct float_test *test)
 {
     test->above = test->below = test->plane_bound = test->distance_bound = v_set1(0);
@@ -214,7 +221,7 @@ MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reac
         v_mul_add(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4), distance_floor);
 }
 
-/* What the filter needs of rays and triangles, lane by lane: s from corner a to the origin, f and g from a to b and c. */
+/* Computes the filter's numbers lane by lane: s goes from corner a to the origin, f and g from a to b and c. */
 MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], const vf direction[3], vf reach,
                                 struct float_test *test)
 {
@@ -230,7 +237,7 @@ MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], con
     test->greatest = v_max(v_max(ab, bc), ca);
 }
 
-/* Of one ray and triangles in a row. `corners` is where the lanes begin, rows are `stride` apart. */
+/* Likewise for one ray and a vector of triangles. Each coordinate is a row; rows are `stride` floats apart. */
 MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corners, uint32_t stride,
                                  struct float_test *test)
 {
@@ -245,8 +252,10 @@ MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corn
     set_float_test(s, f, g, ray->direction, v_set1(ray->reach), test);
 }
 
-/* Makes the nearest of the triangles that are surely hit, bits in `nearer`, the nearest hit. Returns those that need to
- * be compared with it. */
+/*
+ * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane. Returns those
+ * whose distances overlap with it, which have to be compared exactly.
+ */
 MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer, const uint32_t *numbers,
                                   uint32_t lane, struct mlrt_packet *packet)
 {
@@ -269,22 +278,27 @@ MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer
     return close;
 }
 
-/* Places that are empty, and triangles that are no news: the nearest so far, which may be in several leaves, and the
- * one that the ray passes. */
-MLRT_INLINE vm no_news(const struct mlrt_packet *packet, uint32_t lane, vi number)
+/*
+ * The places that need no test: empty ones, the nearest hit so far (a triangle can be in several leaves), and the
+ * triangle that the ray skips.
+ */
+MLRT_INLINE vm places_without_test(const struct mlrt_packet *packet, uint32_t lane, vi number)
 {
-    const vm known = m_or(i_eq(number, i_set1(MLRT_NONE)), i_eq(number, i_set1(packet->triangle[lane])));
-    return packet->has_skip ? m_or(known, i_eq(number, i_set1(packet->skip[lane]))) : known;
+    const vm ignored = m_or(i_eq(number, i_set1(MLRT_NONE)), i_eq(number, i_set1(packet->triangle[lane])));
+    return packet->has_skip ? m_or(ignored, i_eq(number, i_set1(packet->skip[lane]))) : ignored;
 }
 
-/* Decides about triangles of a leaf, at places that a ray is not surely outside of. Returns 1 if the nearest hit changed. */
+/*
+ * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns 1 if the
+ * nearest hit changed.
+ */
 MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
                               const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    const vm old = no_news(packet, lane, i_load_any(numbers));
+    const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
     uint32_t candidates = m_bits(inside) & places;
-    uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(old);
+    uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(ignored);
     const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
     int changed = 0;
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) offered = mlrt_visible_places(job->tree, numbers, offered, mask);
@@ -292,7 +306,7 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *number
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
     candidates &= offered;
     if (!candidates) return 0;
-    const struct verdict verdict = compare_distances(test, m_andnot(inside, old), t_min, v_set1(packet->lo[lane]),
+    const struct verdict verdict = compare_distances(test, m_andnot(inside, ignored), t_min, v_set1(packet->lo[lane]),
                                                      v_set1(packet->hi[lane]), job->any);
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
     const uint32_t nearer = m_bits(verdict.nearer) & candidates;
@@ -336,7 +350,7 @@ MLRT_INLINE float finite_limit(float hi)
     return hi < FLT_MAX ? hi : FLT_MAX;
 }
 
-/* From a child of a node on. */
+/* Traces one lane of a packet through `child` and the tree below it. */
 static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals,
                                        uint32_t lane, uint32_t child, struct mlrt_packet *packet,
                                        struct mlrt_worker *worker)
@@ -366,23 +380,23 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
         do {
             if (count == 0) return;
             --count;
-        } while (!any && stack[count] > waiting_entry(limit, 0xFFFFFFFFu));
+        } while (!any && stack[count] > stack_entry(limit, 0xFFFFFFFFu));
         child = (uint32_t)stack[count];
     }
 }
 
 #if !MLRT_COUNTING
-/* The numbers of one ray that float arithmetic carries: x, y, z, and z once more. */
+/* One ray with numbers that float carries. Vectors are x, y, z, and z once more. */
 struct lone_ray {
     f4 origin;
     f4 direction;
-    f4 near; /* 1 / direction as boxes need it: see the head of this file */
+    f4 near; /* 1 / direction with its slack: see BOXES at the head of this file */
     f4 far;
     float t_min;
     float t_max;
 };
 
-/* Three numbers of a struct that has another one before them. */
+/* Loads three floats of a struct that has a readable float before them. */
 MLRT_INLINE f4 load_three(const float numbers[3])
 {
     return f4_rest(f4_load_any((const unsigned char *)numbers - sizeof *numbers));
@@ -395,7 +409,7 @@ MLRT_INLINE void set_lone_reciprocals(struct lone_ray *ray)
     ray->far = f4_mul(r, f4_set1(1 + RECIPROCAL_SLACK));
 }
 
-/* Rule R1. Returns 1; 0 if the ray can hit nothing, -1 if float does not carry it. */
+/* Applies rule R1 (segment.h). Returns 1, or 0 if the ray can hit nothing, or -1 if float does not carry it. */
 MLRT_INLINE int take_lone_ray(const mlrt_ray *given, struct lone_ray *ray)
 {
     ray->origin = load_three(given->origin);
@@ -410,7 +424,7 @@ MLRT_INLINE int take_lone_ray(const mlrt_ray *given, struct lone_ray *ray)
     return ray->t_min < ray->t_max && f4_zeros(ray->direction) != 15;
 }
 
-/* Can the ray meet the box of the scene? As meet_boxes. */
+/* Can the ray meet the box of the scene? The arithmetic and its bounds are those of meet_boxes. */
 MLRT_INLINE int meets_scene(const struct lone_ray *ray, const struct mlrt_box *box)
 {
     const f4 lo = load_three(box->lo), hi = load_three(box->hi);
@@ -421,7 +435,10 @@ MLRT_INLINE int meets_scene(const struct lone_ray *ray, const struct mlrt_box *b
     return f4_hmax(first) <= f4_hmin(last);
 }
 
-/* Traces a ray as lane 0 of a packet. Of a worker nothing is used but what it remembers of planes. */
+/*
+ * Traces a ray as lane 0 of a packet, and returns the number of the triangle that it hits. The worker is one of this
+ * call, of which only the fields set here are used: with room for one plane and one pair of triangles.
+ */
 static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ray *ray, uint32_t mask, uint32_t skip,
                                 struct mlrt_scaled_packet *scaled)
 {
@@ -460,7 +477,7 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ra
     return packet->triangle[0];
 }
 
-/* Traces a ray in units. Returns 0 if float does not carry it there. */
+/* Traces a ray that is brought into units. Returns 0 if float does not carry it there. */
 static MLRT_NOINLINE int trace_scaled_ray(const struct mlrt_job *job, const mlrt_ray *given, uint32_t mask,
                                           uint32_t skip, uint32_t *number)
 {
@@ -497,7 +514,7 @@ static MLRT_NOINLINE int trace_scaled_ray(const struct mlrt_job *job, const mlrt
     return 1;
 }
 
-/* job/job.h: trace_ray. */
+/* The function `trace_ray` of job/job.h. */
 static int trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, int any, uint32_t mask, uint32_t skip,
                           mlrt_hit *hit)
 {
@@ -518,7 +535,7 @@ static int trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, i
     hit->occluded = number != MLRT_NONE;
     if (any) return 1;
     if (number != MLRT_NONE) {
-        mlrt_tell_hit(tree, given, number, hit);
+        mlrt_set_hit(tree, given, number, hit);
         return 1;
     }
     hit->t = INFINITY;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rays that go alone, or lane by lane, through boxes whose unit (bvh/unit.h) is not 1, or whose directions are
- * unusually large or small: a copy of their packet in units. A direction has a power of two of its own besides, so that
- * its greatest component is 1 .. 2; so t has one, too. What the filters leave undecided is decided with the rays as
- * they were given.
+ * Rays in the units of boxes. Rays that go alone or lane by lane are copied into another packet and scaled there if the
+ * unit of the boxes (bvh/unit.h) is not 1, or if their directions are unusually large or small. Each direction is also
+ * multiplied by a power of two that brings its greatest component to 1 .. 2, and t by the power that follows from both.
+ * A lane that the filters leave undecided is decided with the ray as it was given.
  */
 #ifndef MLRT_TRACE_UNITS_H
 #define MLRT_TRACE_UNITS_H
@@ -28,13 +28,13 @@ MLRT_INLINE float power_of_two(uint32_t exponent_bits)
     return power;
 }
 
-/* Is this the exponent of a float that is normal, and so is its reciprocal? */
+/* Are a float with this exponent and its reciprocal both normal? */
 MLRT_INLINE int is_normal_exponent(uint32_t exponent_bits)
 {
     return exponent_bits - 2 <= 250;
 }
 
-/* Finds the powers of two for rays of a packet; returns the lanes that have them. */
+/* Finds the powers of two of each lane. Returns those of `lanes` where the powers and their reciprocals are normal. */
 static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, float unit,
                             struct mlrt_ray_scales *scales)
 {
@@ -57,7 +57,8 @@ static uint32_t find_powers(const struct mlrt_packet *packet, uint32_t lanes, fl
     return found & lanes;
 }
 
-/* Finds how rays of a packet are brought into units. Returns the lanes that float carries there, exactly. */
+/* Finds the scales that bring the rays of a packet into units. Returns those of `lanes` that float carries there, where
+ * origins are scaled without rounding. */
 static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, uint32_t lanes, float unit,
                                               struct mlrt_ray_scales *scales)
 {
@@ -78,7 +79,10 @@ static MLRT_NOINLINE uint32_t find_ray_scales(const struct mlrt_packet *packet, 
     return carried;
 }
 
-/* Rule R1 (segment.h) says which rays of `lanes` can hit something; those that float carries in units remain active. */
+/*
+ * Sorts the rays of `lanes` that can hit something by rule R1 (segment.h): those that float carries in units become
+ * active, the others single.
+ */
 static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, struct mlrt_packet *packet)
 {
     struct mlrt_ray_scales scales;
@@ -88,7 +92,7 @@ static MLRT_NOINLINE void check_packet_in_units(uint32_t lanes, float unit, stru
     packet->single = valid & ~packet->active;
 }
 
-/* Brings the nearest hit of a lane into units. */
+/* Copies the nearest hit of a lane from the packet as given to the scaled one. */
 static void scale_nearest(struct mlrt_scaled_packet *scaled, uint32_t lane)
 {
     scaled->rays.triangle[lane] = scaled->given->triangle[lane];
@@ -96,7 +100,7 @@ static void scale_nearest(struct mlrt_scaled_packet *scaled, uint32_t lane)
     scaled->rays.hi[lane] = mlrt_float_up(scaled->given->hi[lane] * (double)scaled->scales.time[lane]);
 }
 
-/* Brings it back. */
+/* Copies the nearest hit of a lane from the scaled packet to the one as given. */
 static void unscale_nearest(const struct mlrt_scaled_packet *scaled, uint32_t lane)
 {
     struct mlrt_packet *given = scaled->given;
@@ -105,8 +109,10 @@ static void unscale_nearest(const struct mlrt_scaled_packet *scaled, uint32_t la
     given->hi[lane] = mlrt_float_up(scaled->rays.hi[lane] * (double)scaled->scales.inverse_time[lane]);
 }
 
-/* Copies rays of a packet. Returns those of `lanes` that float carries in units. What underflow may change of t_min and
- * hi is less than 2^-126, and what they have to spare is nothing beside DISTANCE_FLOOR. */
+/*
+ * Copies a packet into `scaled`, in units. Returns those of `lanes` that float carries there. Underflow changes t_min
+ * and hi by less than 2^-126, so they are moved outward by that; it is negligible beside DISTANCE_FLOOR.
+ */
 static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct mlrt_packet *packet,
                                            struct mlrt_scaled_packet *scaled)
 {
@@ -129,7 +135,10 @@ static MLRT_NOINLINE uint32_t scale_packet(uint32_t lanes, float unit, struct ml
     return carried;
 }
 
-/* Takes over what lanes hit nearer than before. Where nothing was, the bounds remain those that were given. */
+/*
+ * Copies the hits that `lanes` found in units to the packet as given. A lane whose triangle is the same in both keeps
+ * the bounds that were given.
+ */
 static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scaled, uint32_t lanes)
 {
     for (; lanes; lanes &= lanes - 1) {
@@ -138,8 +147,11 @@ static MLRT_NOINLINE void take_scaled_hits(const struct mlrt_scaled_packet *scal
     }
 }
 
-/* After lanes were decided as they were given. */
-static void hear_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, uint32_t nearer)
+/*
+ * Copies the nearest hits of `lanes`, after they were decided as given, to the scaled packet. `nearer`: those that
+ * changed.
+ */
+static void reload_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, uint32_t nearer)
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
@@ -148,7 +160,7 @@ static void hear_nearest(struct mlrt_scaled_packet *scaled, uint32_t lanes, uint
     }
 }
 
-/* As decide_lanes (close_calls.h) and mlrt_decide_triangles (undecided.h), of rays that may be in units. */
+/* As decide_lanes (close_calls.h), for a packet that may be in units. */
 static MLRT_NOINLINE uint32_t decide_scaled_lanes(const struct mlrt_job *job, uint32_t number, uint32_t lanes,
                                                   uint32_t inside, struct mlrt_packet *packet,
                                                   struct mlrt_worker *worker)
@@ -157,11 +169,14 @@ static MLRT_NOINLINE uint32_t decide_scaled_lanes(const struct mlrt_job *job, ui
     if (MLRT_LIKELY(!scaled)) return decide_lanes(job->tree, number, lanes, inside, packet, worker, COUNTERS(worker));
     take_scaled_hits(scaled, lanes);
     const uint32_t nearer = decide_lanes(job->tree, number, lanes, inside, scaled->given, worker, COUNTERS(worker));
-    hear_nearest(scaled, lanes, nearer);
+    reload_nearest(scaled, lanes, nearer);
     return nearer;
 }
 
-/* Does a ray as given surely pass by the box of a triangle? Leaves with odd triangles have boxes without bounds. */
+/*
+ * Does a ray as given surely miss the box of a triangle? Leaves with odd triangles have boxes without bounds, so such a
+ * triangle is tested with every ray that comes to its leaf.
+ */
 static int passes_box(const struct mlrt_packet *packet, uint32_t lane, const struct mlrt_triangle *triangle)
 {
     double enter = packet->t_min[lane], exit = packet->hi[lane];
@@ -179,7 +194,10 @@ static int passes_box(const struct mlrt_packet *packet, uint32_t lane, const str
     return enter > exit;
 }
 
-/* As mlrt_decide_triangles. Of odd triangles no filter knows anything, so doubles come first. */
+/*
+ * As mlrt_decide_triangles (undecided.h). The float filter leaves all odd triangles undecided, so these are decided in
+ * double first.
+ */
 static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, uint32_t undecided, uint32_t inside,
                             uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
@@ -198,6 +216,7 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
     return changed | mlrt_decide_triangles(job, numbers, undecided, inside, lane, packet, worker, COUNTERS(worker));
 }
 
+/* As decide_triangles, for a packet that may be in units. */
 static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, const uint32_t *numbers,
                                                  uint32_t undecided, uint32_t inside, uint32_t lane,
                                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
@@ -206,7 +225,7 @@ static MLRT_NOINLINE int decide_scaled_triangles(const struct mlrt_job *job, con
     if (MLRT_LIKELY(!scaled)) return decide_triangles(job, numbers, undecided, inside, lane, packet, worker);
     take_scaled_hits(scaled, 1u << lane);
     const int changed = decide_triangles(job, numbers, undecided, inside, lane, scaled->given, worker);
-    hear_nearest(scaled, 1u << lane, (uint32_t)changed << lane);
+    reload_nearest(scaled, 1u << lane, (uint32_t)changed << lane);
     return changed;
 }
 
