@@ -240,9 +240,14 @@ deps-docs:
 deps-bindings: deps
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
 
+EMULATED_PACKAGES := gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-i686-linux-gnu libc6-dev-i386-cross qemu-user clang
+
+deps-emulated:
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='$(EMULATED_PACKAGES)'
+
 deps-cross:
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-i686-linux-gnu \
-	    libc6-dev-i386-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-mingw-w64-x86-64 qemu-user wine64 clang'
+	@$(MAKE) --no-print-directory deps \
+	    APT_PACKAGES='$(EMULATED_PACKAGES) gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-mingw-w64-x86-64 wine64'
 
 # `make deps test` must look for packages after deps has run: a second make does the work.
 AFTER_DEPS := $(filter deps deps-%,$(MAKECMDGOALS))
@@ -407,7 +412,7 @@ check-lemmas:
 
 # ---- one file, other machines --------------------------------------------------------------------------------------
 
-.PHONY: amalgamation dist test-amalgamation test-cross deps-cross
+.PHONY: amalgamation dist test-amalgamation test-cross deps-cross deps-emulated
 
 ONE_FILE := $(BUILD)/amalgamation
 

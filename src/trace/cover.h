@@ -388,16 +388,13 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
                                                  uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
 {
     struct mlrt_plane plane;
-    uint32_t apart = 0, has_plane = 0;
+    uint32_t apart = 0;
+    mlrt_set_plane(&tree->triangles[number], &plane);
     if (bundle->waist.sign < 0) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places);
         const struct mlrt_packet *packet = &bundle->tile->packets[place];
         const uint32_t lanes = packet->active & ~skipping_lanes(bundle, place, number);
-        if (lanes && !has_plane) {
-            mlrt_set_plane(&tree->triangles[number], &plane);
-            has_plane = 1;
-        }
         if (!lanes || !(lanes & ~find_apart(&plane, packet, at_end >> place & 1, backward >> place & 1 ? -1 : 1))) {
             apart |= places & (0u - places);
         }

@@ -395,7 +395,7 @@ MLRT_INLINE uint32_t bound_rays_by(struct mlrt_bundle *bundle, uint32_t place, i
         if (packet->single) return 0; /* fill_idle_lanes must not overwrite these */
         fill_idle_lanes(packet);
     }
-    least[4] = least[5] = least[6] = least[7] = zero;
+    least[4] = least[5] = least[6] = least[7] = least[8] = least[9] = zero;
     least[10] = v_set1(-INFINITY), least[11] = v_set1(INFINITY);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         struct given_rays rays;
