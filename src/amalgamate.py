@@ -58,6 +58,8 @@ HEAD = """\
  *
  *     cc -O2 -c mlrt.c         gcc or clang; on 32-bit x86 with -msse2 -mfpmath=sse; programs link with -lm -pthread
  *
+ * The file includes itself, once for each instruction set, and so must keep its name.
+ *
  * A DLL: -shared -DMLRT_BUILD_DLL. With a gcc for Windows that does not align the stack for AVX (GCC bug 54412; those
  * of Debian and MSYS2 do without) add -Wa,-muse-unaligned-vector-move.
  */
