@@ -431,13 +431,12 @@ def passes(parts):
         header = re.search(r'#include "(simd/\w+\.h)"', unit)[1]
         own = set()
         text = parts.paste(os.path.join(SOURCE, header), is_own, own)
-        if not any(os.path.basename(path) == "quad.h" for path in own):
-            own.update(os.path.join(SOURCE, "simd", name) for name in ("quad.h", "quad_sse.h", "quad_scalar.h"))
         defines = re.findall(r"^#define .*\n", unit, re.M)
         vocabularies[kernel.name] = made_static("".join(defines) + text)
         ends[kernel.name] = macros_of(vocabularies[kernel.name])
         seen |= own | {os.path.join(SOURCE, header)}
-    seen.add(os.path.join(SOURCE, CHOSEN))
+    # Every vocabulary has its words of four floats already.
+    seen.update(os.path.join(SOURCE, "simd", name) for name in ("simd.h", "quad.h", "quad_sse.h", "quad_scalar.h"))
     kernels = made_static(parts.paste(os.path.join(SOURCE, KERNEL_TEXT), is_own, seen))
     everything = "".join(vocabularies.values()) + kernels
     macros = set(macros_of(everything))

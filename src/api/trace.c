@@ -252,6 +252,17 @@ static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ra
     if (!any) mlrt_set_hit(tree, ray, number, hit);
 }
 
+/* Traces one ray with these kernels; in double if there are none, if they count, or if float does not carry the ray. */
+static void trace_alone(const struct mlrt_kernels *kernels, const mlrt_tree *tree, const mlrt_ray *ray, int any,
+                        uint32_t mask, uint32_t skip, mlrt_counters *counters, mlrt_hit *hit)
+{
+    const uint64_t environment = mlrt_enter_fp_environment();
+    if (!kernels || !kernels->trace_ray || !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
+        trace_by_ray(tree, ray, any, mask, skip, counters, hit);
+    }
+    mlrt_leave_fp_environment(environment);
+}
+
 /* Traces one ray, by a method other than ray, as a list of one. The arrays of the list are the fields of `hit`. */
 static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
                              mlrt_hit *hit)
@@ -299,9 +310,8 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
         return trace_as_list(tree, ray, options, job.any, hit);
     }
     mlrt_counters own = {.struct_size = 0};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    trace_by_ray(tree, ray, job.any, job.source.common_mask, skip, options->counters ? &own : NULL, hit);
-    mlrt_leave_fp_environment(environment);
+    trace_alone(job.method == MLRT_METHOD_TILE ? job.kernels : NULL, tree, ray, job.any, job.source.common_mask, skip,
+                options->counters ? &own : NULL, hit);
     if (options->counters) mlrt_add_counters(options->counters, &own);
     return MLRT_OK;
 }
@@ -353,11 +363,7 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
             if (status != MLRT_OK) return status;
         }
     }
-    const uint64_t environment = mlrt_enter_fp_environment();
-    if (!kernels || !kernels->trace_ray || !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
-        trace_by_ray(tree, ray, any, mask, skip, NULL, hit);
-    }
-    mlrt_leave_fp_environment(environment);
+    trace_alone(kernels, tree, ray, any, mask, skip, NULL, hit);
     return MLRT_OK;
 }
 
