@@ -173,6 +173,11 @@ class Counters(Struct):
         )
     ]
 
+    def __repr__(self) -> str:
+        """The counters that are not 0."""
+        counts = ((name, getattr(self, name)) for name, _ in self._fields_[2:])
+        return f"<Counters: {', '.join(f'{name}={count}' for name, count in counts if count) or 'all 0'}>"
+
 
 class Light(Struct):
     _fields_ = [("struct_size", c_uint32), ("kind", c_int32), ("position", Float3)]

@@ -124,9 +124,9 @@ class SameAnswers(unittest.TestCase):
                 ((mlrt.Tree.kdtree, mlrt.estimate_kdtree), {"pool": pool}),
             ):
                 for name, value in refusals.items():
-                    with self.assertRaisesRegex(TypeError, f"^{name} is an option of Tree"):
+                    with self.assertRaisesRegex(TypeError, f"'{name}'"):
                         makers[0](vertices, faces, **{name: value})
-                    with self.assertRaisesRegex(TypeError, f"^{name} is an option of estimate_"):
+                    with self.assertRaisesRegex(TypeError, f"'{name}'"):
                         makers[1](12, **{name: value})
         for make, wrong in ((mlrt.Tree, "paper"), (mlrt.Tree, "tuned"), (mlrt.Tree.kdtree, "fast")):
             with self.assertRaisesRegex(ValueError, wrong):
