@@ -175,7 +175,7 @@ class Counters(Struct):
 
     def __repr__(self) -> str:
         """The counters that are not 0."""
-        counts = ((name, getattr(self, name)) for name, _ in self._fields_[2:])
+        counts = ((field[0], getattr(self, field[0])) for field in self._fields_[2:])
         return f"<Counters: {', '.join(f'{name}={count}' for name, count in counts if count) or 'all 0'}>"
 
 

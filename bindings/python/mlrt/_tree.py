@@ -374,7 +374,15 @@ class Tree:
         """
         tree = self._open_handle()
         if (
-            t_min is t_max is skip is mask is out is pool is method is isa is counters is None
+            t_min is None
+            and t_max is None
+            and skip is None
+            and mask is None
+            and out is None
+            and pool is None
+            and method is None
+            and isa is None
+            and counters is None
             and not progress
             and _single.is_one(origins, directions)
         ):
@@ -417,7 +425,15 @@ class Tree:
         """Whether each ray hits anything: bool (...). Faster than `trace`, arguments as there; out: bool or uint8 (...)."""
         tree = self._open_handle()
         if (
-            t_min is t_max is skip is mask is out is pool is method is isa is counters is None
+            t_min is None
+            and t_max is None
+            and skip is None
+            and mask is None
+            and out is None
+            and pool is None
+            and method is None
+            and isa is None
+            and counters is None
             and not progress
             and _single.is_one(origins, directions)
         ):
