@@ -18,7 +18,7 @@ from .typing import Threads
 Index = NDArray[np.int64]
 Floats = NDArray[np.float32]
 
-_LIST_NUMBERS = 1 << 22  # of all lists that are asked for at once
+_LIST_NUMBERS = 1 << 20  # of all lists that are asked for at once
 _SURE = 1e-14  # relative: a sum of products of differences, in float64, has at most a tenth of this error
 
 
@@ -35,38 +35,63 @@ def begins(
     tree: Tree, vertices: Floats, faces: NDArray[Any], origins: Floats, directions: Floats, pool: Threads
 ) -> Begins:
     """vertices, faces: those of the tree."""
-    one = len(origins) > 1 and bool((origins == origins[0]).all())
-    found = _containing(tree, origins[:1] if one else origins, pool)
-    if one and len(found.ray):
-        count, size = len(origins), len(found.ray)
-        all_of_it: list[Any] = [np.tile(array, count) for array in found[1:]]
-        found = Begins(np.repeat(np.arange(count), size), *all_of_it)
-    crossing = _crosses(vertices[faces[found.triangle]], directions[found.ray])
-    found = Begins._make(array[crossing] for array in found)
-    return Begins._make(array[np.unique(found.ray, return_index=True)[1]] for array in found)
+    if len(origins) > 1 and (origins == origins[0]).all():
+        near = np.arange(len(origins))
+        which, points = np.zeros(len(origins), np.int64), origins[:1]
+    else:
+        near = _near(tree, origins, pool)
+        which, points = _different(origins[near])
+    point, triangle, u, v = _containing(tree, points, pool)
+    # Each ray gets the triangles of its point.
+    counts = np.bincount(point, minlength=len(points))
+    starts, sizes = np.cumsum(counts) - counts, counts[which]
+    ray = np.repeat(near, sizes)
+    index = np.repeat(starts[which] - (np.cumsum(sizes) - sizes), sizes) + np.arange(len(ray))
+    index_crossing = _crosses(vertices[faces[triangle[index]]], directions[ray])
+    ray, index = ray[index_crossing], index[index_crossing]
+    first = np.ones(len(ray), np.bool_)
+    first[1:] = ray[1:] != ray[:-1]
+    index = index[first]
+    return Begins(ray[first], triangle[index], u[index], v[index])
+
+
+def _near(tree: Tree, points: Floats, pool: Threads) -> Index:
+    """The numbers of all points that lie on triangles, and of some others that lie near one. Of most points this says enough."""
+    near = np.zeros(len(points), np.bool_)
+    for axis in range(3):
+        near |= tree.occluded(*_towards(points, axis, -1), pool=pool)
+    return np.flatnonzero(near)
+
+
+def _different(points: Floats) -> tuple[Index, Floats]:
+    """Which of the different points each point is, and these. -0 is not 0 here, which costs time only."""
+    rows = np.ascontiguousarray(points).view(np.dtype((np.void, 12))).ravel()
+    _, first, which = np.unique(rows, return_index=True, return_inverse=True)
+    return which.ravel(), points[first]
 
 
 def _containing(tree: Tree, points: Floats, pool: Threads) -> Begins:
     """All triangles on which points lie, by point and then by triangle."""
-    parts = []
+    nothing, no_weights = np.zeros(0, np.int64), np.zeros(0, np.float32)
+    parts = [Begins(nothing, nothing, no_weights, no_weights)]
     for axis in range(3):
-        below = _towards(points, axis, -1)
-        near = np.flatnonzero(tree.occluded(*below, pool=pool))  # of nearly all points this alone says that there is none
-        longest = int(_totals(tree, points[near], axis, -1, pool).max(initial=1))
-        size = max(_LIST_NUMBERS // longest, 1)
-        for start in range(0, len(near), size):
-            piece = near[start : start + size]
-            lists = [_listed(tree, points[piece], axis, side, pool) for side in (-1, 1)]
-            from_below, from_above = (rays * (1 << 32) + triangles for rays, triangles, _, _ in lists)
-            which = np.flatnonzero(np.isin(from_below, from_above))
-            ray, triangle, u, v = lists[0]
-            parts.append(Begins(piece[ray[which]], triangle[which], u[which], v[which]))
-    if not parts:
-        nothing, no_weights = np.zeros(0, np.int64), np.zeros(0, np.float32)
-        return Begins(nothing, nothing, no_weights, no_weights)
-    together = Begins._make(np.concatenate(arrays) for arrays in zip(*parts))
-    _, which = np.unique(together.ray * (1 << 32) + together.triangle, return_index=True)
-    return Begins._make(array[which] for array in together)
+        totals = _totals(tree, points, axis, -1, pool)
+        order = np.argsort(totals, kind="stable")  # so that lists of one piece are about equally long
+        start = int(np.count_nonzero(totals == 0))
+        while start < len(order):
+            stop = start + max(int(np.count_nonzero(_sizes(totals[order[start:]]) <= _LIST_NUMBERS)), 1)
+            piece, start = order[start:stop], stop
+            (ray, triangle, u, v), above = (_listed(tree, points[piece], axis, side, pool) for side in (-1, 1))
+            on = np.isin(ray * (1 << 32) + triangle, above[0] * (1 << 32) + above[1])
+            parts.append(Begins(piece[ray[on]], triangle[on], u[on], v[on]))
+    point, triangle, u, v = (np.concatenate(arrays) for arrays in zip(*parts))
+    _, which = np.unique(point * (1 << 32) + triangle, return_index=True)
+    return Begins(point[which], triangle[which], u[which], v[which])
+
+
+def _sizes(totals: NDArray[np.uint32]) -> Index:
+    """How many numbers the lists of the first one, two, three, ... points have, if all are as long as the last of them."""
+    return np.arange(1, len(totals) + 1) * totals.astype(np.int64)
 
 
 def _towards(points: Floats, axis: int, side: int) -> tuple[Floats, Floats, Floats, Floats]:
@@ -89,7 +114,7 @@ def _listed(tree: Tree, points: Floats, axis: int, side: int, pool: Threads) -> 
     """These triangles: numbers of points and of triangles, and weights."""
     totals = _totals(tree, points, axis, side, pool)
     origins, direction, t_min, t_max = _towards(points, axis, side)
-    longest = int(totals.max(initial=1)) or 1
+    longest = max(int(totals.max(initial=0)), 1)
     lists = tree.hits(origins, direction, longest, t_min, t_max, outputs=("triangle", "u", "v"), pool=pool)
     ray, column = np.nonzero(np.arange(longest) < totals[:, None])
     return ray, lists.triangle[ray, column].astype(np.int64), lists.u[ray, column], lists.v[ray, column]
