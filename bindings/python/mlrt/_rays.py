@@ -82,7 +82,7 @@ class Rays:
         whole = self.shape if width == 1 else self.shape + (width,)
         if array.shape != whole or not array.flags.c_contiguous:
             if _constant_axes(array, width) is None:
-                array = np.require(array[_first(array, width, array.ndim)], requirements="CA")
+                array = np.require(array[_first(array, width, array.ndim)], requirements=("C", "A"))
                 self._alive.append(array)
                 return address(array), STRIDE_ALL
             if group_axes:
