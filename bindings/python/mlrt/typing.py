@@ -1,20 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""The kinds of arguments, under the names that signatures have for them. For type checkers: at run time any array will do.
+"""The kinds of arguments, under the names that signatures have for them.
 
 Arrays of these dtypes, packed along their last axis, are read where they lie; others, and lists, are copied once.
+
+To type checkers each is what it stands for. At run time each is a class without use but for its text, so that `help` and the pages of
+`make docs-python` have a name where the whole type would be.
 """
 
-import os
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, Optional, Union
-
-from numpy.typing import ArrayLike, NDArray
-
-if TYPE_CHECKING:  # Buffer is in collections.abc since Python 3.12. To type checkers before that an array is none
-    from typing_extensions import Buffer
-
-    from ._lights import DirectionalLight
-    from ._pool import Pool
+from typing import TYPE_CHECKING
 
 __all__ = [
     "Faces",
@@ -37,56 +30,86 @@ __all__ = [
     "Vectors",
 ]
 
-Vector = ArrayLike
-"""Three numbers."""
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterable, Mapping
+    from typing import Any, Literal, Optional, Union
 
-Vectors = ArrayLike
-"""float32 (..., 3): points or directions."""
+    from numpy.typing import ArrayLike, NDArray
+    from typing_extensions import Buffer  # in collections.abc since Python 3.12; to type checkers before that an array is none
 
-Numbers = ArrayLike
-"""float32 (...): a number for each ray, or one for all."""
+    from ._lights import DirectionalLight
+    from ._pool import Pool
 
-Faces = Optional[ArrayLike]
-"""uint16, uint32 or int32 (m, 3): three vertices of each triangle. None: vertices 0, 1, 2 are a triangle, so are 3, 4, 5."""
+    Vector = ArrayLike
+    Vectors = ArrayLike
+    Numbers = ArrayLike
+    Faces = Optional[ArrayLike]
+    Skips = Optional[ArrayLike]
+    Masks = Optional[ArrayLike]
+    Mesh = Any
+    Meshes = Union[Iterable[Mesh], Mapping[int, Mesh]]
+    Light = Union[Vector, DirectionalLight]
+    Lights = Optional[Iterable[Light]]
+    Outputs = Union[str, Iterable[str], None]
+    Threads = Union[Pool, int, None]
+    Preset = Literal["default", "fast", "best"]
+    KdTreePreset = Literal["paper", "tuned"]
+    Method = Optional[Literal["ray", "packet2", "packet4", "multilevel", "tile"]]
+    Isa = Optional[Literal["scalar", "sse", "avx2", "avx512"]]
+    Path = Union[str, os.PathLike[str]]
+    Source = Union[Path, Buffer, NDArray[Any]]
+else:
+    class Vector:
+        """Three numbers."""
 
-Skips = Optional[ArrayLike]
-"""uint32 (..., 2): for each ray the mesh and the triangle that it passes through, (-1, -1) or None for none."""
+    class Vectors:
+        """float32 (..., 3): points or directions."""
 
-Masks = Optional[ArrayLike]
-"""An int of 32 bits for all rays, or uint32 (...), one for each. 0 and None: all bits."""
+    class Numbers:
+        """float32 (...): a number for each ray, or one for all."""
 
-Mesh = Any
-"""(vertices, faces), or an object with attributes of these names, as a trimesh.Trimesh has."""
+    class Faces:
+        """uint16, uint32 or int32 (m, 3): three vertices of each triangle. None: vertices 0, 1, 2 are a triangle, so are 3, 4, 5."""
 
-Meshes = Union[Iterable[Mesh], Mapping[int, Mesh]]
-"""Several meshes, with the ids 0, 1, 2, ...; or a dictionary from ids to meshes."""
+    class Skips:
+        """uint32 (..., 2): for each ray the mesh and the triangle that it passes through, (-1, -1) or None for none."""
 
-Light = Union[Vector, "DirectionalLight"]
-"""A point (3,) where a light is, or a mlrt.DirectionalLight."""
+    class Masks:
+        """An int of 32 bits for all rays, or uint32 (...), one for each. 0 and None: all bits."""
 
-Lights = Optional[Iterable[Light]]
-"""Up to eight of them. None: no shadows are asked for."""
+    class Mesh:
+        """(vertices, faces), or an object with attributes of these names, as a trimesh.Trimesh has."""
 
-Outputs = Union[str, Iterable[str], None]
-"""Names of the arrays that are wanted, or one name. None: all of them."""
+    class Meshes:
+        """Several meshes, with the ids 0, 1, 2, ...; or a dictionary from ids to meshes."""
 
-Threads = Union["Pool", int, None]
-"""A mlrt.Pool; or a number of threads, 0 for one per processor, whose pool is made once and kept; None: the calling thread."""
+    class Light:
+        """A point (3,) where a light is, or a mlrt.DirectionalLight."""
 
-Preset = Literal["default", "fast", "best"]
-"""How carefully a tree is built."""
+    class Lights:
+        """Up to eight of them. None: no shadows are asked for."""
 
-KdTreePreset = Literal["paper", "tuned"]
-"""Rules of a kd-tree's builder."""
+    class Outputs:
+        """Names of the arrays that are wanted, or one name. None: all of them."""
 
-Method = Optional[Literal["ray", "packet2", "packet4", "multilevel", "tile"]]
-"""How to trace, None: as is best. It never changes an answer."""
+    class Threads:
+        """A mlrt.Pool; or a number of threads, 0 for one per processor, whose pool is made once and kept; None: the calling thread."""
 
-Isa = Optional[Literal["scalar", "sse", "avx2", "avx512"]]
-"""The instruction set, None: the best of this machine. It never changes an answer."""
+    class Preset:
+        """How carefully a tree is built."""
 
-Path = Union[str, "os.PathLike[str]"]
-"""The name of a file."""
+    class KdTreePreset:
+        """Rules of a kd-tree's builder."""
 
-Source = Union[Path, "Buffer", NDArray[Any]]
-"""The name of a file, or anything with a buffer of bytes: bytes, mmap, memoryview, an array."""
+    class Method:
+        """How to trace, None: as is best. It never changes an answer."""
+
+    class Isa:
+        """The instruction set, None: the best of this machine. It never changes an answer."""
+
+    class Path:
+        """The name of a file."""
+
+    class Source:
+        """The name of a file, or anything with a buffer of bytes: bytes, mmap, memoryview, an array."""
