@@ -19,11 +19,15 @@ Index = NDArray[np.int64]
 Floats = NDArray[np.float32]
 
 _LIST_NUMBERS = 1 << 20  # of all lists that are asked for at once
+_FEW_POINTS = 64  # so many times as many vertices are not worth to be looked through
 _SURE = 1e-14  # relative: a sum of products of differences, in float64, has at most a tenth of this error
 
 
 class Begins(NamedTuple):
-    """Rays that begin on a triangle: their numbers, ascending, the first triangle of the mesh that each hits there, and its weights."""
+    """Rays that begin on a triangle: their numbers, ascending, the triangle that each hits there, and its weights.
+
+    Of several it is the first of the mesh, or, if rays from many corners of the mesh come together, the first that has this corner.
+    """
 
     ray: Index
     triangle: Index
@@ -41,7 +45,15 @@ def begins(
     else:
         near = _near(tree, origins, pool)
         which, points = _different(origins[near])
-    point, triangle, u, v = _containing(tree, points, pool)
+    corner = _corners(vertices, faces, points) if len(points) * _FEW_POINTS >= len(vertices) else None
+    if corner is None:
+        point, triangle, u, v = _containing(tree, points, pool)
+    else:
+        rest = np.flatnonzero(np.bincount(corner.ray, minlength=len(points)) == 0)
+        inner = _containing(tree, points[rest], pool)
+        pairs: Any = zip(corner, inner._replace(ray=rest[inner.ray]))
+        together: Any = [np.concatenate(pair) for pair in pairs]
+        point, triangle, u, v = (array[np.argsort(together[0], kind="stable")] for array in together)
     # Each ray gets the triangles of its point.
     counts = np.bincount(point, minlength=len(points))
     starts, sizes = np.cumsum(counts) - counts, counts[which]
@@ -64,10 +76,23 @@ def _near(tree: Tree, points: Floats, pool: Threads) -> Index:
 
 
 def _different(points: Floats) -> tuple[Index, Floats]:
-    """Which of the different points each point is, and these. -0 is not 0 here, which costs time only."""
+    """Which of the different points each point is, and these. -0 is not 0 here."""
     rows = np.ascontiguousarray(points).view(np.dtype((np.void, 12))).ravel()
     _, first, which = np.unique(rows, return_index=True, return_inverse=True)
     return which.ravel(), points[first]
+
+
+def _corners(vertices: Floats, faces: NDArray[Any], points: Floats) -> Begins:
+    """The triangles whose corners are points, by point and then by triangle: far faster than `_containing`."""
+    number, _ = _different(np.concatenate((points, vertices)) + np.float32(0))  # -0 becomes 0
+    point_of = np.full(len(number), -1)
+    point_of[number[: len(points)]] = np.arange(len(points))
+    corners = point_of[number[len(points) :]][faces]
+    triangle, corner = np.nonzero(corners >= 0)
+    point = corners[triangle, corner]
+    order = np.argsort(point, kind="stable")
+    triangle, corner = triangle[order], corner[order]
+    return Begins(point[order], triangle, (corner == 1).astype(np.float32), (corner == 2).astype(np.float32))
 
 
 def _containing(tree: Tree, points: Floats, pool: Threads) -> Begins:
@@ -125,7 +150,7 @@ def _crosses(corners: Floats, directions: Floats) -> NDArray[np.bool_]:
 
     corners: (n, 3, 3).
     """
-    finite = np.isfinite(directions).all(axis=1)
+    finite = np.isfinite(directions).all(axis=1) & np.isfinite(corners).all(axis=(1, 2))
     crosses = np.zeros(len(corners), np.bool_)
     with np.errstate(all="ignore"):
         volume, size = _volume(corners.astype(np.float64), directions.astype(np.float64))

@@ -38,7 +38,7 @@ def found(vertices, faces, origins, directions, pool=None):
 
 class Integers(unittest.TestCase):
     def test_rays_from_vertices_edges_and_faces(self):
-        on = in_plane = 0
+        on = at_corners = 0
         for seed in range(3):
             vertices, faces, origins, directions = integer_scene(seed, triangle_count=200, ray_count=1500)
             origins = np.trunc(origins / 3)
@@ -48,20 +48,29 @@ class Integers(unittest.TestCase):
             origins[1::5] = corners[:, 0]
             begins, triangles = found(vertices, faces, origins, directions)
             exact = expected(vertices, faces, origins, directions)
-            self.assertEqual(triangles.tolist(), exact.tolist())
+            with mock.patch.object(_origins, "_FEW_POINTS", 0):  # the first of the mesh
+                self.assertEqual(found(vertices, faces, origins, directions)[1].tolist(), exact.tolist())
+            self.assertEqual((triangles >= 0).tolist(), (exact >= 0).tolist())
+            for ray in np.flatnonzero(triangles != exact):  # the first with this corner
+                at_corner = (vertices[faces] == origins[ray]).all(axis=2).any(axis=1)
+                corner_faces = np.where(at_corner[:, None], faces, faces[:1] * 0)
+                self.assertEqual(triangles[ray], expected(vertices, corner_faces, origins[ray : ray + 1], directions[ray : ray + 1])[0])
+                at_corners += 1
             on += (exact >= 0).sum()
             weights = np.stack((1 - begins.u - begins.v, begins.u, begins.v), axis=-1)
             points = (weights[..., None] * vertices[faces[begins.triangle]]).sum(axis=1)
             self.assertTrue(np.allclose(points, origins[begins.ray], atol=1e-4))
         self.assertGreater(on, 1000)
+        self.assertGreater(at_corners, 10)
 
     def test_pieces_and_one_origin(self):
         vertices, faces, origins, directions = integer_scene(3, triangle_count=300, ray_count=2000)
         origins = np.trunc(origins / 3)
         exact = expected(vertices, faces, origins, directions).tolist()
-        with mock.patch.object(_origins, "_LIST_NUMBERS", 40):
-            self.assertEqual(found(vertices, faces, origins, directions)[1].tolist(), exact)
-        self.assertEqual(found(vertices, faces, origins, directions, 2)[1].tolist(), exact)
+        with mock.patch.object(_origins, "_FEW_POINTS", 0):
+            self.assertEqual(found(vertices, faces, origins, directions, 2)[1].tolist(), exact)
+            with mock.patch.object(_origins, "_LIST_NUMBERS", 40):
+                self.assertEqual(found(vertices, faces, origins, directions)[1].tolist(), exact)
         for point in (vertices[faces[7, 1]], [0, 0, 0], [40, 0, 0]):
             same = np.tile(np.float32(point), (len(origins), 1))
             exact = expected(vertices, faces, same, directions)
