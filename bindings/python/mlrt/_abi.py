@@ -373,6 +373,7 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "mlrt_capabilities": (c_uint64, []),
     "mlrt_struct_sizes": (None, [c_void_p, c_uint32]),
     "mlrt_status_string": (c_char_p, [c_int32]),
+    "mlrt_last_message": (c_char_p, []),
     "mlrt_build_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_build_kdtree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_estimate_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),

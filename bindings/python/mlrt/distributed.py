@@ -34,8 +34,8 @@ from ._tree import Tree
 from .typing import Lights, Masks, Numbers, Outputs, Path, Skips, Vectors
 
 try:
+    import dask
     import dask.array
-    import dask.delayed
     import dask.distributed
 except ImportError as error:
     raise ImportError("mlrt.distributed needs Dask: pip install mlrt[distributed], or pip install dask distributed") from error
@@ -172,7 +172,7 @@ class Scene:
             )
         else:  # one ray
             arguments.update({key: array.reshape(shape + array.shape) for key, array in arguments.items() if key == "origins"})
-            result = da.from_delayed(_dask.delayed.delayed(function)(**work), shape, dtype, name=unique_name)
+            result = da.from_delayed(_dask.delayed(function)(**work), shape, dtype, name=unique_name)
         return self._started(result, start)
 
     def render(
