@@ -18,6 +18,7 @@ import sys
 import timeit
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -186,7 +187,7 @@ class Open3d:
         return np.asarray(np.isfinite(result["t_hit"].numpy()))
 
 
-PEERS = {"embreex": Embreex, "open3d": Open3d}
+PEERS: dict[str, Any] = {"embreex": Embreex, "open3d": Open3d}
 
 
 # ---- measuring ---------------------------------------------------------------------------------------------------------
@@ -205,7 +206,8 @@ def take_turns(contestants: dict[str, Question], rounds: int) -> dict[str, float
 
 
 def measure_arrays(scene: Scene, peers: list[str], options: argparse.Namespace) -> Iterator[Row]:
-    contestants: dict[str, Any] = {"mlrt": Mlrt(scene), **{name: PEERS[name](scene) for name in peers}}
+    contestants: dict[str, Any] = {"mlrt": Mlrt(scene)}
+    contestants.update((name, PEERS[name](scene)) for name in peers)
     for kind, rays in (("coherent", coherent_rays(scene, options.rays)), ("random", random_rays(scene, options.rays))):
         hits = {name: one.hit(one.questions(*rays, 1)["all"]()) for name, one in contestants.items()}
         for name in peers:
@@ -231,7 +233,7 @@ def measure_drop_in(scene: Scene, options: argparse.Namespace) -> Iterator[Row]:
     for title, arguments in METHODS.items():
         method = title.split(",")[0]
         asked: dict[str, Question] = {
-            name: (lambda one=one: getattr(one, method)(*rays, **arguments)) for name, one in contestants.items()
+            name: partial(getattr(one, method), *rays, **arguments) for name, one in contestants.items()
         }
         seconds = take_turns(asked, options.rounds)
         yield Row(scene.name, "coherent", title, 1, {name: len(rays[0]) / s / 1e6 for name, s in seconds.items()})
@@ -344,14 +346,16 @@ def print_distributed(found: list[Scene], options: argparse.Namespace) -> None:
                 cluster_scene = stack.enter_context(distributed.Scene(tree, client=client))
                 piece = max(len(rays[0]) // 16, 1)
                 lying = [client.persist(array.from_array(one, chunks=(piece, 3))) for one in rays]
-                dask.wait(lying)
+                client.gather(client.compute([one.sum() for one in lying]))
                 name = str(len(client.scheduler_info()["workers"]))
 
-                def trace(scene: Any = cluster_scene, lying: Any = lying, piece: int = piece) -> None:
-                    dask.wait(scene.trace(*lying, outputs=("triangle", "t"), rays_per_piece=piece).t)
+                def trace(client: Any = client, scene: Any = cluster_scene, lying: Any = lying, piece: int = piece) -> None:
+                    with client.as_current():
+                        dask.wait(scene.trace(*lying, outputs=("triangle", "t"), rays_per_piece=piece).t)
 
-                def render(scene: Any = cluster_scene, piece: int = piece) -> None:
-                    dask.wait(scene.render(camera, outputs=("triangle", "t"), rays_per_piece=piece).t)
+                def render(client: Any = client, scene: Any = cluster_scene, piece: int = piece) -> None:
+                    with client.as_current():
+                        dask.wait(scene.render(camera, outputs=("triangle", "t"), rays_per_piece=piece).t)
 
                 asks["random"][name], asks["picture"][name] = trace, render
             for kind, contestants in asks.items():

@@ -39,7 +39,12 @@ def begins(
     tree: Tree, vertices: Floats, faces: NDArray[Any], origins: Floats, directions: Floats, pool: Threads
 ) -> Begins:
     """vertices, faces: those of the tree."""
-    if len(origins) > 1 and (origins == origins[0]).all():
+    words = np.ascontiguousarray(origins).view(np.uint32).ravel()
+    one = len(origins) > 1 and np.array_equal(words[:3], words[-3:]) and np.array_equal(words[3:], words[:-3])
+    if one and len(_near(tree, origins[:1], pool)) == 0:
+        nothing, no_weights = np.zeros(0, np.int64), np.zeros(0, np.float32)
+        return Begins(nothing, nothing, no_weights, no_weights)
+    if one:
         near = np.arange(len(origins))
         which, points = np.zeros(len(origins), np.int64), origins[:1]
     else:
