@@ -82,7 +82,9 @@ class Integers(unittest.TestCase):
         vertices = np.array([[0, 0, 0], [1, 1e-30, 3], [2, 5, 1]], np.float32)
         faces, origins = np.array([[0, 1, 2]]), np.zeros((3, 3), np.float32)
         edge = vertices[1] - vertices[0]
-        directions = np.array([edge, np.nextafter(edge, np.float32(9)), [np.nan, 0, 1]], np.float32)
+        nearly = edge * 1
+        nearly[1] = np.nextafter(edge[1], np.float32(1))
+        directions = np.array([edge, nearly, [np.nan, 0, 1]], np.float32)
         for row in range(2):
             a, b, c, d = ([Fraction(float(x)) for x in array] for array in (*vertices, directions[row]))
             first, second = ([y - x for x, y in zip(a, end)] for end in (b, c))
@@ -104,6 +106,14 @@ class Neighbours(unittest.TestCase):
             for side in (-1, 1):
                 triangles = found(vertices, faces, origins, np.float32([[0.1, 0.2, side]] * 3))[1]
                 self.assertEqual((triangles >= 0).tolist(), [False, True, False], (scale, side))
+
+    def test_far_less_than_a_float_beside_the_face(self):
+        """On z = x - y, points with y = 2^-60 that lie 2^-60 above or below, or on it."""
+        vertices = np.array([[-4, -4, 0], [4, -4, 8], [0, 4, -4]], np.float32)
+        y = np.float32(2.0**-60)
+        origins = np.array([[1, y, 1], [1, -y, 1], [1, 0, 1], [1, 0.5, 0.5], [0, y, -y], [0, y, y]], np.float32)
+        triangles = found(vertices, np.array([[0, 1, 2]]), origins, np.float32([[1, 2, 5]] * 6))[1]
+        self.assertEqual(triangles.tolist(), [-1, -1, 0, 0, 0, -1])
 
     def test_zero_and_slanted_faces(self):
         tiny = np.float32(1e-45)
