@@ -225,6 +225,8 @@ $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples
 APT_PACKAGES := gcc libc6-dev pkg-config libpng-dev libcmocka-dev libgmp-dev libassimp-dev libcjson-dev
 MISSING = $(strip $(foreach p,$(APT_PACKAGES),$(if $(filter installed,$(shell dpkg-query -W -f='$${db:Status-Status}' $(p) 2>/dev/null)),,$(p))))
 SUDO = $(if $(filter 0,$(shell id -u)),,sudo)
+# Not empty: the lists of packages are fresh, so they are not fetched again.
+APT_UPDATED ?=
 
 deps:
 	@if ! command -v apt-get >/dev/null; then \
@@ -232,7 +234,7 @@ deps:
 	    echo "read mesh files and files of views) assimp and cJSON. The library itself needs none of them."; exit 1; \
 	elif [ -n "$(MISSING)" ]; then \
 	    echo "installing: $(MISSING)"; \
-	    $(SUDO) apt-get update -qq && $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
+	    $(if $(APT_UPDATED),,$(SUDO) apt-get update -qq &&) $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
 	fi
 
 deps-study: deps
@@ -537,4 +539,5 @@ format:
 clean:
 	rm -rf build
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+# Of this build alone: builds with other settings lie below build/ too, and may be running.
+-include $(shell find $(BUILD)/obj $(BUILD)/examples $(BUILD)/tests -name copies -prune -o -name '*.d' -print 2>/dev/null)
