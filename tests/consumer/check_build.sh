@@ -6,14 +6,15 @@
 # static library, which must give the golden answers; the library must be that of the Makefile, byte for byte, though
 # the settings of the projects are hostile. tests/consumer/check_build.sh FOLDER LIBRARY ARCHIVE
 #
-# CC, CXX: the compilers that LIBRARY was built with. Tools that are missing are named, and what needs them is left out.
+# CC, CXX: the compilers that LIBRARY was built with. WAYS: those to test; default fetch subdirectory meson vcpkg. Tools
+# that are missing are named, and what needs them is left out.
 set -eu
 mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 library=$2 archive=$3
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
-: "${CC:=cc}" "${CXX:=c++}"
+: "${CC:=cc}" "${CXX:=c++}" "${WAYS:=fetch subdirectory meson vcpkg}"
 export CC CXX
 version=$(sed -n 's/^#define MLRT_VERSION_STRING "\(.*\)".*/\1/p' "$root/include/mlrt.h")
 done_list=
@@ -22,6 +23,11 @@ fail()
 {
     echo "test-packaging: $*"
     exit 1
+}
+
+wants()
+{
+    case " $WAYS " in *" $1 "*) ;; *) return 1 ;; esac
 }
 
 has()
@@ -97,7 +103,7 @@ fi
 generator='Unix Makefiles'
 if command -v ninja >/dev/null; then generator=Ninja; fi
 
-if has cmake "FetchContent" && has git "FetchContent"; then
+if wants fetch && has cmake "FetchContent" && has git "FetchContent"; then
     project fetch
     quietly "$place/log" cmake -S "$place" -B "$place/build" -G "$generator" -DREPOSITORY="file://$sources" -DCMAKE_BUILD_TYPE=Debug
     quietly "$place/log-build" cmake --build "$place/build" --parallel 2
@@ -109,7 +115,7 @@ if has cmake "FetchContent" && has git "FetchContent"; then
     done_list="$done_list FetchContent"
 fi
 
-if has cmake "add_subdirectory"; then
+if wants subdirectory && has cmake "add_subdirectory"; then
     project subdirectory
     other=$CXX other_c=$CC
     if command -v clang++ >/dev/null; then other=clang++ other_c=clang; fi
@@ -121,7 +127,7 @@ if has cmake "add_subdirectory"; then
     done_list="$done_list add_subdirectory($other)"
 fi
 
-if has meson "Meson's wrap" && has git "Meson's wrap"; then
+if wants meson && has meson "Meson's wrap" && has git "Meson's wrap"; then
     project meson
     mkdir "$place/subprojects"
     cp -R "$root/src/packaging/meson/." "$place/subprojects/"
@@ -136,7 +142,7 @@ if has meson "Meson's wrap" && has git "Meson's wrap"; then
     done_list="$done_list Meson"
 fi
 
-if has cmake "the vcpkg port"; then
+if wants vcpkg && has cmake "the vcpkg port"; then
     rm -rf "$folder/vcpkg"
     mkdir -p "$folder/vcpkg"
     port=$sources/src/packaging/vcpkg
