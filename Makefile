@@ -537,7 +537,7 @@ test-packaging: library
 
 format:
 	clang-format -i include/*.h src/*/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
-	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
+	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c tests/consumer/*.cpp
 
 clean:
 	rm -rf build

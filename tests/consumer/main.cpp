@@ -9,7 +9,8 @@
 
 static struct scene scene;
 
-int main() {
+int main()
+{
     make_scene(&scene);
     std::vector<std::vector<float>> vertices;
     std::vector<std::vector<uint32_t>> indices;
