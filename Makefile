@@ -120,9 +120,10 @@ TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_golden.c $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
 .PHONY: all library examples docs demo reproduce format clean
-.PHONY: help deps deps-study deps-docs deps-bindings deps-packaging
-.PHONY: test test-python fuzz test-bindings test-install test-packaging check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
+.PHONY: deps deps-study deps-docs deps-bindings
+.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
+.PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
 .SECONDARY:
 
@@ -247,9 +248,6 @@ deps-docs:
 	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='doxygen python3'
 
-deps-packaging:
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='gcc g++ libc6-dev pkg-config cmake ninja-build meson git'
-
 deps-bindings: deps
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
 
@@ -261,6 +259,9 @@ deps-emulated:
 deps-cross:
 	@$(MAKE) --no-print-directory deps \
 	    APT_PACKAGES='$(EMULATED_PACKAGES) gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-mingw-w64-x86-64 wine64'
+
+deps-packaging:
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='gcc g++ libc6-dev pkg-config cmake ninja-build meson git'
 
 # `make deps test` must look for packages after deps has run: a second make does the work.
 AFTER_DEPS := $(filter deps deps-%,$(MAKECMDGOALS))
