@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// <reference lib="es2022" />
+/// <reference lib="es2020" />
+/// <reference lib="esnext.disposable" />
 
 /** The id that is reported for a miss. */
 export const NONE: 0xFFFFFFFF;
