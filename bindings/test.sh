@@ -4,10 +4,11 @@
 # FOLDER/prefix (make test-bindings does that). Each test prints the hash of the same answers, which must be that of the
 # one in C. A line per language, and the log of what fails; then N passed, N failed, N skipped.
 #
-# CC, CXX: compilers. REQUIRE='rust go': languages that must not be skipped.
+# LANGUAGES: those to test; c must be one of them. CC, CXX: compilers. VERSION: that of the packages. REQUIRE='rust go': languages that must not be skipped.
 source=$(cd "$(dirname "$0")" && pwd)
 work=$(cd "$1" && pwd) || exit 1
 prefix=$work/prefix
+build=$(cd "$work/.." && pwd) # with the amalgamation
 flags="-I$prefix/include -L$prefix/lib"
 export LD_LIBRARY_PATH="$prefix/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 export PKG_CONFIG_PATH="$prefix/lib/pkgconfig"
@@ -63,13 +64,37 @@ test_go() {
     GOTOOLCHAIN=local CGO_ENABLED=1 go test -count=1 -v .
 }
 
+# Packs a binding, with the library inside, into $work/packages: package LANGUAGE. Prints the path of the package; where a
+# tool is missing, says so in the log and prints nothing.
+package() {
+    if sh "$source/package.sh" "$1" "$build" "$work/packages" >"$work/package-$1.log" 2>&1; then
+        tail -n 2 "$work/package-$1.log" >&2
+        tail -n 1 "$work/package-$1.log"
+    else
+        [ $? -eq 77 ] || { cat "$work/package-$1.log" >&2; return 1; }
+        echo "not packed: $(tail -n 1 "$work/package-$1.log")" >&2
+    fi
+}
+
+# The package is installed as a user would, in an empty folder: the library that it brings, the same compiled from its
+# source, and the installed one. All must give the same hash. Then the types, by TypeScript's compiler.
 test_node() {
     need node npm
-    copy node
-    if ! npm ls koffi >/dev/null 2>&1; then
-        npm install --no-package-lock --no-audit --no-fund --prefer-offline || skip "npm cannot install koffi"
-    fi
+    package=$(package node)
+    rm -rf "$work/node" && mkdir "$work/node"
+    cd "$work/node"
+    echo '{"private": true}' >package.json
+    npm install --no-package-lock --no-audit --no-fund --prefer-offline "$package" || skip "npm cannot install koffi"
+    cp "$source/node/test.js" "$source/node/types.test.ts" "$source/node/tsconfig.json" .
     node --expose-gc test.js
+    CFLAGS=-O0 MLRT_LIBRARY= node node_modules/mlrt/build.js
+    node --test-name-pattern='common scene' test.js
+    node node_modules/mlrt/build.js
+    node --test-name-pattern='common scene' test.js
+    rm -r node_modules/mlrt/build node_modules/mlrt/prebuilt
+    node -e 'require("mlrt")' 2>&1 | grep -F 'npx mlrt-build'
+    if npm install --no-package-lock --no-audit --no-fund --prefer-offline typescript@5; then node_modules/.bin/tsc -p .
+    else echo "npm cannot install TypeScript: types are not checked"; fi
 }
 
 # The newest Java kit from 22 on, where java.lang.foreign came to stay.
@@ -81,14 +106,34 @@ test_java() {
     done
     [ "$newest" -ge 22 ] || skip "no JDK 22 or later"
     rm -rf "$work/java"
-    "$kit/bin/javac" -Xlint:all,-restricted -Werror -d "$work/java" "$source"/java/*.java
-    "$kit/bin/java" --enable-native-access=ALL-UNNAMED -Dmlrt.path="$MLRT_LIBRARY" -cp "$work/java" mlrt.Test
+    "$kit/bin/javac" -Xlint:all,-restricted -Werror -d "$work/java" $(find "$source/java/src" -name '*.java')
+    run="$kit/bin/java --enable-native-access=ALL-UNNAMED"
+    $run -Dmlrt.path="$MLRT_LIBRARY" -cp "$work/java" mlrt.Test
+    $run -Djava.library.path="$prefix/lib" -cp "$work/java" mlrt.Test | grep -v layout
+    (unset LD_LIBRARY_PATH && ! $run -cp "$work/java" mlrt.Test 2>&1) | grep -F 'name its file by -Dmlrt.path=FILE'
+    "$kit/bin/javadoc" -quiet -Xdoclint:all -Werror -d "$work/javadoc" "$source"/java/src/main/java/mlrt/*.java
+    package=$(package java)
+    [ -n "$package" ] || return 0
+    cp -R "$work/java" "$work/java-test" && find "$work/java-test" -name '*.class' ! -name 'Test*' -delete
+    (unset LD_LIBRARY_PATH && $run -cp "$package:$work/java-test" mlrt.Test) | grep -v layout # by the library in the jar
 }
 
 test_lua() {
     need luajit
     cd "$source/lua"
     luajit test.lua
+    (unset LD_LIBRARY_PATH MLRT_LIBRARY && ! luajit test.lua 2>&1) | grep -F 'luarocks install mlrt'
+    package=$(package lua)
+    [ -n "$package" ] || return 0
+    rm -rf "$work/rocks" && mkdir "$work/rocks"
+    cd "$work/rocks"
+    luarocks --lua-version 5.1 --tree "$work/rocks" install "$package" CFLAGS='-O0 -fPIC'
+    cp "$source/lua/test.lua" .
+    (
+        unset LD_LIBRARY_PATH MLRT_LIBRARY
+        eval "$(luarocks --lua-version 5.1 --tree "$work/rocks" path)"
+        luajit test.lua
+    ) | grep -v layout
 }
 
 # Tests whose layouts are written by hand print a line `layout STRUCT FIELD OFFSET` for each field, or `layout STRUCT
@@ -110,7 +155,7 @@ test_python() {
     PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest test_scene
 }
 
-languages='c cpp python rust go node java lua'
+languages=${LANGUAGES:-c cpp python rust go node java lua}
 for language in $languages; do
     (
         set +e
