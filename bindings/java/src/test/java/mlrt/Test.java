@@ -125,17 +125,36 @@ final class Test {
         fails(Status.OUT_OF_MEMORY, () -> Tree.build(new TreeOptions().memoryLimit(1000), meshes()));
     }
 
+    /** Every option together. */
+    private static void testAllOptions(Pool pool, long hash) {
+        List<String> lines = new ArrayList<>();
+        Log log = (level, line) -> lines.add(line);
+        var boxes = Tree.build(new TreeOptions().preset(TreeOptions.Preset.BEST).traversalCost(2).intersectionCost(0.5f)
+            .memoryLimit(1 << 30).pool(pool).log(log).progress(fraction -> true), meshes());
+        var kdtree = Tree.buildKdtree(new KdtreeOptions().preset(KdtreeOptions.Preset.TUNED).traversalCost(2).intersectionCost(0.5f)
+            .memoryLimit(1 << 30).maxReferences(1000000).maxDepth(20).rulesOff(KdtreeOptions.COPLANAR).log(log).progress(fraction -> true), meshes());
+        var loaded = Tree.load(MemorySegment.ofArray(boxes.save()), new LoadOptions().memoryLimit(1 << 30).log(log));
+        for (Tree same : new Tree[] {boxes, kdtree, loaded}) {
+            require(hash(same.trace(ORIGINS, DIRECTIONS)) == hash, "options change the answers");
+            same.close();
+        }
+        require(lines.size() >= 2, lines.toString());
+        fails(Status.ARGUMENT, () -> Tree.build(new TreeOptions().traversalCost(-1), meshes()));
+    }
+
     private static void testMeshes() {
         short[] narrow = new short[450];
         float[] plain = new float[1350], wide = new float[500];
+        int[] quads = new int[600];
         for (int i = 0; i < 450; i++) {
             narrow[i] = (short) INDICES[0][i];
+            quads[i / 3 * 4 + i % 3] = INDICES[0][i];
             System.arraycopy(VERTICES[0], 3 * INDICES[0][i], plain, 3 * i, 3);
         }
         for (int i = 0; i < 100; i++) System.arraycopy(VERTICES[0], 3 * i, wide, 5 * i, 3);
         var mesh = new Mesh(VERTICES[0], INDICES[0]);
         Mesh[] others = {new Mesh(VERTICES[0], narrow), new Mesh(plain),
-            Mesh.of(Array.strided(MemorySegment.ofArray(wide), 20), Array.of(INDICES[0]), 4)};
+            Mesh.of(Array.strided(MemorySegment.ofArray(wide), 20), Array.strided(MemorySegment.ofArray(quads), 16), 4)};
         long hash = hash(Tree.build(mesh).trace(ORIGINS, DIRECTIONS));
         for (Mesh same : others) {
             require(Mlrt.hashGeometry(same) == Mlrt.hashGeometry(mesh), "the hash depends on the layout");
@@ -152,7 +171,7 @@ final class Test {
         List<Double> fractions = Collections.synchronizedList(new ArrayList<>());
         List<String> lines = new ArrayList<>();
         Tree.build(new TreeOptions().pool(pool).progress(fractions::add).log((level, line) -> lines.add(level + line)), large()).close();
-        require(fractions.size() > 1 && fractions.getLast() == 1 && fractions.stream().sorted().toList().equals(fractions), fractions.toString());
+        require(!fractions.isEmpty() && fractions.getLast() == 1 && fractions.stream().sorted().toList().equals(fractions), fractions.toString());
         require(lines.stream().anyMatch(line -> line.startsWith("INFO")), lines.toString());
         fails(Status.CANCELLED, () -> Tree.build(new TreeOptions().progress(fraction -> false), large()));
         fails(ArithmeticException.class, () -> Tree.build(new TreeOptions().pool(pool).progress(fraction -> enough()), large()));
@@ -284,7 +303,8 @@ final class Test {
             require(hit.equals(new Hit(5, 0.25f, 0.25f, 0, 0, 1)) && hit.isHit(), hit.toString());
             var ray = new Ray(DOWN.origin(), DOWN.direction());
             require(!one.traceRay(ray.tMax(4), new TraceOptions()).isHit(), "t_max");
-            require(!one.occludedRay(ray.tMax(0).skip(0, 0), new TraceOptions()), "skip");
+            require(!one.traceRay(ray.tMin(5).tMax(0), new TraceOptions()).isHit(), "t_min");
+            require(!one.occludedRay(ray.tMin(0).skip(0, 0), new TraceOptions()), "skip");
             require(one.occludedRay(DOWN, new TraceOptions()), "occluded");
             fails(Status.UNSUPPORTED, () -> one.traceRay(DOWN, new TraceOptions().method(Method.MULTILEVEL)));
 
@@ -294,7 +314,7 @@ final class Test {
             float[] points = {point[0], point[1], point[2], 0.25f, 0.25f, 6};
             var light = Light.point(0.25f, 0.25f, 0);
             require(Arrays.equals(one.occludedPoints(new Points(points), light, new TraceOptions()), new byte[] {0, 1}), "point light");
-            require(Arrays.equals(one.occludedPoints(new Points(Array.of(points), Array.all(0, 0), 0), light, new TraceOptions()), new byte[2]), "skip");
+            require(Arrays.equals(one.occludedPoints(new Points(Array.of(points), Array.all(0, 0), 2), light, new TraceOptions()), new byte[2]), "skip");
             require(Arrays.equals(one.occludedPoints(new Points(points), Light.directional(0, 0, 1), new TraceOptions()), new byte[] {1, 0}), "sky");
         }
         for (int i = 0; i < 50; i++) {
@@ -337,6 +357,7 @@ final class Test {
         var flat = Camera.parallel(4, 4, new float[] {0, 0, 1}, new float[] {-1, -1, 0}, new float[] {0.5f, 0, 0}, new float[] {0, 0.5f, 0});
         try (var one = Tree.build(new Mesh(CORNERS))) {
             require(one.render(flat, new TraceOptions()).t(2 * 4 + 2) == 5, "parallel");
+            require(one.render(flat.range(5, 0), new TraceOptions()).facing(10) == 0, "range");
             require(one.render(flat.range(0, 4), new TraceOptions()).facing(10) == 0, "range");
         }
         fails(Status.CAMERA, () -> tree.render(camera().sample(Float.NaN, 0), new TraceOptions()));
@@ -365,6 +386,7 @@ final class Test {
         require(problem.status() == Status.INDEX_RANGE && problem.code() == 3, problem.getMessage());
         require(problem.getMessage().contains("triangle 1: vertex index 3"), problem.getMessage());
         fails(Status.ARGUMENT, () -> new Pool(5000));
+        require(!Mlrt.statusString(3).isEmpty(), "what a status means");
         fails(IllegalArgumentException.class, () -> tree.trace(ORIGINS, new float[3]));
         fails(IllegalArgumentException.class, () -> tree.trace(new float[4], new float[4]));
         fails(IllegalArgumentException.class, () -> Tree.build(new Mesh(new float[4])));
@@ -392,6 +414,7 @@ final class Test {
         long hash = hash(hits);
         require(Mlrt.version().matches("\\d+\\.\\d+\\.\\d+") && Mlrt.capabilities() != null, "version");
         testBuild(tree, pool, hash);
+        testAllOptions(pool, hash);
         testMeshes();
         testCallbacks(tree, pool);
         testSaved(tree, hash);
