@@ -536,15 +536,17 @@ end
 
 --- Loads a saved tree.
 -- @param data what `tree:save()` returned, or an FFI array of bytes
--- @param options nil or a table: geometry_hash, memory_limit, log, in_place = true: use the FFI array where it lies, if its
---   address is a multiple of 64; it must not change then
+-- @param options nil or a table: geometry_hash, memory_limit, log, size (in bytes, if `data` is a pointer, for example to a
+--   mapped file), in_place = true: use the bytes where they lie, if their address is a multiple of 64; they must not change,
+--   and what a pointer points to must not be freed, until the tree is closed
 -- @return a tree
 function mlrt.load(data, options)
     options = options or {}
     local calls, s, out = callbacks{log = options.log}, struct "load_options", ffi.new "mlrt_tree *[1]"
     s.flags, s.geometry_hash, s.memory_limit = options.in_place and 1 or 0, options.geometry_hash or 0, options.memory_limit or 0
     s.host = calls.host
-    local size = type(data) == "string" and #data or ffi.sizeof(data)
+    local size = options.size or type(data) == "string" and #data or is_array(data) and ffi.sizeof(data)
+    if not size then error("data: a string, an FFI array, or a pointer and options.size are needed", 0) end
     local status = call(C.mlrt_load_tree, ffi.cast("const void *", data), size, s, out)
     local tree = out[0] ~= nil and new_tree(out[0], options.in_place and data or nil) or nil
     keep(data)

@@ -27,7 +27,7 @@ function load() {
         }
     }
     throw new Error(`mlrt: there is no library for ${process.platform}-${process.arch} yet. Compile it by "npx mlrt-build", ` +
-        `which needs gcc or clang, and took a minute or two where it was tried.${reasons.join('')}`);
+        `which needs gcc or clang and some twenty seconds.${reasons.join('')}`);
 }
 
 // ---- the structs of mlrt.h -----------------------------------------------------------------------------------------
