@@ -131,7 +131,8 @@ function output(value, type, columns, rows, what) {
     const row = whole(value === data ? 0 : value.rowStride, `${what}.rowStride`);
     const step = stride || size, rowStep = row || step * columns;
     if (columns > 0 && rows > 0) fits(data, 1, (rows - 1) * rowStep + (columns - 1) * step, size, what);
-    return { data, stride, row_stride: row };
+    // Koffi passes an empty array as NULL, which would mean that it is not wanted.
+    return { data: data.length > 0 ? data : new type(1), stride, row_stride: row };
 }
 
 const RESULTS = {
