@@ -8,6 +8,7 @@
 
 #include "base/counters.h"
 #include "base/host.h"
+#include "base/message.h"
 #include "base/run_options.h"
 #include "base/structs.h"
 #include "exact/nearest.h"
@@ -214,7 +215,7 @@ static int32_t check_groups(const mlrt_rays *rays, const struct call *call)
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
-    if (!tree || !rays || !hits) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !rays || !hits) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_rays own_rays;
     mlrt_hits own_hits;
     struct call call;
@@ -223,12 +224,12 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK) status = check_groups(&own_rays, &call);
     if (status == MLRT_OK) status = check_hits(&own_hits, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_packet_job(tree, &own_rays, &call, &own_hits, &job);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
 }
 
 static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
@@ -305,7 +306,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     struct mlrt_job job = {.callback = NULL};
     int32_t status = take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     if (options->method != MLRT_METHOD_DEFAULT && options->method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, options, job.any, hit);
     }
@@ -348,7 +349,7 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
     int any = 0;
     uint32_t mask = MLRT_MASK_ALL, skip = MLRT_NONE;
     if (MLRT_UNLIKELY(ray->flags)) {
-        if (ray->flags != MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+        if (ray->flags != MLRT_RAY_SKIP) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
         skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
     }
     if (options) {
@@ -360,7 +361,7 @@ static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const m
                 return trace_as_call(tree, ray, skip, options, hit);
             }
             const int32_t status = choose_kernels(tree, options, &kernels);
-            if (status != MLRT_OK) return status;
+            if (status != MLRT_OK) return mlrt_note_status(status);
         }
     }
     trace_alone(kernels, tree, ray, any, mask, skip, NULL, hit);
@@ -383,7 +384,7 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
         status =
             mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &own_options, sizeof own_options);
     }
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     memcpy(&own_hit, hit, FIRST_HIT_SIZE);
     status = trace_one_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
     if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
@@ -393,7 +394,7 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {
-    if (!tree || !ray || !hit) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !ray || !hit) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     if (MLRT_LIKELY(ray->struct_size == sizeof *ray && hit->struct_size == sizeof *hit &&
                     (!options || options->struct_size == sizeof *options))) {
         return trace_one_ray(tree, ray, options, hit);
@@ -411,7 +412,7 @@ static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_ray
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists)
 {
-    if (!tree || !rays || !lists) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !rays || !lists) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_rays own_rays;
     mlrt_hit_lists own_lists;
     struct call call;
@@ -422,12 +423,12 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK) status = check_groups(&own_rays, &call);
     if (status == MLRT_OK) status = check_lists(&own_lists, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_list_job(tree, &own_rays, &call, &job);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run) : status);
 }
 
 static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
@@ -495,7 +496,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
 MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
                                    const mlrt_hits *frame, mlrt_tile_callback callback, void *user)
 {
-    if (!tree || !camera || (!frame && !callback)) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !camera || (!frame && !callback)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_camera own_camera;
     mlrt_hits own_frame;
     struct call call;
@@ -503,12 +504,12 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     if (status == MLRT_OK && frame) status = take_hits(frame, &own_frame);
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK && frame) status = check_hits(&own_frame, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_render_job(tree, &own_camera, &call, frame ? &own_frame : NULL, &job, light_jobs);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
 }
 
 static int can_write_floats(const mlrt_array *array)
@@ -549,14 +550,15 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
 
 MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions)
 {
-    if (!camera || !can_write_floats(origins) || !can_write_floats(directions)) return MLRT_ERROR_ARGUMENT;
+    if (!camera || !can_write_floats(origins) || !can_write_floats(directions))
+        return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_camera own;
     int32_t status = take_camera(camera, &own);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     const uint64_t environment = mlrt_enter_fp_environment();
     status = write_camera_rays(&own, origins, directions);
     mlrt_leave_fp_environment(environment);
-    return status;
+    return mlrt_note_status(status);
 }
 
 static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
@@ -573,7 +575,7 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded)
 {
-    if (!tree || !points || !light || !occluded || !occluded->data) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !points || !light || !occluded || !occluded->data) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_points own_points;
     mlrt_light own_light;
     struct call call;
@@ -583,13 +585,13 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     }
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK) status = check_results(&occluded, &(const char *){"occluded"}, 1, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     call.options.query = MLRT_QUERY_ANY;
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
 }
 
 /* Sets the shadow ray from the hit of a ray to a light, and whether the light is on the ray's side of the surface. */
@@ -618,7 +620,7 @@ static MLRT_NOINLINE int32_t set_shadow_ray(const mlrt_tree *tree, const mlrt_ra
 MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
                                  const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
 {
-    if (!tree || !ray || !hit || !light || !shadow || !faces) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !ray || !hit || !light || !shadow || !faces) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_ray own_ray;
     mlrt_hit own_hit;
     mlrt_light own_light;
@@ -628,9 +630,9 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
         status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
     }
     if (status == MLRT_OK) status = mlrt_check_result_size(shadow, FIRST_RAY_SIZE, sizeof own_ray);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     const uint32_t number = mlrt_triangle_number(tree, own_hit.mesh, own_hit.triangle);
-    if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+    if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_ray answer = {.struct_size = sizeof answer,
                        .flags = MLRT_RAY_SKIP,
                        .skip_mesh = own_hit.mesh,
@@ -638,7 +640,7 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
     const uint64_t environment = mlrt_enter_fp_environment();
     status = set_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
     mlrt_leave_fp_environment(environment);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     mlrt_give_struct(&answer, sizeof answer, shadow);
     return MLRT_OK;
 }
@@ -646,11 +648,11 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
 MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
                                    int32_t side, float point[3])
 {
-    if (!tree || !point || (side != 1 && side != -1)) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !point || (side != 1 && side != -1)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);
-    if (number == MLRT_NONE) return MLRT_ERROR_ARGUMENT;
+    if (number == MLRT_NONE) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     const uint64_t environment = mlrt_enter_fp_environment();
     const int found = mlrt_find_offset_point(&tree->triangles[number], u, v, side, point);
     mlrt_leave_fp_environment(environment);
-    return found ? MLRT_OK : MLRT_ERROR_ARGUMENT;
+    return mlrt_note_status(found ? MLRT_OK : MLRT_ERROR_ARGUMENT);
 }
