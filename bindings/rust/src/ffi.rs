@@ -1078,6 +1078,17 @@ extern "C" {
     /// Returns what a status code means: an English phrase, never NULL, also for unknown codes. The string is static.
     pub fn mlrt_status_string(status: i32) -> *const c_char;
 
+    /// ```text
+    /// Returns why the last call of this thread that did not return MLRT_OK failed, in words that name the argument, its
+    /// value and the rule: "rays.t_max: stride 13 is not a multiple of 4". UTF-8 without a newline, 255 bytes at most, never
+    /// NULL; "" if no call of the thread has failed. Calls that succeed leave it as it is, so ask only after a failure.
+    ///
+    /// Each thread has its own message, which lasts until the next call of the thread that fails, or until the thread ends.
+    /// The thread of a call is the one that made it, also where a pool does the work. Where a runtime may move its tasks
+    /// from thread to thread (goroutines, promises), ask before anything else may run.
+    /// ```
+    pub fn mlrt_last_message() -> *const c_char;
+
     /// Returns what this library can do on this machine: MLRT_CAN_\*. May be called before anything else.
     pub fn mlrt_capabilities() -> u64;
 

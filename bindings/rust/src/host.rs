@@ -95,9 +95,8 @@ unsafe fn keeper<'a>(user: *mut c_void) -> &'a Keeper {
 unsafe extern "C" fn allocate(user: *mut c_void, size: usize, alignment: usize) -> *mut c_void {
     let layout = Layout::from_size_align(size, alignment).ok();
     let memory = keeper(user).memory.as_ref();
-    let block = layout.zip(memory).and_then(|(layout, memory)| {
-        catch_unwind(AssertUnwindSafe(|| memory.allocate(layout))).ok()
-    });
+    let block =
+        layout.zip(memory).and_then(|(layout, memory)| catch_unwind(AssertUnwindSafe(|| memory.allocate(layout))).ok());
     block.unwrap_or(ptr::null_mut()).cast()
 }
 

@@ -293,8 +293,9 @@ pub struct TraceOptions<'a> {
 impl TraceOptions<'_> {
     /// Calls `function` with this as the C interface's options, and with this query.
     pub(crate) fn with<T>(&self, query: Query, function: impl FnOnce(*const ffi::mlrt_trace_options) -> T) -> T {
-        let lights: Vec<_> = self.lights.iter().map(Light::to_ffi).collect();
-        let mut counters = self.counters.map(|counters| counters.lock().unwrap_or_else(|poisoned| poisoned.into_inner()));
+        let lights: Vec<_> = self.lights.iter().copied().map(Light::to_ffi).collect();
+        let mut counters =
+            self.counters.map(|counters| counters.lock().unwrap_or_else(|poisoned| poisoned.into_inner()));
         let (result, kept) = self.host.with(|host| {
             let options = ffi::mlrt_trace_options {
                 query: query.code(),

@@ -67,7 +67,11 @@ impl Job {
 /// Hands jobs to the threads of the program.
 pub type Executor = dyn Fn(Job) + Send + Sync;
 
-unsafe extern "C" fn enqueue(user: *mut c_void, function: ffi::mlrt_task_function, argument: *mut c_void) -> *mut c_void {
+unsafe extern "C" fn enqueue(
+    user: *mut c_void,
+    function: ffi::mlrt_task_function,
+    argument: *mut c_void,
+) -> *mut c_void {
     let executor = &*user.cast::<Box<Executor>>();
     let task = Arc::new(Task { state: Mutex::new(State::Waiting), done: Condvar::new(), function, argument });
     let job = Job(task.clone());

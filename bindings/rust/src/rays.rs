@@ -152,8 +152,8 @@ impl<'a> Rays<'a> {
 /// A limit of a struct of the C interface, in which 0 means none: a negative one instead, below which nothing lies.
 fn limit(t_max: f32) -> f32 {
     match t_max {
-        t if t == f32::INFINITY => 0.,
-        t if t == 0. => -1.,
+        f32::INFINITY => 0.,
+        0. => -1.,
         t => t,
     }
 }
@@ -257,7 +257,14 @@ pub struct Hits {
 
 impl Hits {
     pub(crate) fn new(n: usize) -> Hits {
-        Hits { t: vec![0.; n], u: vec![0.; n], v: vec![0.; n], mesh: vec![0; n], triangle: vec![0; n], facing: vec![0; n] }
+        Hits {
+            t: vec![0.; n],
+            u: vec![0.; n],
+            v: vec![0.; n],
+            mesh: vec![0; n],
+            triangle: vec![0; n],
+            facing: vec![0; n],
+        }
     }
 
     pub(crate) fn arrays(&mut self) -> HitArrays<'_> {
@@ -314,7 +321,12 @@ pub struct HitArrays<'a> {
     pub occluded: Option<Output<'a, u8>>,
 }
 
-fn optional<T: Element>(output: &mut Option<Output<T>>, name: &str, columns: usize, rows: usize) -> Result<ffi::mlrt_array> {
+fn optional<T: Element>(
+    output: &mut Option<Output<T>>,
+    name: &str,
+    columns: usize,
+    rows: usize,
+) -> Result<ffi::mlrt_array> {
     output.as_mut().map_or(Ok(Default::default()), |output| output.array(name, columns, rows))
 }
 
@@ -340,7 +352,7 @@ impl<'a> HitArrays<'a> {
         }
     }
 
-    pub(crate) fn to_ffi(&mut self, columns: usize, rows: usize) -> Result<ffi::mlrt_hits> {
+    pub(crate) fn as_ffi(&mut self, columns: usize, rows: usize) -> Result<ffi::mlrt_hits> {
         Ok(ffi::mlrt_hits {
             t: optional(&mut self.t, "hits.t", columns, rows)?,
             u: optional(&mut self.u, "hits.u", columns, rows)?,
@@ -405,7 +417,7 @@ pub struct HitListArrays<'a> {
 }
 
 impl HitListArrays<'_> {
-    pub(crate) fn to_ffi(&mut self, rays: usize) -> Result<ffi::mlrt_hit_lists> {
+    pub(crate) fn as_ffi(&mut self, rays: usize) -> Result<ffi::mlrt_hit_lists> {
         let n = rays.saturating_mul(self.capacity as usize);
         Ok(ffi::mlrt_hit_lists {
             capacity: self.capacity,
@@ -500,9 +512,7 @@ impl Camera {
         let right = unit(cross(forward, up.map(f64::from)));
         let upward = cross(right, forward);
         let pixel = 2. * (degrees.to_radians() / 2.).tan() / f64::from(height);
-        let corner = |k: usize| {
-            forward[k] + pixel * (upward[k] * f64::from(height) - right[k] * f64::from(width)) / 2.
-        };
+        let corner = |k: usize| forward[k] + pixel * (upward[k] * f64::from(height) - right[k] * f64::from(width)) / 2.;
         Camera {
             width,
             height,
@@ -562,8 +572,8 @@ pub enum Light {
 }
 
 impl Light {
-    pub(crate) fn to_ffi(&self) -> ffi::mlrt_light {
-        let (kind, position) = match *self {
+    pub(crate) fn to_ffi(self) -> ffi::mlrt_light {
+        let (kind, position) = match self {
             Light::Point(position) => (ffi::MLRT_LIGHT_POINT, position),
             Light::Directional(direction) => (ffi::MLRT_LIGHT_DIRECTIONAL, direction),
         };
@@ -590,7 +600,11 @@ impl<'a> Points<'a> {
 
     /// How many there are.
     pub fn len(&self) -> usize {
-        if self.positions.is_all() { 1 } else { self.positions.len() }
+        if self.positions.is_all() {
+            1
+        } else {
+            self.positions.len()
+        }
     }
 
     /// Is there none?

@@ -16,6 +16,9 @@ use crate::host::{Keeper, Kept};
 use crate::options::{KdTreeOptions, LoadOptions, Query, TraceOptions, TreeOptions};
 use crate::rays::{Camera, Hit, HitArrays, HitListArrays, HitLists, Hits, Light, Mesh, Points, Ray, Rays, Tile};
 
+/// Points or vectors, one after the other.
+type Points3 = Vec<[f32; 3]>;
+
 /// The build report of a tree.
 pub type TreeInfo = ffi::mlrt_tree_info;
 
@@ -115,7 +118,8 @@ impl Tree<'static> {
 
     /// Makes a tree from a copy of the bytes that [`save`](Tree::save) wrote.
     pub fn load(bytes: &[u8], options: &LoadOptions) -> Result<Tree<'static>> {
-        load(bytes, options, 0, None)
+        // SAFETY: the bytes are copied.
+        unsafe { load(bytes, options, 0, None) }
     }
 
     /// Makes a tree that uses the bytes where they lie, and owns what has them: a file mapped into memory, for example.
@@ -128,12 +132,15 @@ impl Tree<'static> {
         let owner = Box::new(bytes);
         let bytes: *const [u8] = (*owner).as_ref();
         // SAFETY: the tree keeps the owner, which is not touched meanwhile, and drops it last.
-        load(unsafe { &*bytes }, options, ffi::MLRT_LOAD_IN_PLACE, Some(owner))
+        unsafe { load(&*bytes, options, ffi::MLRT_LOAD_IN_PLACE, Some(owner)) }
     }
 }
 
-fn load<'data>(
-    bytes: &'data [u8],
+/// # Safety
+///
+/// With MLRT_LOAD_IN_PLACE the bytes stay as they are for as long as the tree lives.
+unsafe fn load<'data>(
+    bytes: &[u8],
     options: &LoadOptions,
     flags: u32,
     owner: Option<Box<dyn Any + Send + Sync>>,
@@ -147,7 +154,7 @@ fn load<'data>(
             host,
             ..Default::default()
         };
-        check(unsafe { ffi::mlrt_load_tree(bytes.as_ptr().cast(), bytes.len(), &options, &mut tree) })
+        check(ffi::mlrt_load_tree(bytes.as_ptr().cast(), bytes.len(), &options, &mut tree))
     });
     Tree::own(tree, result, kept, owner)
 }
@@ -167,7 +174,9 @@ impl<'data> Tree<'data> {
             resume_unwind(panic);
         }
         result?;
-        Ok(Tree { _keeper: keeper, ..tree.expect("a tree") })
+        let mut tree = tree.expect("a tree");
+        tree._keeper = keeper;
+        Ok(tree)
     }
 
     /// Makes a tree that uses the bytes where they lie, and takes next to no memory of its own. They are copied if they do
@@ -183,7 +192,8 @@ impl<'data> Tree<'data> {
     /// # Ok::<(), mlrt::Error>(())
     /// ```
     pub fn load_in_place(bytes: &'data [u8], options: &LoadOptions) -> Result<Tree<'data>> {
-        load(bytes, options, ffi::MLRT_LOAD_IN_PLACE, None)
+        // SAFETY: the bytes are borrowed for as long as the tree lives.
+        unsafe { load(bytes, options, ffi::MLRT_LOAD_IN_PLACE, None) }
     }
 
     /// The handle of the C interface.
@@ -242,7 +252,7 @@ impl<'data> Tree<'data> {
 
     fn trace_arrays(&self, rays: &Rays, query: Query, options: &TraceOptions, hits: &mut HitArrays) -> Result<()> {
         let n = rays.len();
-        let (rays, hits) = (rays.to_ffi()?, hits.to_ffi(n, 1)?);
+        let (rays, hits) = (rays.to_ffi()?, hits.as_ffi(n, 1)?);
         options.with(query, |options| check(unsafe { ffi::mlrt_trace_packet(self.as_ptr(), &rays, options, &hits) }))
     }
 
@@ -307,7 +317,7 @@ impl<'data> Tree<'data> {
 
     /// Writes all hits of each ray to arrays of the program.
     pub fn all_hits_into(&self, rays: &Rays, options: &TraceOptions, mut lists: HitListArrays) -> Result<()> {
-        let lists = lists.to_ffi(rays.len())?;
+        let lists = lists.as_ffi(rays.len())?;
         let rays = rays.to_ffi()?;
         options.with(Query::Closest, |options| {
             check(unsafe { ffi::mlrt_trace_all_hits(self.as_ptr(), &rays, options, &lists) })
@@ -319,9 +329,7 @@ impl<'data> Tree<'data> {
         let (columns, rows) = camera.size();
         let mut hits = Hits::new(columns.saturating_mul(rows));
         let options = TraceOptions { query: Query::Closest, ..options.clone() };
-        let mut arrays = hits.arrays();
-        self.render(camera, &options, Some(&mut arrays), None)?;
-        drop(arrays);
+        self.render(camera, &options, Some(&mut hits.arrays()), None)?;
         Ok(hits)
     }
 
@@ -356,7 +364,7 @@ impl<'data> Tree<'data> {
         }
 
         let (columns, rows) = camera.size();
-        let frame = frame.map(|frame| frame.to_ffi(columns, rows)).transpose()?;
+        let frame = frame.map(|frame| frame.as_ffi(columns, rows)).transpose()?;
         let frame = frame.as_ref().map_or(ptr::null(), |frame| frame as *const _);
         let camera = camera.to_ffi();
         let call = callback.map(|callback| Call { callback, panic: Mutex::new(None) });
@@ -406,16 +414,14 @@ impl<'data> Tree<'data> {
     /// on the other one (-1). The side from which a ray came is `-hit.facing`.
     pub fn offset_point(&self, mesh: u32, triangle: u32, u: f32, v: f32, side: i32) -> Result<[f32; 3]> {
         let mut point = [0.; 3];
-        check(unsafe {
-            ffi::mlrt_offset_point(self.as_ptr(), mesh, triangle, u, v, side, point.as_mut_ptr())
-        })?;
+        check(unsafe { ffi::mlrt_offset_point(self.as_ptr(), mesh, triangle, u, v, side, point.as_mut_ptr()) })?;
         Ok(point)
     }
 }
 
 impl Camera {
     /// The very rays that [`Tree::render`] traces, row by row: origins and directions.
-    pub fn rays(&self) -> Result<(Vec<[f32; 3]>, Vec<[f32; 3]>)> {
+    pub fn rays(&self) -> Result<(Points3, Points3)> {
         let (columns, rows) = self.size();
         let n = columns.saturating_mul(rows);
         let (mut origins, mut directions) = (vec![[0.; 3]; n], vec![[0.; 3]; n]);
