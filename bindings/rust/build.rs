@@ -46,7 +46,7 @@ fn compile() {
     println!("cargo:rerun-if-changed={}", file.display());
     let mut build = cc::Build::new();
     // A ray tracer that is not optimised is of no use in a debug build either.
-    build.file(file).include(folder).opt_level(2).debug(false).std("c99").warnings(false);
+    build.file(file).include(folder).define("NDEBUG", None).opt_level(2).debug(false).std("c99").warnings(false);
     if env::var("CARGO_CFG_TARGET_ARCH").as_deref() == Ok("x86") {
         build.flag("-msse2").flag("-mfpmath=sse");
     }
