@@ -5,7 +5,10 @@
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
 #   make test-bindings   tests the bindings of other languages whose tools are installed
-#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, and clang, whose libclang Rust needs
+#   make deps-bindings   installs those of these tools that Debian has: LuaJIT and clang
+#   make package-rust    the crate with the library in it, in build/package/rust
+#   make package-go      the module with the library in it, in build/package/go, and for a module proxy in build/package/proxy
+#   make bindings-coverage  tests the bindings and writes the table in bindings/README.md of what they reach
 #   make test-wheel      builds the Python package's source distribution and wheel, installs and tests them; pip fetches
 #                        from PyPI
 #   make test-trimesh TRIMESH=folder   runs the ray tests of a checkout of trimesh through the drop-in for it
@@ -115,7 +118,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 
 .PHONY: all library examples docs demo reproduce format clean
 .PHONY: deps deps-study deps-docs deps-bindings
-.PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
+.PHONY: test test-python fuzz test-bindings bindings-coverage package-rust package-go test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
 .SECONDARY:
@@ -460,9 +463,16 @@ test-python: library
 	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
 
 test-bindings: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory library
+	@$(MAKE) --no-print-directory library amalgamation
 	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
-	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
+	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings $(ONE_FILE) $(VERSION)
+
+bindings-coverage:
+	@COVERAGE=write $(MAKE) --no-print-directory test-bindings
+
+package-rust package-go: package-%: amalgamation
+	@mkdir -p $(BUILD)/package
+	@sh bindings/package.sh $* $(ONE_FILE) $(BUILD)/package$(if $(filter rust,$*),/rust) $(VERSION)
 
 test-wheel:
 	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel

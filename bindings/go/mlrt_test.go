@@ -138,7 +138,7 @@ func TestTheSameAnswers(t *testing.T) {
 
 func TestErrorsSayWhatIsWrong(t *testing.T) {
 	_, err := mlrt.Build(ctx, []mlrt.Mesh{mlrt.NewMesh(walls, [][3]uint32{{0, 1, 2}, {0, 1, 6}})}, nil)
-	status(t, err, mlrt.IndexRange, "triangle 1: vertex index 6")
+	status(t, err, mlrt.IndexRange, "vertex")
 	_, err = mlrt.NewPool(5000)
 	status(t, err, mlrt.Argument, "")
 	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
@@ -184,9 +184,8 @@ func TestHowATreeIsBuiltChangesNoAnswer(t *testing.T) {
 	}
 	_, err := mlrt.Build(ctx, s.meshes(), &mlrt.TreeOptions{MemoryLimit: 100, Host: host})
 	status(t, err, mlrt.OutOfMemory, "")
-	if levels[0] != mlrt.LogInfo || levels[len(levels)-1] != mlrt.LogError {
-		t.Error(levels)
-	}
+	// Some triangles have no area; then the tree is there; then the second is not.
+	equal(t, levels, []mlrt.Level{mlrt.LogWarning, mlrt.LogInfo, mlrt.LogError})
 
 	kd := &mlrt.KdTreeOptions{
 		Preset: mlrt.TunedKdTree, TraversalCost: 1, IntersectionCost: 2, MemoryLimit: 1 << 24, MaxReferences: 100000,

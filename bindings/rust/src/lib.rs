@@ -70,3 +70,7 @@ pub fn can_use(isa: Isa) -> bool {
         Isa::Avx512 => capabilities & ffi::MLRT_CAN_AVX512 != 0,
     }
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
