@@ -158,6 +158,11 @@ def column_of(seen: set, header: interface.Interface) -> dict:
         column[f"fields of `{struct.name}`"] = f"{sum(name in seen for name in names)} of {len(names)}"
     column["strides of arrays"] = f"{sum(name in seen for name in ARRAYS)} of {len(ARRAYS)}"
     missing = [name for name in things(header) if name not in seen]
+    for struct in input_structs(header):
+        names = [f"{struct.name}.{field.name}" for field in fields_of(struct)]
+        if all(name in missing for name in names):
+            missing[missing.index(names[0])] = struct.name
+            missing = [name for name in missing if name not in names]
     column["missing"] = ", ".join(f"`{name}`" for name in missing) or "nothing"
     return column
 

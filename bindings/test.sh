@@ -171,6 +171,7 @@ check_layouts() {
 test_python() {
     need python3
     python3 -c 'import numpy' || skip "no numpy"
+    mkdir -p "$work/c" && cp "$source/c/scene.h" "$work/c"
     copy python
     cp "$MLRT_LIBRARY" mlrt/libmlrt.so.0
     cd tests

@@ -208,10 +208,10 @@ static void shapes(const Arrays &arrays) {
 }
 
 static void limits_skips_masks() {
-    const mlrt::Tree tree({mlrt::mesh(walls)});
+    const mlrt::Tree tree({mlrt::mesh(walls, 4)});
     const std::vector<Point> origins(4, zero), directions(4, along_z);
     const std::vector<float> t_min = {0, 5, 0, 0}, t_max = {infinity, infinity, 4.5f, 9};
-    const std::vector<uint32_t> skip = {MLRT_NONE, MLRT_NONE, MLRT_NONE, MLRT_NONE, MLRT_NONE, MLRT_NONE, 0, 0};
+    const std::vector<uint32_t> skip = {MLRT_NONE, MLRT_NONE, MLRT_NONE, MLRT_NONE, MLRT_NONE, MLRT_NONE, 4, 0};
     mlrt::Rays rays(origins, directions);
     rays.t_min = t_min, rays.t_max = t_max, rays.skip = skip;
     require(tree.trace(rays).triangle == std::vector<uint32_t>({0, 1, MLRT_NONE, 1}), "limits and skips");
@@ -221,7 +221,9 @@ static void limits_skips_masks() {
     ray.t_min = 5, ray.t_max = 9;
     require(tree.trace_ray(ray).triangle == 1, "a ray with limits");
     ray.t_min = 0;
-    require(tree.trace_ray(ray.pass_through(0, 0)).triangle == 1, "a ray that passes through");
+    require(tree.trace_ray(ray.pass_through(4, 0)).triangle == 1, "a ray that passes through");
+    ray.t_min = 5;
+    require(!tree.trace_ray(ray.pass_through(4, 1)), "a ray that passes through the second wall");
 
     const std::vector<uint32_t> front = {0, 1, 2}, back = {3, 4, 5}, masks = {0, 1, 2, 4};
     const mlrt::Tree masked({mlrt::mesh(walls, front, 0, 1), mlrt::mesh(walls, back, 0, 2)});
@@ -236,6 +238,7 @@ static void limits_skips_masks() {
 static mlrt::Camera camera_of_walls() {
     mlrt::Camera camera;
     camera.width = camera.height = 64, camera.crop_x = camera.crop_y = 8, camera.crop_width = 48, camera.crop_height = 40;
+    camera.eye[0] = 0.25f;
     camera.d00[0] = camera.d00[1] = -0.5f, camera.d00[2] = 1;
     camera.dx[0] = camera.dy[1] = 1.0f / 64;
     return camera;

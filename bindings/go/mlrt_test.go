@@ -282,12 +282,12 @@ func TestArraysOfAnyShape(t *testing.T) {
 }
 
 func TestLimitsSkipsAndMasks(t *testing.T) {
-	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
+	tree := build(t, mlrt.Mesh{ID: 4, Vertices: mlrt.Slice(walls)})
 	origins, directions := make([][3]float32, 4), [][3]float32{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}}
 	inf, none := float32(math.Inf(1)), [2]uint32{mlrt.None, mlrt.None}
 	rays := mlrt.NewRays(origins, directions)
 	rays.TMin, rays.TMax = mlrt.Slice([]float32{0, 5, 0, 0}), mlrt.Slice([]float32{inf, inf, 4.5, 9})
-	rays.Skip = mlrt.Slice([][2]uint32{none, none, none, {0, 0}})
+	rays.Skip = mlrt.Slice([][2]uint32{none, none, none, {4, 0}})
 	equal(t, must(tree.Trace(ctx, rays, nil)).Triangle, []uint32{0, 1, mlrt.None, 1})
 
 	triangle := func(change func(*mlrt.Ray)) uint32 {
@@ -301,7 +301,8 @@ func TestLimitsSkipsAndMasks(t *testing.T) {
 	equal(t, triangle(func(ray *mlrt.Ray) { ray.TMin = 5 }), 1)
 	equal(t, triangle(func(ray *mlrt.Ray) { ray.TMax = 4.5 }), mlrt.None)
 	equal(t, triangle(func(ray *mlrt.Ray) { ray.TMax = 0 }), mlrt.None)
-	equal(t, triangle(func(ray *mlrt.Ray) { ray.Skip = &[2]uint32{0, 0} }), 1)
+	equal(t, triangle(func(ray *mlrt.Ray) { ray.Skip = &[2]uint32{4, 0} }), 1)
+	equal(t, triangle(func(ray *mlrt.Ray) { ray.Skip, ray.TMin = &[2]uint32{4, 1}, 5 }), mlrt.None)
 
 	front, back := mlrt.NewMesh(walls, [][3]uint32{{0, 1, 2}}), mlrt.NewMesh(walls, [][3]uint32{{3, 4, 5}})
 	front.Mask, back.Mask = 1, 2
@@ -314,7 +315,7 @@ func TestLimitsSkipsAndMasks(t *testing.T) {
 
 func TestPictures(t *testing.T) {
 	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
-	camera := mlrt.LookAt([3]float32{}, [3]float32{0, 0, 5}, [3]float32{0, 1, 0}, 60, 64, 64)
+	camera := mlrt.LookAt([3]float32{0.5, 0, 0}, [3]float32{0, 0, 5}, [3]float32{0, 1, 0}, 60, 64, 64)
 	camera.Crop = [4]int{8, 8, 48, 40}
 	columns, rows := camera.Size()
 	origins, directions, err := camera.Rays()

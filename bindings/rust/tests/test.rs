@@ -25,8 +25,10 @@ impl Draw {
     }
 }
 
+type Arrays = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
 struct Scene {
-    arrays: [(Vec<[f32; 3]>, Vec<[u32; 3]>); 2],
+    arrays: [Arrays; 2],
     origins: Vec<[f32; 3]>,
     directions: Vec<[f32; 3]>,
 }
@@ -34,7 +36,7 @@ struct Scene {
 impl Scene {
     fn new() -> Scene {
         let mut draw = Draw(1);
-        let mut arrays: [(Vec<[f32; 3]>, Vec<[u32; 3]>); 2] = Default::default();
+        let mut arrays: [Arrays; 2] = Default::default();
         for (vertices, triangles) in &mut arrays {
             vertices.extend((0..100).map(|_| draw.point(256.)));
             triangles.extend((0..150).map(|_| draw.triangle()));
@@ -250,12 +252,12 @@ fn arrays_may_have_any_shape() -> Result<()> {
 
 #[test]
 fn limits_skips_and_masks() -> Result<()> {
-    let tree = walls();
+    let tree = Tree::new(&[Mesh { id: 4, ..Mesh::new(&WALLS, Indices::Consecutive) }])?;
     let (origins, directions) = ([[0.; 3]; 4], [[0., 0., 1.]; 4]);
     let rays = Rays {
         t_min: Some((&[0., 5., 0., 0.]).into()),
         t_max: Some((&[f32::INFINITY, f32::INFINITY, 4.5, 9.]).into()),
-        skip: Some((&[[NONE; 2], [NONE; 2], [NONE; 2], [0, 0]]).into()),
+        skip: Some((&[[NONE; 2], [NONE; 2], [NONE; 2], [4, 0]]).into()),
         ..Rays::new(&origins, &directions)
     };
     assert_eq!(tree.trace(&rays, &Default::default())?.triangle, [0, 1, NONE, 1]);
@@ -266,7 +268,8 @@ fn limits_skips_and_masks() -> Result<()> {
     assert_eq!(triangle(Ray { t_min: 5., ..ray }), Some(1));
     assert_eq!(triangle(Ray { t_max: 4.5, ..ray }), None);
     assert_eq!(triangle(Ray { t_max: 0., ..ray }), None);
-    assert_eq!(triangle(Ray { skip: Some([0, 0]), ..ray }), Some(1));
+    assert_eq!(triangle(Ray { skip: Some([4, 0]), ..ray }), Some(1));
+    assert_eq!(triangle(Ray { skip: Some([4, 1]), t_min: 5., ..ray }), None);
     assert!(
         tree.occluded_ray(&ray, &Default::default())?
             && !tree.occluded_ray(&Ray { t_max: 4., ..ray }, &Default::default())?
@@ -286,7 +289,8 @@ fn limits_skips_and_masks() -> Result<()> {
 #[test]
 fn pictures_with_lights_to_frames_and_callbacks() -> Result<()> {
     let tree = walls();
-    let camera = Camera { crop: [8, 8, 48, 40], ..Camera::look_at([0.; 3], [0., 0., 5.], [0., 1., 0.], 60., 64, 64) };
+    let camera =
+        Camera { crop: [8, 8, 48, 40], ..Camera::look_at([0.5, 0., 0.], [0., 0., 5.], [0., 1., 0.], 60., 64, 64) };
     let (columns, rows) = camera.size();
     let (origins, directions) = camera.rays()?;
     let options = TraceOptions::default();
