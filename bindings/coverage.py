@@ -3,7 +3,7 @@
 """How much of the C interface each binding reaches, as its tests show it.
 
     coverage.py recorder FILE.c            writes a library that stands in for libmlrt, see below
-    coverage.py check README FOLDER        compares the table in README with the records FOLDER/LANGUAGE.seen
+    coverage.py check README FOLDER        fails if the records FOLDER/LANGUAGE.seen have less than the table in README
     coverage.py write README FOLDER        writes the table anew
 
 The tests of each binding run with a library that has all functions of mlrt.h. Each writes down its name, and which fields of
@@ -181,6 +181,14 @@ def parse(text: str) -> dict:
     return columns
 
 
+def is_more(cell: str, written: str) -> bool:
+    """Do the tests reach more than the table says? Tests of a language may grow before the table is written anew."""
+    if written is None:
+        return False
+    numbers = [{"yes": "1 of 1", "-": "0 of 1"}.get(text, text).split(" of ") for text in (cell, written)]
+    return numbers[0][1] == numbers[1][1] and int(numbers[0][0]) > int(numbers[1][0])
+
+
 def table(columns: dict) -> str:
     rows = [row for row in next(iter(columns.values())) if row != "missing"]
     lines = ["| | " + " | ".join(LANGUAGES.values()) + " |", "| --- " * (len(LANGUAGES) + 1) + "|"]
@@ -200,15 +208,16 @@ def main() -> int:
     text = target.read_text()
     written = parse(text)
     if command == "check":
-        wrong = 0
+        less, more = [], []
         for language, column in found.items():
-            for row in column.keys() | written[language].keys():
-                if column.get(row) != written[language].get(row):
-                    print(f"coverage of {LANGUAGES[language]}: {row}: {column.get(row)}; the table says {written[language].get(row)}")
-                    wrong += 1
-        if wrong:
+            for row, cell in column.items():
+                if row != "missing" and cell != written[language].get(row):
+                    line = f"coverage of {LANGUAGES[language]}: {row}: {cell}; the table says {written[language].get(row)}"
+                    (more if is_more(cell, written[language].get(row)) else less).append(line)
+        print(*less, *more, sep="\n", end="\n" if less or more else "")
+        if less or more:
             print("make bindings-coverage writes the table anew")
-        return wrong > 0
+        return len(less) > 0
     columns = {language: found.get(language, written[language]) for language in LANGUAGES}
     order = {row: column_of(set(), header)[row] for row in column_of(set(), header)}
     for language in LANGUAGES:
