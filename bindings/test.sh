@@ -1,19 +1,18 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Tests the binding of each language whose tools are here: sh bindings/test.sh FOLDER AMALGAMATION VERSION, where libmlrt
-# is installed in FOLDER/prefix, and mlrt.c and mlrt.h are in AMALGAMATION (make test-bindings does that). Each test prints
-# the hash of the same answers, which must be that of the one in C. A line per language, and the log of what fails; then
-# N passed, N failed, N skipped.
+# Tests the binding of each language whose tools are here: sh bindings/test.sh FOLDER, where libmlrt is installed in
+# FOLDER/prefix (make test-bindings does that). Each test prints the hash of the same answers, which must be that of the
+# one in C. A line per language, and the log of what fails; then N passed, N failed, N skipped.
 #
 # The tests run with a library that writes down in FOLDER/LANGUAGE.seen what they call (coverage.py); those of packages run
 # with the library that the package carries, in a folder of their own.
 #
-# CC, CXX: compilers. REQUIRE='rust go': languages that must not be skipped.
+# LANGUAGES: those to test; c must be one of them. CC, CXX: compilers. VERSION: that of the packages. REQUIRE='rust go':
+# languages that must not be skipped.
 source=$(cd "$(dirname "$0")" && pwd)
 work=$(cd "$1" && pwd) || exit 1
-amalgamation=$(cd "$2" && pwd) || exit 1
-version=$3
 prefix=$work/prefix
+build=$(cd "$work/.." && pwd) # with the amalgamation
 recorder=$work/recorder
 flags="-I$prefix/include -L$prefix/lib"
 export LD_LIBRARY_PATH="$recorder:$prefix/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
@@ -52,6 +51,18 @@ copy() {
     cd "$work/$1"
 }
 
+# Packs a binding, with the library inside, into $work/packages: package LANGUAGE. Prints the path of the package; where a
+# tool is missing, says so in the log and prints nothing.
+package() {
+    if sh "$source/package.sh" "$1" "$build" "$work/packages" >"$work/package-$1.log" 2>&1; then
+        tail -n 2 "$work/package-$1.log" >&2
+        tail -n 1 "$work/package-$1.log"
+    else
+        [ $? -eq 77 ] || { cat "$work/package-$1.log" >&2; return 1; }
+        echo "not packed: $(tail -n 1 "$work/package-$1.log")" >&2
+    fi
+}
+
 test_c() {
     ${CC:-cc} -std=c99 -Wall -Wextra -pedantic -Werror $flags "$source/c/test.c" -lmlrt -o "$work/test-c"
     "$work/test-c"
@@ -81,13 +92,12 @@ test_rust() {
 
 # As a user has it: the crate, unpacked in an empty folder.
 test_rust_package() {
-    need cargo
+    package=$(package rust)
+    [ -n "$package" ] || skip "no crate"
     rm -rf "$work/rust-package/unpacked"
     mkdir -p "$work/rust-package/unpacked"
-    (cd "$source/rust" && cargo fetch) || skip "cargo cannot fetch cc"
-    sh "$source/package.sh" rust "$amalgamation" "$work/rust-package/crate" "$version"
-    tar -C "$work/rust-package/unpacked" -xzf "$work/rust-package/crate/target/package/mlrt-$version.crate"
-    cd "$work/rust-package/unpacked/mlrt-$version"
+    tar -C "$work/rust-package/unpacked" -xzf "$package"
+    cd "$work/rust-package/unpacked/mlrt-$VERSION"
     unset LD_LIBRARY_PATH PKG_CONFIG_PATH
     CARGO_TARGET_DIR="$work/rust-package/target" cargo test --test test -- --nocapture
 
@@ -111,30 +121,43 @@ test_go() {
 
 # As a user has it: an empty folder, the program of the README, and the module from a proxy.
 test_go_package() {
-    need go python3
-    sh "$source/package.sh" go "$amalgamation" "$work/go-package" "$version"
+    need go
+    package=$(package go)
+    [ -n "$package" ] || skip "no module"
     rm -rf "$work/go-package/user"
     mkdir -p "$work/go-package/user"
     cd "$work/go-package/user"
     unset LD_LIBRARY_PATH PKG_CONFIG_PATH
-    export GOTOOLCHAIN=local CGO_ENABLED=1 GOPROXY="file://$work/go-package/proxy" GONOSUMDB='*' GOFLAGS="-mod=mod -modcacherw"
+    export GOTOOLCHAIN=local CGO_ENABLED=1 GOPROXY="file://$work/packages/proxy" GONOSUMDB='*' GOFLAGS="-mod=mod -modcacherw"
     export GOMODCACHE="$work/go-package/modules"
     rm -rf "$GOMODCACHE"
     module=$(sed -n 's/^module //p' "$source/go/go.mod")
     sed -n '/^```go$/,/^```$/p' "$source/go/README.md" | sed '/^```/d' >main.go
     go mod init example.com/user
-    go get "$module@v$version"
+    go get "$module@v$VERSION"
     go run . | grep -qx '5 0'
     go test -count=1 -v "$module"
 }
 
+# The package is installed as a user would, in an empty folder: the library that it brings, the same compiled from its
+# source, and the installed one. All must give the same hash. Then the types, by TypeScript's compiler.
 test_node() {
     need node npm
-    copy node
-    if ! npm ls koffi >/dev/null 2>&1; then
-        npm install --no-package-lock --no-audit --no-fund --prefer-offline || skip "npm cannot install koffi"
-    fi
+    package=$(package node)
+    rm -rf "$work/node" && mkdir "$work/node"
+    cd "$work/node"
+    echo '{"private": true}' >package.json
+    npm install --no-package-lock --no-audit --no-fund --prefer-offline "$package" || skip "npm cannot install koffi"
+    cp "$source/node/test.js" "$source/node/types.test.ts" "$source/node/tsconfig.json" .
     node --expose-gc test.js
+    CFLAGS=-O0 MLRT_LIBRARY= node node_modules/mlrt/build.js
+    node --test-name-pattern='common scene' test.js
+    node node_modules/mlrt/build.js
+    node --test-name-pattern='common scene' test.js
+    rm -r node_modules/mlrt/build node_modules/mlrt/prebuilt
+    node -e 'require("mlrt")' 2>&1 | grep -F 'npx mlrt-build'
+    if npm install --no-package-lock --no-audit --no-fund --prefer-offline typescript@5; then node_modules/.bin/tsc -p .
+    else echo "npm cannot install TypeScript: types are not checked"; fi
 }
 
 # The newest Java kit from 22 on, where java.lang.foreign came to stay.
@@ -146,14 +169,34 @@ test_java() {
     done
     [ "$newest" -ge 22 ] || skip "no JDK 22 or later"
     rm -rf "$work/java"
-    "$kit/bin/javac" -Xlint:all,-restricted -Werror -d "$work/java" "$source"/java/*.java
-    "$kit/bin/java" --enable-native-access=ALL-UNNAMED -Dmlrt.path="$MLRT_LIBRARY" -cp "$work/java" mlrt.Test
+    "$kit/bin/javac" -Xlint:all,-restricted -Werror -d "$work/java" $(find "$source/java/src" -name '*.java')
+    run="$kit/bin/java --enable-native-access=ALL-UNNAMED"
+    $run -Dmlrt.path="$MLRT_LIBRARY" -cp "$work/java" mlrt.Test
+    $run -Djava.library.path="$prefix/lib" -cp "$work/java" mlrt.Test | grep -v layout
+    (unset LD_LIBRARY_PATH && ! $run -cp "$work/java" mlrt.Test 2>&1) | grep -F 'name its file by -Dmlrt.path=FILE'
+    "$kit/bin/javadoc" -quiet -Xdoclint:all -Werror -d "$work/javadoc" "$source"/java/src/main/java/mlrt/*.java
+    package=$(package java)
+    [ -n "$package" ] || return 0
+    cp -R "$work/java" "$work/java-test" && find "$work/java-test" -name '*.class' ! -name 'Test*' -delete
+    (unset LD_LIBRARY_PATH && $run -cp "$package:$work/java-test" mlrt.Test) | grep -v layout # by the library in the jar
 }
 
 test_lua() {
     need luajit
     cd "$source/lua"
     luajit test.lua
+    (unset LD_LIBRARY_PATH MLRT_LIBRARY && ! luajit test.lua 2>&1) | grep -F 'luarocks install mlrt'
+    package=$(package lua)
+    [ -n "$package" ] || return 0
+    rm -rf "$work/rocks" && mkdir "$work/rocks"
+    cd "$work/rocks"
+    luarocks --lua-version 5.1 --tree "$work/rocks" install "$package" CFLAGS='-O0 -fPIC'
+    cp "$source/lua/test.lua" .
+    (
+        unset LD_LIBRARY_PATH MLRT_LIBRARY
+        eval "$(luarocks --lua-version 5.1 --tree "$work/rocks" path)"
+        luajit test.lua
+    ) | grep -v layout
 }
 
 # Tests whose layouts are written by hand print a line `layout STRUCT FIELD OFFSET` for each field, or `layout STRUCT
@@ -179,7 +222,7 @@ test_python() {
     PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover
 }
 
-languages='c cpp python rust rust_package go go_package node java lua'
+languages=${LANGUAGES:-c cpp python rust rust_package go go_package node java lua}
 for language in $languages; do
     (
         set +e

@@ -11,7 +11,7 @@
 #elif __has_include("mlrt.h")
 #include "mlrt.h"
 #else
-#error "mlrt: the C library is not here, as this is a checkout and no released module: run `make package-go` in the repository and use build/package/go, or build with -tags mlrt_system after `make install`"
+#error "mlrt: the C library is not here, as this is a checkout and no released module: run `make package-go` in the repository and use build/packages/go, or build with -tags mlrt_system after `make install`"
 #endif
 
 /* The message is NULL after MLRT_OK, and else to be freed. */
