@@ -99,8 +99,8 @@ template <class Call> static int32_t status_of(Call call, const char *words) {
 static void errors(const Arrays &arrays) {
     Arrays wrong = arrays;
     wrong.indices[1][5] = SCENE_VERTICES;
-    require(status_of([&] { mlrt::Tree tree(wrong.meshes()); }, "vertex") == MLRT_ERROR_INDEX_RANGE, "index");
-    require(status_of([&] { mlrt::Pool pool(5000); }, mlrt_status_string(MLRT_ERROR_ARGUMENT)) == MLRT_ERROR_ARGUMENT,
+    require(status_of([&] { mlrt::Tree tree(wrong.meshes()); }, "vertex index 100") == MLRT_ERROR_INDEX_RANGE, "index");
+    require(status_of([&] { mlrt::Pool pool(5000); }, "thread_count: 5000") == MLRT_ERROR_ARGUMENT,
             "too many threads");
     mlrt::Tree tree(arrays.meshes());
     const std::vector<float> none;
@@ -288,10 +288,12 @@ static void pictures() {
     require(status_of([&] { tree.render(camera, &frame, nullptr, any); }, "shorter") == MLRT_ERROR_ARGUMENT, "a short frame");
 
     const auto stop = [](const mlrt_tile &) { return false; };
-    require(status_of([&] { tree.render(camera, nullptr, stop); }, "") == MLRT_ERROR_CANCELLED, "a render that stops");
+    mlrt::TraceOptions distances;
+    distances.outputs = MLRT_OUTPUT_T;
+    require(status_of([&] { tree.render(camera, nullptr, stop, distances); }, "") == MLRT_ERROR_CANCELLED, "a render that stops");
     bool caught = false;
     try {
-        tree.render(camera, nullptr, [](const mlrt_tile &) -> bool { throw std::out_of_range("in a callback"); });
+        tree.render(camera, nullptr, [](const mlrt_tile &) -> bool { throw std::out_of_range("in a callback"); }, distances);
     } catch (const std::out_of_range &) {
         caught = true;
     }
@@ -404,7 +406,7 @@ static void executors(const Arrays &arrays) {
     const mlrt::Pool lost(4, [](std::function<void()>) {});
     for (const mlrt::Pool *pool : {&threads, &inline_pool, &lost}) {
         mlrt::TraceOptions options;
-        options.set(*pool).initial_tile_size = 16;
+        options.set(*pool).initial_tile_size = 16, options.outputs = MLRT_OUTPUT_T;
         for (int i = 0; i < 20; i++) require(hash_of(tree.trace(arrays.rays(), options)) == hash, "an executor");
         // Within a job: no thread waits for one that waits for it.
         tree.render(camera_of_walls(), nullptr, [&](const mlrt_tile &) {

@@ -138,16 +138,16 @@ func TestTheSameAnswers(t *testing.T) {
 
 func TestErrorsSayWhatIsWrong(t *testing.T) {
 	_, err := mlrt.Build(ctx, []mlrt.Mesh{mlrt.NewMesh(walls, [][3]uint32{{0, 1, 2}, {0, 1, 6}})}, nil)
-	status(t, err, mlrt.IndexRange, "vertex")
+	status(t, err, mlrt.IndexRange, "triangle 1: vertex index 6")
 	_, err = mlrt.NewPool(5000)
-	status(t, err, mlrt.Argument, "")
+	status(t, err, mlrt.Argument, "thread_count: 5000")
 	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
 	_, err = tree.Trace(ctx, mlrt.NewRays(make([][3]float32, 2), make([][3]float32, 1)), nil)
 	status(t, err, mlrt.Argument, "rays.Origins: 2 elements, where 1")
 	rays := mlrt.NewRays(make([][3]float32, 2), make([][3]float32, 2))
 	status(t, tree.TraceInto(ctx, rays, nil, mlrt.HitArrays{T: mlrt.Slice(make([]float32, 1))}), mlrt.Argument, "hits.T")
 	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{InitialTileSize: 5})
-	status(t, err, mlrt.Argument, "")
+	status(t, err, mlrt.Argument, "initial_tile_size: 5")
 	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{Method: mlrt.Packet2})
 	status(t, err, mlrt.Unsupported, "")
 	_, err = tree.RenderHits(ctx, mlrt.Camera{Width: 1, Height: 1}, nil)
@@ -373,13 +373,13 @@ func TestPictures(t *testing.T) {
 	}
 
 	stop := errors.New("enough")
-	err = tree.Render(ctx, camera, nil, nil, func(*mlrt.Tile) error { return stop })
+	err = tree.Render(ctx, camera, &mlrt.TraceOptions{Outputs: mlrt.OutputT}, nil, func(*mlrt.Tile) error { return stop })
 	status(t, err, mlrt.Cancelled, "enough")
 	if !errors.Is(err, stop) {
 		t.Error(err)
 	}
 	defer func() { equal(t, recover(), any("in a callback")) }()
-	tree.Render(ctx, camera, nil, nil, func(*mlrt.Tile) error { panic("in a callback") })
+	tree.Render(ctx, camera, &mlrt.TraceOptions{Outputs: mlrt.OutputT}, nil, func(*mlrt.Tile) error { panic("in a callback") })
 }
 
 func TestPointsAndShadows(t *testing.T) {
@@ -496,7 +496,7 @@ func TestPoolsOfGoroutines(t *testing.T) {
 		must(mlrt.NewExecutorPool(4, func(job func()) { job() })),
 		must(mlrt.NewExecutorPool(4, func(job func()) {})), // jobs that get lost
 	} {
-		options := &mlrt.TraceOptions{Pool: pool, InitialTileSize: 16}
+		options := &mlrt.TraceOptions{Pool: pool, InitialTileSize: 16, Outputs: mlrt.OutputT}
 		for i := 0; i < 20; i++ {
 			equal(t, must(tree.Trace(ctx, s.rays(), options)), hits)
 		}

@@ -120,10 +120,12 @@ fn errors_say_what_is_wrong() {
     let wrong = Mesh { id: 5, ..Mesh::new(&WALLS, &[[0, 1, 2], [0, 1, 6]]) };
     let error = Tree::new(&[wrong]).unwrap_err();
     assert_eq!((error.kind(), error.status()), (ErrorKind::IndexRange, ffi::MLRT_ERROR_INDEX_RANGE));
-    assert!(error.to_string().contains("vertex"), "{error}");
+    assert!(error.to_string().contains("triangle 1: vertex index 6"), "{error}");
     assert!(error.to_string().ends_with(error.message()), "{error}");
 
-    assert_eq!(Pool::new(5000).unwrap_err().kind(), ErrorKind::Argument);
+    let error = Pool::new(5000).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Argument);
+    assert!(error.message().contains("thread_count: 5000"), "{error}");
     let tree = walls();
     let origins = [[0.; 3]; 2];
     let error = tree.trace(&Rays::new(&origins, &[[1.; 3]]), &Default::default()).unwrap_err();
@@ -134,6 +136,7 @@ fn errors_say_what_is_wrong() {
     assert!(error.message().contains("hits.t"), "{error}");
     let error =
         tree.trace(&Rays::new(&origins, &origins), &TraceOptions { initial_tile_size: 5, ..Default::default() });
+    assert!(error.as_ref().unwrap_err().message().contains("initial_tile_size: 5"), "{error:?}");
     assert_eq!(error.unwrap_err().kind(), ErrorKind::Argument);
     assert_eq!(tree.render_hits(&Camera::default(), &Default::default()).unwrap_err().kind(), ErrorKind::Camera);
     let options = TraceOptions { method: Method::Packet2, ..Default::default() };
@@ -341,10 +344,11 @@ fn pictures_with_lights_to_frames_and_callbacks() -> Result<()> {
     assert!(any.iter().all(|&byte| byte == 1));
 
     let stop = |_: &Tile| ControlFlow::Break(());
-    let error = tree.render(&camera, &Default::default(), None, Some(&stop)).unwrap_err();
+    let options = TraceOptions { outputs: Outputs::T, ..Default::default() };
+    let error = tree.render(&camera, &options, None, Some(&stop)).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Cancelled);
     let panics = |_: &Tile| panic!("in a callback");
-    assert!(catch_unwind(AssertUnwindSafe(|| tree.render(&camera, &Default::default(), None, Some(&panics)))).is_err());
+    assert!(catch_unwind(AssertUnwindSafe(|| tree.render(&camera, &options, None, Some(&panics)))).is_err());
     Ok(())
 }
 
@@ -518,7 +522,8 @@ fn jobs_of_the_program() -> Result<()> {
     let lost = Pool::with_executor(4, drop)?;
     let inline = Pool::with_executor(4, Job::run)?;
     for pool in [&threads, &lost, &inline] {
-        let options = TraceOptions { pool: Some(pool), initial_tile_size: 16, ..Default::default() };
+        let options =
+            TraceOptions { pool: Some(pool), initial_tile_size: 16, outputs: Outputs::T, ..Default::default() };
         for _ in 0..20 {
             assert_eq!(tree.trace(&scene.rays(), &options)?, hits);
         }
