@@ -149,11 +149,11 @@ test_node() {
     echo '{"private": true}' >package.json
     npm install --no-package-lock --no-audit --no-fund --prefer-offline "$package" || skip "npm cannot install koffi"
     cp "$source/node/test.js" "$source/node/types.test.ts" "$source/node/tsconfig.json" .
-    node --expose-gc test.js
+    node --test-name-pattern='common scene' test.js
     CFLAGS=-O0 MLRT_LIBRARY= node node_modules/mlrt/build.js
     node --test-name-pattern='common scene' test.js
-    node node_modules/mlrt/build.js
-    node --test-name-pattern='common scene' test.js
+    node node_modules/mlrt/build.js # with the installed one, that of the recorder
+    node --expose-gc test.js
     rm -r node_modules/mlrt/build node_modules/mlrt/prebuilt
     node -e 'require("mlrt")' 2>&1 | grep -F 'npx mlrt-build'
     if npm install --no-package-lock --no-audit --no-fund --prefer-offline typescript@5; then node_modules/.bin/tsc -p .
