@@ -69,9 +69,9 @@ class Status {
     static Status of(int32_t code) { return code == MLRT_OK ? Status() : Status(code, mlrt_last_message()); }
 
     explicit operator bool() const { return code_ == MLRT_OK; }
-    int32_t code() const { return code_; }                     /* MLRT_OK or MLRT_ERROR_* */
-    const std::string &message() const { return message_; }    /* which argument, which value, which rule */
-    std::exception_ptr thrown() const { return thrown_; }      /* what left a callback, or NULL */
+    int32_t code() const { return code_; }                  /* MLRT_OK or MLRT_ERROR_* */
+    const std::string &message() const { return message_; } /* which argument, which value, which rule */
+    std::exception_ptr thrown() const { return thrown_; }   /* what left a callback, or NULL */
     void set_thrown(std::exception_ptr thrown) { thrown_ = std::move(thrown); }
 
     /* The meaning of the code, and the message. */
@@ -135,10 +135,9 @@ template <class C> using Element = typename std::remove_pointer<decltype(std::de
 
 /* Can E be, or be a part of, N numbers S? A number that is S, or a struct of N of them. */
 template <class E, class S, size_t N>
-struct Fits
-    : std::integral_constant<bool, std::is_same<typename std::remove_cv<E>::type, S>::value ||
-                                       (!std::is_arithmetic<E>::value && std::is_trivially_copyable<E>::value &&
-                                        sizeof(E) == N * sizeof(S) && alignof(E) % alignof(S) == 0)> {};
+struct Fits : std::integral_constant<bool, std::is_same<typename std::remove_cv<E>::type, S>::value ||
+                                               (!std::is_arithmetic<E>::value && std::is_trivially_copyable<E>::value &&
+                                                sizeof(E) == N * sizeof(S) && alignof(E) % alignof(S) == 0)> {};
 
 } // namespace detail
 
@@ -422,7 +421,8 @@ class Pool {
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /* A mesh, whose arrays must live until the tree is built. */
-template <class Index> mlrt_mesh mesh_of(Input<float, 3> vertices, Input<Index, 3> triangles, uint32_t id, uint32_t mask) {
+template <class Index>
+mlrt_mesh mesh_of(Input<float, 3> vertices, Input<Index, 3> triangles, uint32_t id, uint32_t mask) {
     mlrt_mesh m = make<mlrt_mesh>();
     m.id = id, m.mask = mask;
     m.vertices = vertices.address(), m.vertex_count = vertices.count(), m.vertex_stride = vertices.stride();
@@ -492,7 +492,8 @@ struct HitArrays {
         HitArrays a;
         a.t = Output<float>::field(hits, &Hit::t), a.u = Output<float>::field(hits, &Hit::u);
         a.v = Output<float>::field(hits, &Hit::v), a.mesh = Output<uint32_t>::field(hits, &Hit::mesh);
-        a.triangle = Output<uint32_t>::field(hits, &Hit::triangle), a.facing = Output<int32_t>::field(hits, &Hit::facing);
+        a.triangle = Output<uint32_t>::field(hits, &Hit::triangle),
+        a.facing = Output<int32_t>::field(hits, &Hit::facing);
         return a;
     }
     bool fits(size_t columns, size_t rows) const {
@@ -763,6 +764,7 @@ class Tree {
         const Status status = detail::convert(rays, from);
         if (!status) return status;
         if (!hits.fits(from.count, 1)) return detail::too_short();
+        if (!from.count) return Status(); // empty containers have no arrays
         const mlrt_hits to = hits.c();
         return detail::ended(mlrt_trace_packet(get(), &from, &options, &to), options.host);
     }
@@ -787,7 +789,8 @@ class Tree {
     }
 
     /* Writes all hits of each ray to arrays: mlrt_trace_all_hits. */
-    Status try_all_hits(const Rays &rays, const HitListArrays &lists, const TraceOptions &options = TraceOptions()) const {
+    Status try_all_hits(const Rays &rays, const HitListArrays &lists,
+                        const TraceOptions &options = TraceOptions()) const {
         mlrt_rays from;
         const Status status = detail::convert(rays, from);
         if (!status) return status;
@@ -796,11 +799,13 @@ class Tree {
             !lists.triangle.fits(n, 1) || !lists.facing.fits(n, 1) || !lists.crossing.fits(n, 1) ||
             !lists.total.fits(from.count, 1) || !lists.crossing_total.fits(from.count, 1))
             return detail::too_short();
+        if (!from.count) return Status();
         mlrt_hit_lists to = make<mlrt_hit_lists>();
         to.capacity = lists.capacity;
         if (lists.capacity) {
             to.t = lists.t.array(), to.u = lists.u.array(), to.v = lists.v.array(), to.mesh = lists.mesh.array();
-            to.triangle = lists.triangle.array(), to.facing = lists.facing.array(), to.crossing = lists.crossing.array();
+            to.triangle = lists.triangle.array(), to.facing = lists.facing.array(),
+            to.crossing = lists.crossing.array();
         }
         to.total = lists.total.array(), to.crossing_total = lists.crossing_total.array();
         return detail::ended(mlrt_trace_all_hits(get(), &from, &options, &to), options.host);
@@ -813,8 +818,8 @@ class Tree {
         const mlrt_hits to = frame ? frame->c() : make<mlrt_hits>();
         Render render;
         render.callback = &callback;
-        const int32_t code = mlrt_render_tiles(get(), &camera, &options, frame ? &to : nullptr,
-                                               callback ? receive : nullptr, &render);
+        const int32_t code =
+            mlrt_render_tiles(get(), &camera, &options, frame ? &to : nullptr, callback ? receive : nullptr, &render);
         Status status = detail::ended(code, options.host);
         if (render.thrown) status.set_thrown(render.thrown);
         return status;
@@ -830,6 +835,7 @@ class Tree {
         from.skip = lengths("points.skip", points.skip, from.count);
         if (!lengths.result()) return lengths.result();
         if (!occluded.fits(from.count, 1)) return detail::too_short();
+        if (!from.count) return Status();
         const mlrt_array to = occluded.array();
         return detail::ended(mlrt_occluded_points(get(), &from, &light, &options, &to), options.host);
     }
@@ -845,7 +851,8 @@ class Tree {
     }
 
     /* A point just off a triangle, on one side: mlrt_offset_point. */
-    Result<std::array<float, 3>> try_offset_point(uint32_t mesh, uint32_t triangle, float u, float v, int32_t side) const {
+    Result<std::array<float, 3>> try_offset_point(uint32_t mesh, uint32_t triangle, float u, float v,
+                                                  int32_t side) const {
         Result<std::array<float, 3>> result;
         static_cast<Status &>(result) =
             Status::of(mlrt_offset_point(get(), mesh, triangle, u, v, side, result.value.data()));
@@ -856,7 +863,8 @@ class Tree {
     /* The same as the functions above, but they throw, and some return vectors. */
     explicit Tree(const std::vector<mlrt_mesh> &meshes, const TreeOptions &options = TreeOptions())
         : Tree(try_build(meshes, options).take()) {}
-    Tree(const std::vector<mlrt_mesh> &meshes, const KdTreeOptions &options) : Tree(try_build(meshes, options).take()) {}
+    Tree(const std::vector<mlrt_mesh> &meshes, const KdTreeOptions &options)
+        : Tree(try_build(meshes, options).take()) {}
     static Tree load(const std::vector<uint8_t> &bytes, const LoadOptions &options = LoadOptions()) {
         return try_load(bytes.data(), bytes.size(), options).take();
     }
@@ -876,7 +884,8 @@ class Tree {
         trace(rays, hits.arrays(), options);
         return hits;
     }
-    Hits trace(const std::vector<float> &origins, const std::vector<float> &directions, const Pool *pool = nullptr) const {
+    Hits trace(const std::vector<float> &origins, const std::vector<float> &directions,
+               const Pool *pool = nullptr) const {
         return trace(Rays(origins, directions), pool ? TraceOptions().set(*pool) : TraceOptions());
     }
     /* 1 for each ray that hits anything, else 0. */
@@ -909,6 +918,7 @@ class Tree {
     /* The closest hits of a camera's pixels, row by row. */
     Hits render(const Camera &camera, const TraceOptions &options = TraceOptions()) const {
         Hits hits(camera.columns() * camera.rows());
+        if (!hits.size()) Status(MLRT_ERROR_CAMERA, "camera: it has no pixels").check();
         const HitArrays arrays = hits.arrays();
         render(camera, &arrays, nullptr, options);
         return hits;

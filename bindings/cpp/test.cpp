@@ -100,16 +100,18 @@ static void errors(const Arrays &arrays) {
     Arrays wrong = arrays;
     wrong.indices[1][5] = SCENE_VERTICES;
     require(status_of([&] { mlrt::Tree tree(wrong.meshes()); }, "vertex index 100") == MLRT_ERROR_INDEX_RANGE, "index");
-    require(status_of([&] { mlrt::Pool pool(5000); }, "thread_count: 5000") == MLRT_ERROR_ARGUMENT,
-            "too many threads");
+    require(status_of([&] { mlrt::Pool pool(5000); }, "thread_count: 5000") == MLRT_ERROR_ARGUMENT, "too many threads");
     mlrt::Tree tree(arrays.meshes());
     const std::vector<float> none;
-    require(status_of([&] { tree.trace(mlrt::Rays(none, arrays.directions)); }, "") == MLRT_ERROR_ARGUMENT, "no origins");
+    require(status_of([&] { tree.trace(mlrt::Rays(none, arrays.directions)); }, "") == MLRT_ERROR_ARGUMENT,
+            "no origins");
     const std::vector<float> one = {1, 2, 3};
-    require(status_of([&] { tree.trace(mlrt::Rays(one, arrays.directions)); }, "rays.origins: 1 elements, where 1000") ==
-                MLRT_ERROR_ARGUMENT,
+    require(status_of([&] { tree.trace(mlrt::Rays(one, arrays.directions)); },
+                      "rays.origins: 1 elements, where 1000") == MLRT_ERROR_ARGUMENT,
             "one origin");
     const mlrt::Hits hits = tree.trace(arrays.rays());
+    require(tree.trace(mlrt::Rays()).size() == 0 && tree.all_hits(mlrt::Rays(), 2).total.empty(), "no rays");
+    require(status_of([&] { tree.render(mlrt::Camera()); }, "") == MLRT_ERROR_CAMERA, "a camera without pixels");
     mlrt::Tree moved(std::move(tree)), other{std::vector<mlrt_mesh>()};
     require(status_of([&] { tree.trace(arrays.rays()); }, "") == MLRT_ERROR_ARGUMENT, "a moved-from tree");
     other = std::move(moved);
@@ -144,7 +146,8 @@ static void builders(const Arrays &arrays) {
         mlrt::Counters counters;
         mlrt::TraceOptions trace;
         trace.set(counters).set(host);
-        trace.method = method, trace.isa = MLRT_ISA_SCALAR, trace.culling = MLRT_CULLING_DIRECT, trace.culling_check = 1;
+        trace.method = method, trace.isa = MLRT_ISA_SCALAR, trace.culling = MLRT_CULLING_DIRECT,
+        trace.culling_check = 1;
         trace.initial_tile_size = 16, trace.minimum_tile_size = 8, trace.split_factor = 4;
         trace.shortcuts_off = MLRT_SHORTCUT_WHOLE_TILES;
         require(hash_of(kdtree.trace(arrays.rays(), trace)) == hash_of(hits), "a kd-tree changes no answer");
@@ -185,7 +188,8 @@ static void shapes(const Arrays &arrays) {
     std::vector<mlrt::Hit> records(SCENE_RAYS);
     tree.trace(rays, mlrt::HitArrays::records(records));
     for (size_t i = 0; i < SCENE_RAYS; i++)
-        require(bool(records[i]) == (hits.facing[i] != 0) && records[i].t == hits.t[i] && records[i].v == hits.v[i], "records");
+        require(bool(records[i]) == (hits.facing[i] != 0) && records[i].t == hits.t[i] && records[i].v == hits.v[i],
+                "records");
 
     // One origin and one limit for all; four rays from each origin.
     const float half = 0.5f;
@@ -237,7 +241,8 @@ static void limits_skips_masks() {
 
 static mlrt::Camera camera_of_walls() {
     mlrt::Camera camera;
-    camera.width = camera.height = 64, camera.crop_x = camera.crop_y = 8, camera.crop_width = 48, camera.crop_height = 40;
+    camera.width = camera.height = 64, camera.crop_x = camera.crop_y = 8, camera.crop_width = 48,
+    camera.crop_height = 40;
     camera.eye[0] = 0.25f;
     camera.d00[0] = camera.d00[1] = -0.5f, camera.d00[2] = 1;
     camera.dx[0] = camera.dy[1] = 1.0f / 64;
@@ -285,15 +290,18 @@ static void pictures() {
     tree.render(camera, &frame, nullptr, any);
     require(occluded == std::vector<uint8_t>(n, 1), "a parallel camera");
     occluded.pop_back(), frame.occluded = occluded;
-    require(status_of([&] { tree.render(camera, &frame, nullptr, any); }, "shorter") == MLRT_ERROR_ARGUMENT, "a short frame");
+    require(status_of([&] { tree.render(camera, &frame, nullptr, any); }, "shorter") == MLRT_ERROR_ARGUMENT,
+            "a short frame");
 
     const auto stop = [](const mlrt_tile &) { return false; };
     mlrt::TraceOptions distances;
     distances.outputs = MLRT_OUTPUT_T;
-    require(status_of([&] { tree.render(camera, nullptr, stop, distances); }, "") == MLRT_ERROR_CANCELLED, "a render that stops");
+    require(status_of([&] { tree.render(camera, nullptr, stop, distances); }, "") == MLRT_ERROR_CANCELLED,
+            "a render that stops");
     bool caught = false;
     try {
-        tree.render(camera, nullptr, [](const mlrt_tile &) -> bool { throw std::out_of_range("in a callback"); }, distances);
+        tree.render(
+            camera, nullptr, [](const mlrt_tile &) -> bool { throw std::out_of_range("in a callback"); }, distances);
     } catch (const std::out_of_range &) {
         caught = true;
     }
@@ -386,7 +394,8 @@ static void hosts(const Arrays &arrays) {
     mlrt::TraceOptions trace;
     trace.method = MLRT_METHOD_RAY;
     const mlrt::Rays rays(mlrt::Input<float, 3>::all(zero), many);
-    require(status_of([&] { tree.trace(rays, trace.set(stop)); }, "") == MLRT_ERROR_CANCELLED, "a call that is cancelled");
+    require(status_of([&] { tree.trace(rays, trace.set(stop)); }, "") == MLRT_ERROR_CANCELLED,
+            "a call that is cancelled");
     stop.progress = [](double) -> bool { throw std::out_of_range("in progress"); };
     bool caught = false;
     try {
@@ -409,9 +418,9 @@ static void executors(const Arrays &arrays) {
         options.set(*pool).initial_tile_size = 16, options.outputs = MLRT_OUTPUT_T;
         for (int i = 0; i < 20; i++) require(hash_of(tree.trace(arrays.rays(), options)) == hash, "an executor");
         // Within a job: no thread waits for one that waits for it.
-        tree.render(camera_of_walls(), nullptr, [&](const mlrt_tile &) {
-            return hash_of(tree.trace(arrays.rays(), options)) == hash;
-        }, options);
+        tree.render(
+            camera_of_walls(), nullptr,
+            [&](const mlrt_tile &) { return hash_of(tree.trace(arrays.rays(), options)) == hash; }, options);
     }
 }
 

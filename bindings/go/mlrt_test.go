@@ -154,10 +154,13 @@ func TestErrorsSayWhatIsWrong(t *testing.T) {
 	status(t, err, mlrt.BadCamera, "")
 	_, err = tree.RenderHits(ctx, mlrt.Camera{Width: -1, Height: 1}, nil)
 	status(t, err, mlrt.BadCamera, "")
+	_, err = tree.RenderHits(ctx, mlrt.Camera{}, nil)
+	status(t, err, mlrt.BadCamera, "no pixels")
 	_, err = mlrt.Load([]byte("no tree"), nil)
 	status(t, err, mlrt.BadData, "")
 	equal(t, must(build(t).Trace(ctx, mlrt.NewRays(walls[:1], walls[:1]), nil)).Mesh, []uint32{mlrt.None})
 	equal(t, len(must(tree.Trace(ctx, mlrt.Rays{}, nil)).T), 0)
+	equal(t, len(must(tree.AllHits(ctx, mlrt.Rays{}, nil, 2)).Total), 0)
 	major, minor, patch := mlrt.Version()
 	equal(t, [3]int{major, minor, patch}, [3]int{0, 1, 0})
 	if !mlrt.CanUse(mlrt.Scalar) || mlrt.CanUse(mlrt.AVX512) && !mlrt.CanUse(mlrt.SSE) {

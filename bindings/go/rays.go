@@ -360,11 +360,13 @@ func (camera *Camera) toC() (*C.mlrt_camera, error) {
 	return out, nil
 }
 
+func errNoPixels() error { return &Error{Status: BadCamera, Message: "camera: it has no pixels"} }
+
 // Rays returns the very rays that Render traces, row by row.
 func (camera *Camera) Rays() (origins, directions [][3]float32, err error) {
 	columns, rows := camera.Size()
 	if columns*rows == 0 {
-		return nil, nil, &Error{Status: BadCamera, Message: "camera: it has no pixels"}
+		return nil, nil, errNoPixels()
 	}
 	origins, directions = make([][3]float32, columns*rows), make([][3]float32, columns*rows)
 	err = camera.RaysInto(Slice(origins), Slice(directions))

@@ -412,6 +412,9 @@ func (tree *Tree) AllHitsInto(ctx context.Context, rays Rays, options *TraceOpti
 // RenderHits finds the closest hits of a camera's pixels, row by row.
 func (tree *Tree) RenderHits(ctx context.Context, camera Camera, options *TraceOptions) (*Hits, error) {
 	columns, rows := camera.Size()
+	if columns*rows == 0 {
+		return nil, errNoPixels()
+	}
 	hits := newHits(columns * rows)
 	var closest TraceOptions
 	if options != nil {

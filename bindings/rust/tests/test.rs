@@ -141,6 +141,11 @@ fn errors_say_what_is_wrong() {
     assert_eq!(tree.render_hits(&Camera::default(), &Default::default()).unwrap_err().kind(), ErrorKind::Camera);
     let options = TraceOptions { method: Method::Packet2, ..Default::default() };
     assert_eq!(tree.trace(&Rays::new(&origins, &origins), &options).unwrap_err().kind(), ErrorKind::Unsupported);
+    let none = Rays::new(&[], &[]);
+    assert!(tree.trace(&none, &Default::default()).unwrap().is_empty());
+    assert!(tree.all_hits(&none, &Default::default(), 2).unwrap().total.is_empty());
+    let no_pixels = tree.render_hits(&Camera { width: 0, ..Default::default() }, &Default::default());
+    assert_eq!(no_pixels.unwrap_err().kind(), ErrorKind::Camera);
     assert_eq!(Tree::load(b"no tree", &Default::default()).unwrap_err().kind(), ErrorKind::Data);
     let empty = Tree::new(&[]).unwrap();
     assert_eq!(empty.trace(&Rays::new(&[[0.; 3]], &[[1.; 3]]), &Default::default()).unwrap().mesh, [NONE]);
