@@ -6,7 +6,10 @@
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
 #   make test-bindings   tests the bindings of other languages whose tools are installed
-#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, and clang, whose libclang Rust needs
+#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks and clang
+#   make bindings-coverage  tests the bindings and writes the table in bindings/README.md of what they reach
+#   make package-rust    packs a binding, with the library inside, in build/packages; also package-go, package-node,
+#                        package-java, package-lua
 #   make test-wheel      builds the Python package's source distribution and wheel, installs and tests them; pip fetches
 #                        from PyPI
 #   make test-trimesh TRIMESH=folder   runs the ray tests of a checkout of trimesh through the drop-in for it
@@ -121,6 +124,7 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 
 .PHONY: all library examples docs demo reproduce format clean
 .PHONY: deps deps-study deps-docs deps-bindings
+.PHONY: package-rust package-go package-node package-java package-lua bindings-coverage
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
@@ -249,7 +253,7 @@ deps-docs:
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='doxygen python3'
 
 deps-bindings: deps
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit luarocks'
 
 EMULATED_PACKAGES := gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-i686-linux-gnu libc6-dev-i386-cross qemu-user clang
 
@@ -471,9 +475,15 @@ test-python: library
 	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
 
 test-bindings: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory library
+	@$(MAKE) --no-print-directory library amalgamation
 	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
-	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
+	@CC='$(CC)' CXX='$(CXX)' VERSION=$(VERSION) sh bindings/test.sh $(BUILD)/bindings
+
+bindings-coverage:
+	@COVERAGE=write $(MAKE) --no-print-directory test-bindings
+
+package-rust package-go package-node package-java package-lua: library amalgamation
+	@CC='$(CC)' VERSION=$(VERSION) sh bindings/package.sh $(@:package-%=%) $(BUILD) $(BUILD)/packages
 
 test-wheel:
 	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel
