@@ -99,9 +99,13 @@ HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
 HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
 HAVE_CJSON  = $(call pkg,--exists libcjson && echo 1)
 HAVE_GMP    = $(call pkg,--exists gmp && echo 1)
+# tinybvh is a header of C++; make deps-study puts it there.
+TINYBVH     ?= build/tinybvh
+HAVE_TINYBVH = $(if $(wildcard $(TINYBVH)/tiny_bvh.h),$(and $(IS_X86),1))
 HAVE_EMBREE = $(shell $(CC) $(CPPFLAGS) -fsyntax-only -include embree3/rtcore.h -x c /dev/null 2>/dev/null && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
-STUDY       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o
+STUDY        = $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o \
+               $(if $(HAVE_TINYBVH),$(BUILD)/examples/study/tinybvh-cpp.o)
 ENGINE      := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/engine/*.c))
 BENCH_OBJECTS := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/bench/*.c))
 EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
@@ -184,7 +188,12 @@ examples: $(addprefix $(BUILD)/bin/,$(EXAMPLES))
 
 $(BUILD)/examples/study/%.o: examples/study/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) $(if $(HAVE_TINYBVH),-DHAVE_TINYBVH=1) -Iexamples -Itests -c $< -o $@
+
+# As its makers compile it.
+$(BUILD)/examples/study/tinybvh-cpp.o: examples/study/tinybvh.cpp
+	@mkdir -p $(@D)
+	$(Q)$(CXX) -std=c++20 -O3 -mavx2 -mfma -w -I$(TINYBVH) -Iexamples/study -c $< -o $@
 
 # The benchmark's own code, the same for every library it measures, is compiled for this machine.
 NATIVE = $(if $(filter -O2 -O3,$(OPTIMIZE)),$(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
@@ -203,7 +212,7 @@ $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 
 $(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	@mkdir -p $(@D)
-	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) $(if $(HAVE_TINYBVH),-lstdc++) -lgmp -o $@
 
 $(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
@@ -234,7 +243,8 @@ deps:
 	fi
 
 deps-study: deps
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib'
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib g++'
+	@sh examples/study/fetch_tinybvh.sh $(TINYBVH)
 
 deps-docs:
 	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
