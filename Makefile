@@ -108,7 +108,7 @@ STUDY        = $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples
                $(if $(HAVE_TINYBVH),$(BUILD)/examples/study/tinybvh-cpp.o)
 ENGINE      := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/engine/*.c))
 BENCH_OBJECTS := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/bench/*.c))
-EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
+EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy) $(if $(and $(HAVE_GMP),$(HAVE_PNG)),,errors),$(basename $(notdir $(wildcard examples/*.c))))
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
                 $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
 EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) \
@@ -210,7 +210,7 @@ $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-$(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
+$(BUILD)/bin/accuracy $(BUILD)/bin/errors: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) $(if $(HAVE_TINYBVH),-lstdc++) -lgmp -o $@
 

@@ -96,12 +96,13 @@ static uint32_t trace_ray(struct walk *walk)
     return walk->nearest;
 }
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
     struct walk walk = {.tree = run->subject->boxes};
     for (size_t i = 0; i < rays->count; i++) {
         for (int k = 0; k < 3; k++) walk.origin[k] = rays->origins[i][k], walk.direction[k] = rays->directions[i][k];
-        triangles[i] = trace_ray(&walk);
+        answers->triangles[i] = trace_ray(&walk);
+        if (answers->t) answers->t[i] = walk.nearest_t;
     }
 }
 

@@ -59,14 +59,15 @@ static int create(struct method_run *run)
     return status != MLRT_OK;
 }
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
     const mlrt_rays input = {.struct_size = sizeof input,
                              .row_length = rays->row_length,
                              .count = rays->count,
                              .origins = {rays->origins, 0},
                              .directions = {rays->directions, 0}};
-    const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
+    const mlrt_hits output = {
+        .struct_size = sizeof output, .triangle = {answers->triangles, 0, 0}, .t = {answers->t, 0, 0}};
     const int32_t status = run->method->needs_camera
                                ? guess.render_tiles(run->state, &rays->camera, NULL, &output, NULL, NULL)
                                : guess.trace_packet(run->state, &input, NULL, &output);

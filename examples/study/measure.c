@@ -11,7 +11,8 @@
 static double time_run(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
 {
     double start = thread_seconds_now();
-    run->method->trace(run, rays, triangles);
+    const struct answers answers = {triangles, NULL};
+    run->method->trace(run, rays, &answers);
     return thread_seconds_now() - start;
 }
 

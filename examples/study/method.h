@@ -13,6 +13,12 @@
 
 struct method_run;
 
+/* Where answers go: an element for each ray. */
+struct answers {
+    uint32_t *triangles; // MLRT_NONE for a miss
+    float *t;            // of the hit, as the method gives it; NULL = not wanted
+};
+
 struct method {
     const char *name;  // on the command line and in CSV files
     const char *title; // for people
@@ -23,8 +29,8 @@ struct method {
     /* Prepares run->state. Returns 0, or 1 after a message on stderr. NULL = nothing to prepare. */
     int (*create)(struct method_run *run);
 
-    /* Finds the triangle that each ray hits, MLRT_NONE for a miss. Called in the default floating-point environment. */
-    void (*trace)(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles);
+    /* Finds what each ray hits. Called in the default floating-point environment. */
+    void (*trace)(const struct method_run *run, const struct ray_set *rays, const struct answers *answers);
 
     void (*destroy)(struct method_run *run); // NULL = nothing to free
 };

@@ -16,10 +16,10 @@ static int create(struct method_run *run)
     return !run->state;
 }
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
     tinybvh_trace(run->state, (const float(*)[3])rays->origins, (const float(*)[3])rays->directions, rays->count,
-                  MLRT_NONE, triangles);
+                  MLRT_NONE, answers->triangles, answers->t);
 }
 
 static void destroy(struct method_run *run)

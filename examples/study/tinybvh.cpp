@@ -36,7 +36,8 @@ extern "C" struct tinybvh_scene *tinybvh_create(const float *vertices, size_t ve
 }
 
 extern "C" void tinybvh_trace(const struct tinybvh_scene *scene, const float (*origins)[3],
-                              const float (*directions)[3], size_t count, uint32_t miss, uint32_t *triangles)
+                              const float (*directions)[3], size_t count, uint32_t miss, uint32_t *triangles,
+                              float *t)
 {
     for (size_t i = 0; i < count; i++) {
         const float *o = origins[i], *d = directions[i];
@@ -45,6 +46,7 @@ extern "C" void tinybvh_trace(const struct tinybvh_scene *scene, const float (*o
         ray.rD = tinybvh::tinybvh_rcp(ray.D);
         scene->hierarchy.Intersect(ray);
         triangles[i] = ray.hit.t < BVH_FAR ? ray.hit.prim : miss;
+        if (t) t[i] = ray.hit.t;
     }
 }
 

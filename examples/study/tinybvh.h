@@ -16,9 +16,9 @@ struct tinybvh_scene;
 struct tinybvh_scene *tinybvh_create(const float *vertices, size_t vertex_count, const uint32_t *indices,
                                      size_t triangle_count);
 
-/* The triangle that each ray hits, or `miss`. */
+/* The triangle that each ray hits, or `miss`, and the distance; t may be NULL. */
 void tinybvh_trace(const struct tinybvh_scene *scene, const float (*origins)[3], const float (*directions)[3],
-                   size_t count, uint32_t miss, uint32_t *triangles);
+                   size_t count, uint32_t miss, uint32_t *triangles, float *t);
 
 void tinybvh_destroy(struct tinybvh_scene *scene);
 
