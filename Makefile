@@ -214,7 +214,7 @@ $(BUILD)/bin/accuracy $(BUILD)/bin/errors: $(BUILD)/bin/%: $(BUILD)/examples/%.o
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) $(if $(HAVE_TINYBVH),-lstdc++) -lgmp -o $@
 
-$(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+$(BUILD)/bin/depth $(BUILD)/bin/pays: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
@@ -289,18 +289,28 @@ SWEEP_RAYS ?= 16384
 STUDY_SCENES := room office building scan sphere
 STUDY_FILES = $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
-ACCURACY = $(BUILD)/bin/accuracy --csv
+ACCURACY = $(BUILD)/bin/accuracy --csv --guess $(GUESSING)
 
 charts: charts-accuracy charts-speed
 
+# The library without exactness, for charts of what exactness costs.
+GUESSING := build/guess/libmlrt.so
+$(GUESSING): $(wildcard src/*/*.[ch]) include/mlrt.h
+	@$(MAKE) --no-print-directory GUESS=1 $@
+
 charts-accuracy: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy
+	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy $(BUILD)/bin/errors $(BUILD)/bin/pays $(BUILD)/bin/bench $(GUESSING)
 	@mkdir -p docs/data
 	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,edge --rays $(STUDY_RAYS) > docs/data/methods.csv
 	$(ACCURACY) --study stability --rays $(SWEEP_RAYS) > docs/data/stability.csv
 	$(ACCURACY) --study stages $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,random,edge --rays $(STUDY_RAYS) > docs/data/stages.csv
+	$(BUILD)/bin/bench --csv --alone --against $(GUESSING) --runs 5 $(addprefix --scene ,$(STUDY_SCENES) doubled $(STUDY_FILES)) \
+	    $(addprefix --views ,$(VIEWS)) > docs/data/price.csv
+	$(BUILD)/bin/pays --csv > docs/data/pays.csv
+	$(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2 >> docs/data/pays.csv
+	$(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png > docs/data/errors.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
 
 # ---- speed ----------------------------------------------------------------------------------------------------------
