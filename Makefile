@@ -222,6 +222,11 @@ $(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BU
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
+PEER_FRAME := $(patsubst %,$(BUILD)/examples/bench/%.o,peer_frame embree task shade crew library) $(BUILD)/examples/study/meshes.o
+$(BUILD)/bin/reproduce: $(BUILD)/examples/reproduce.o $(PEER_FRAME) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
+
 # Linked with the shared object, since Embree and the library of another commit (--against) are shared objects too.
 $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.so
 	@mkdir -p $(@D)
