@@ -108,12 +108,16 @@ HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
 HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
 HAVE_CJSON  = $(call pkg,--exists libcjson && echo 1)
 HAVE_GMP    = $(call pkg,--exists gmp && echo 1)
+# tinybvh is a header of C++; make deps-study puts it there.
+TINYBVH     ?= build/tinybvh
+HAVE_TINYBVH = $(if $(wildcard $(TINYBVH)/tiny_bvh.h),$(and $(IS_X86),1))
 HAVE_EMBREE = $(shell $(CC) $(CPPFLAGS) -fsyntax-only -include embree3/rtcore.h -x c /dev/null 2>/dev/null && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
-STUDY       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o
+STUDY        = $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o \
+               $(if $(HAVE_TINYBVH),$(BUILD)/examples/study/tinybvh-cpp.o)
 ENGINE      := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/engine/*.c))
 BENCH_OBJECTS := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/bench/*.c))
-EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
+EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy) $(if $(and $(HAVE_GMP),$(HAVE_PNG)),,errors),$(basename $(notdir $(wildcard examples/*.c))))
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
                 $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
 EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) \
@@ -194,7 +198,12 @@ examples: $(addprefix $(BUILD)/bin/,$(EXAMPLES))
 
 $(BUILD)/examples/study/%.o: examples/study/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) $(if $(HAVE_TINYBVH),-DHAVE_TINYBVH=1) -Iexamples -Itests -c $< -o $@
+
+# As its makers compile it.
+$(BUILD)/examples/study/tinybvh-cpp.o: examples/study/tinybvh.cpp
+	@mkdir -p $(@D)
+	$(Q)$(CXX) -std=c++20 -O3 -mavx2 -mfma -w -I$(TINYBVH) -Iexamples/study -c $< -o $@
 
 # The benchmark's own code, the same for every library it measures, is compiled for this machine.
 NATIVE = $(if $(filter -O2 -O3,$(OPTIMIZE)),$(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
@@ -211,17 +220,22 @@ $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-$(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
+$(BUILD)/bin/accuracy $(BUILD)/bin/errors: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	@mkdir -p $(@D)
-	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) $(if $(HAVE_TINYBVH),-lstdc++) -lgmp -o $@
 
-$(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+$(BUILD)/bin/depth $(BUILD)/bin/pays: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
 $(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
+PEER_FRAME := $(patsubst %,$(BUILD)/examples/bench/%.o,peer_frame embree task shade crew library) $(BUILD)/examples/study/meshes.o
+$(BUILD)/bin/reproduce: $(BUILD)/examples/reproduce.o $(PEER_FRAME) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
 
 # Linked with the shared object, since Embree and the library of another commit (--against) are shared objects too.
 $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.so
@@ -246,7 +260,8 @@ deps:
 	fi
 
 deps-study: deps
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib'
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib g++'
+	@sh examples/study/fetch_tinybvh.sh $(TINYBVH)
 
 deps-docs:
 	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
@@ -294,18 +309,28 @@ SWEEP_RAYS ?= 16384
 STUDY_SCENES := room office building scan sphere
 STUDY_FILES = $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
-ACCURACY = $(BUILD)/bin/accuracy --csv
+ACCURACY = $(BUILD)/bin/accuracy --csv --guess $(GUESSING)
 
 charts: charts-accuracy charts-speed
 
+# The library without exactness, for charts of what exactness costs.
+GUESSING := build/guess/libmlrt.so
+$(GUESSING): $(wildcard src/*/*.[ch]) include/mlrt.h
+	@$(MAKE) --no-print-directory GUESS=1 $@
+
 charts-accuracy: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy
+	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy $(BUILD)/bin/errors $(BUILD)/bin/pays $(BUILD)/bin/bench $(GUESSING)
 	@mkdir -p docs/data
 	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,edge --rays $(STUDY_RAYS) > docs/data/methods.csv
 	$(ACCURACY) --study stability --rays $(SWEEP_RAYS) > docs/data/stability.csv
 	$(ACCURACY) --study stages $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,random,edge --rays $(STUDY_RAYS) > docs/data/stages.csv
+	$(BUILD)/bin/bench --csv --alone --against $(GUESSING) --runs 5 $(addprefix --scene ,$(STUDY_SCENES) doubled $(STUDY_FILES)) \
+	    $(addprefix --views ,$(VIEWS)) > docs/data/price.csv
+	$(BUILD)/bin/pays --csv > docs/data/pays.csv
+	$(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2 >> docs/data/pays.csv
+	$(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png > docs/data/errors.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
 
 # ---- speed ----------------------------------------------------------------------------------------------------------
