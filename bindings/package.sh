@@ -90,6 +90,41 @@ package_lua() {
     package=$out/mlrt-$version-1.src.rock
 }
 
+# The crate that crates.io gets, with the whole library in one file. It is not verified here: the tests unpack and build it.
+package_rust() {
+    need cargo
+    grep -qx "version = \"$version\"" Cargo.toml || { echo "Cargo.toml is not of version $version"; exit 1; }
+    mkdir c
+    cp "$build/amalgamation/mlrt.c" "$build/amalgamation/mlrt.h" c
+    rm -rf "$out/target"
+    cargo fetch --quiet 2>/dev/null || { echo "cargo cannot fetch cc"; exit 77; }
+    CARGO_TARGET_DIR=$out/target cargo package --quiet --allow-dirty --no-verify
+    mv "$out/target/package/mlrt-$version.crate" "$out"
+    rm -rf "$out/target"
+    package=$out/mlrt-$version.crate
+}
+
+# The module, with the whole library in one file, and in $out/proxy as a module proxy serves it (GOPROXY=file://...).
+package_go() {
+    need python3
+    cp "$build/amalgamation/mlrt.h" .
+    { printf '//go:build !mlrt_system\n\n'; cat "$build/amalgamation/mlrt.c"; } >mlrt.c
+    module=$(sed -n 's/^module //p' go.mod)
+    package=$out/proxy/$module/@v/v$version.zip
+    rm -rf "$out/proxy"
+    mkdir -p "$(dirname "$package")"
+    cp go.mod "$out/proxy/$module/@v/v$version.mod"
+    echo "v$version" >"$out/proxy/$module/@v/list"
+    echo "{\"Version\":\"v$version\",\"Time\":\"2025-01-01T00:00:00Z\"}" >"$out/proxy/$module/@v/v$version.info"
+    python3 - "$package" "$module@v$version" *.go *.c *.h go.mod README.md LICENSE <<'END'
+import pathlib, sys, zipfile
+with zipfile.ZipFile(sys.argv[1], "w") as archive:
+    for file in sorted(sys.argv[3:]):
+        content = pathlib.Path(file).read_bytes()
+        archive.writestr(zipfile.ZipInfo(f"{sys.argv[2]}/{file}"), content, zipfile.ZIP_DEFLATED)
+END
+}
+
 "package_$language"
 echo "$(wc -c <"$package") bytes"
 echo "$package"

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: MIT
 """One exception class per error code of mlrt.h, each with the library's own message."""
 
+import ctypes
+
 from ._abi import library
+
+library.mlrt_last_message.restype = ctypes.c_char_p
 
 
 class Error(Exception):
@@ -78,6 +82,7 @@ def check(status: int, details: str = "") -> None:
     if status == 0:
         return
     phrase = library.mlrt_status_string(status).decode()
-    error = _CLASSES.get(status, Error)(f"{phrase}: {details}" if details else phrase)
+    details = details or library.mlrt_last_message().decode()  # of this thread, which made the call
+    error = _CLASSES.get(status, Error)(f"{phrase}: {details}" if details not in ("", phrase) else phrase)
     error.status = status
     raise error
