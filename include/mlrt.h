@@ -238,7 +238,7 @@ typedef void (*mlrt_free_callback)(void *user, void *block, size_t size, size_t 
 enum {
     MLRT_LOG_ERROR = 0,   /* the reason why a call fails */
     MLRT_LOG_WARNING = 1, /* something was left out */
-    MLRT_LOG_INFO = 2     /* a tree was built, its size and time; or the host stopped a build */
+    MLRT_LOG_INFO = 2     /* a tree was built, its size and time; or the host stopped a call */
 };
 
 /* Receives one line (UTF-8, no newline, 255 bytes at most). `message` is valid until the function returns. */
@@ -717,7 +717,8 @@ typedef struct mlrt_array {
 
 /*
  * The arrays that receive results. MLRT_QUERY_CLOSEST writes the first six, and with lights also the last;
- * MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL.
+ * MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL, and one must be given, unless
+ * there are no rays, or the call has a callback or counters.
  *
  * `mesh`, `triangle` and `facing` tell hits from misses. `t` does not: the t of a hit farther away than the greatest
  * float rounds to inf, which is that of a miss, and a very small one rounds to 0, though 0 < t.

@@ -6,12 +6,10 @@
 #ifndef MLRT_JOB_JOB_H
 #define MLRT_JOB_JOB_H
 
+#include "base/forms.h"
 #include "job/hit_terms.h"
 #include "job/write_arrays.h"
 #include "rays/source.h"
-
-/* The most lights that a picture may have: its shadows have a byte per pixel, and a light has one bit. */
-#define MLRT_LIGHT_LIMIT 8
 
 /* State of workers that only one structure uses: trace/bundle.h and mlrta/setups.h. */
 struct mlrt_bundle;
