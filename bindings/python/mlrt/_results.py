@@ -164,6 +164,8 @@ def check_names(outputs: Outputs, known: tuple[str, ...]) -> tuple[str, ...]:
     if outputs is None:
         return known
     names = (outputs,) if isinstance(outputs, str) else tuple(dict.fromkeys(outputs))
+    if not names:
+        raise ValueError("outputs: at least one is needed")
     for name in names:
         if name not in known:
             raise ValueError(f"outputs: {name!r} is none of {', '.join(known)}")

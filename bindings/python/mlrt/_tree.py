@@ -531,6 +531,8 @@ class Tree:
             out._rays = replace(camera).rays
         else:
             packed = given_hits(out, shape, rows=True, lights=light_count)
+        if light_count == 0 and out.occluded is not None and all(array is None for array in out[:-1]):
+            return out  # no light has shadows, and nothing else is asked for
         options = _options(_abi.QUERY_CLOSEST, method, isa, mask_word(mask, "mask"), pool, counters, structs)
         if not progress:
             check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))

@@ -116,7 +116,7 @@ class Scene:
         start: trace now, and keep the results in the memory of the workers; False = when the arrays are computed or stored, piece by
         piece, all outputs again for each call of `compute` (dask.compute(*hits) is one).
         """
-        names = _names(outputs, HIT_FIELDS)
+        names = check_names(outputs, HIT_FIELDS)
         rays = origins, directions, t_min, t_max, skip, mask
         records = self._pieces(_trace, "mlrt-trace", _record(names), names, rays, rays_per_piece, start)
         return Hits(**{name: records[name] for name in names})
@@ -187,7 +187,7 @@ class Scene:
     ) -> Hits:
         """The closest hit of each pixel's ray: Tree.render. Hits of dask arrays of shape (height, width). start: as for `trace`."""
         lights = None if lights is None else list(lights)
-        names = _names(outputs, HIT_FIELDS if lights is None else Hits._fields)
+        names = check_names(outputs, HIT_FIELDS if lights is None else Hits._fields)
         record = _record(names)
         rows, columns = camera.check_shape()
         side = max(int(rays_per_piece**0.5) // _PIXELS * _PIXELS, _PIXELS)  # tiles of pixels stay whole
@@ -215,13 +215,6 @@ def gather(hits: Union[Hits, Array], client: Optional[Client] = None) -> Any:
 
 _PIXELS = 64  # a multiple of the sides of all tiles
 _WIDTHS = {"origins": 3, "directions": 3, "t_min": 1, "t_max": 1, "skip": 2, "mask": 1}  # numbers of an element
-
-
-def _names(outputs: Outputs, known: tuple[str, ...]) -> tuple[str, ...]:
-    names = check_names(outputs, known)
-    if not names:
-        raise ValueError("outputs: at least one is needed")
-    return names
 
 
 def _record(names: tuple[str, ...]) -> np.dtype[Any]:
