@@ -19,6 +19,7 @@
 #include <math.h>
 
 #include "base/counters.h"
+#include "mlrta/entry_point.h"
 #include "mlrta/kdtree.h"
 #include "mlrta/outline.h"
 #include "mlrta/packet_filter.h"
@@ -26,28 +27,6 @@
 #include "mlrta/setups.h"
 #include "mlrta/triangle_setup.h"
 #include "rays/extremes.h"
-
-/* A node at which rays may start, and a box that contains the part of its cell that they have to search. */
-struct entry_point {
-    uint32_t node;
-    uint32_t depth;
-    struct mlrt_box box;
-};
-
-/*
- * Where the packets of a tile start: one node, or several, mostly leaves. Each ray meets them in the order of the list.
- */
-#define ENTRY_LIST_LEAVES 16
-#define ENTRY_LIST_SIZE   (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
-
-struct entry_list {
-    uint32_t count;
-    uint32_t axis_code; /* of the outlines; NO_OUTLINES if there are none */
-    struct entry_point entries[ENTRY_LIST_SIZE];
-    struct mlrt_outline outlines[ENTRY_LIST_SIZE]; /* of the entries' boxes */
-};
-
-#define NO_OUTLINES 3 /* the axis code of no group */
 
 struct distance_interval {
     float lo;
@@ -117,8 +96,8 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
             if (setup->in_plane) continue;
         }
         COUNT(&worker->counters, triangle_test_count, 1);
-        changed |= setup ? test_triangle_from_apex(tree, number, setup, group, touched, packet, worker)
-                         : test_triangle_from_anywhere(tree, number, group, touched, packet, worker);
+        changed |= setup ? test_triangle_from_apex(job, number, setup, group, touched, packet, worker)
+                         : test_triangle_from_anywhere(job, number, group, touched, packet, worker);
     }
     if (!changed) return;
     if (job->any) group->lanes &= ~changed;

@@ -28,7 +28,7 @@ MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_lis
     if (packet->has_apex && memcmp(packet->apex, worker->apex, sizeof packet->apex) != 0) {
         forget_setups(packet->apex, worker);
     }
-    if (job->method == MLRT_METHOD_PACKET2) {
+    if (VW <= 4 && job->method == MLRT_METHOD_PACKET2) { /* run/dispatch.c: wider kernels never get this method */
         traverse_masked(job, packet, worker);
     } else {
         traverse_interval(job, list, packet, worker);
@@ -90,6 +90,16 @@ static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
     trace_blocks(job, worker, tile, list);
 }
 
+/* Sets the outlines of a list's entries, if the beam has an apex. */
+static void set_outlines(const struct mlrt_beam *beam, struct entry_list *list)
+{
+    if (!beam->has_apex) return;
+    list->axis_code = axis_code(beam->main_axis, beam->negative[beam->main_axis]);
+    for (uint32_t i = 0; i < list->count; ++i) {
+        set_box_outline(&list->entries[i].box, list->axis_code, beam->origin_lo, &list->outlines[i]);
+    }
+}
+
 /* Traces a tile of the smallest size, whose rays may all start at `above`. */
 static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                              const struct entry_point *above)
@@ -101,12 +111,13 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
     list.entries[0] = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = job->entry_lists ? find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
-                                           : find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
+        const int found = job->entry_lists ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                                           : mlrt_find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
         if (found != BEAM_ENTERS) {
             finish_tile(job, worker, found, cover, tile);
             return;
         }
+        if (job->entry_lists) set_outlines(&beam, &list);
     }
     enter_tile(job, worker, &list, tile);
 }
@@ -127,7 +138,7 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
     *entry = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = find_entry_point(job, &beam, entry, &cover, &worker->counters);
+        const int found = mlrt_find_entry_point(job, &beam, entry, &cover, &worker->counters);
         if (found != BEAM_ENTERS) {
             finish_tile(job, worker, found, cover, tile);
             return;

@@ -17,7 +17,6 @@
 #include <math.h>
 
 #include "job/job.h"
-#include "mlrta/covering.h"
 #include "mlrta/setups.h"
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
