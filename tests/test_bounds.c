@@ -996,7 +996,9 @@ static void load_corner(const float *input, struct corner_terms *terms)
     memcpy(beam.origin_lo, input + 9, sizeof beam.origin_lo);
     beam.main_axis = 2;
     for (int j = 0; j < 2; ++j) beam.slope_lo[2][j] = beam.slope_hi[2][j] = input[12 + j];
-    set_corner_terms(&triangle, &beam, terms);
+    struct corner_directions corners;
+    set_corner_directions(&beam, &corners);
+    set_corner_terms(&triangle, &beam, &corners, terms);
     load_exactly(input, (const double[3]){input[12], input[13], 1});
 }
 
@@ -1007,7 +1009,7 @@ static double attack_cover_edge(const float *input)
     load_corner(input, &terms);
     for (int i = 0; i < 3; ++i) {
         find_edge(i, truth);
-        worst = fmax(worst, error_over(truth, terms.value[i][0], terms.bound[i][0]));
+        worst = fmax(worst, error_over(truth, terms.value[i][0], terms.bound[i]));
     }
     return worst;
 }
@@ -1017,7 +1019,7 @@ static double attack_cover_d_and_n(const float *input)
     struct corner_terms terms;
     load_corner(input, &terms);
     find_d_and_n(truth, other_truth);
-    const double d = error_over(truth, terms.value[3][0], terms.bound[3][0]);
+    const double d = error_over(truth, terms.value[3][0], terms.bound[3]);
     return fmax(d, error_over(other_truth, terms.distance, terms.distance_bound));
 }
 

@@ -116,16 +116,18 @@ static uint32_t find_first_cover(const uint32_t *entries, uint32_t count, const 
  */
 static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_point *leaf, struct mlrt_beam *beam)
 {
+    struct corner_directions corners;
     struct corner_terms terms[COVER_TRIAL_LIMIT];
     const struct mlrt_node *node = &job->tree->nodes[leaf->node];
     const uint32_t *entries = job->tree->references + node->u.offset;
     const uint32_t count = mlrt_leaf_count(node);
     if (!beam->has_apex || !beam->may_cover || count > COVER_TRIAL_LIMIT) return MLRT_NONE;
     int is_covered = 0;
+    set_corner_directions(beam, &corners);
     for (uint32_t i = 0; i < count; ++i) {
-        set_corner_terms(&job->tree->triangles[entries[i]], beam, &terms[i]);
+        set_corner_terms(&job->tree->triangles[entries[i]], beam, &corners, &terms[i]);
         if (!covers_beam(&terms[i])) continue;
-        end_region_at_cover(&terms[i], beam);
+        end_region_at_cover(&terms[i], &corners, beam);
         is_covered = 1;
     }
     return is_covered ? find_first_cover(entries, count, terms) : MLRT_NONE;
