@@ -623,7 +623,8 @@ enum {
 enum {
     MLRT_SHORTCUT_WHOLE_TILES = 1, /* a tile that one triangle provably covers, nearer than all else, is done at once */
     MLRT_SHORTCUT_ENTRY_LISTS = 2, /* packets start at a list of leaves, not at the one node above them all */
-    MLRT_SHORTCUT_SHARED_SETUPS = 4 /* terms of a triangle and an origin are kept for the packets that follow */
+    MLRT_SHORTCUT_SHARED_SETUPS = 4 /* terms of a triangle and an origin are kept for the packets that follow; so does
+                                       method packet4 */
 };
 
 /* Results that a tile callback receives: mlrt_trace_options.outputs */

@@ -113,6 +113,9 @@ struct mlrt_worker {
 struct mlrt_rectangle;
 struct mlrt_ray_tile;
 
+/* mlrta/entry_point.h */
+struct entry_list;
+
 /* How packets of a picture are read and written, and what is rare enough to be shared by both structures. */
 struct mlrt_picture_kernels {
     /* Make the rays of a block, and check them; `lanes` are those that exist. rays/fetch_block.h, check_packet.h */
@@ -136,6 +139,10 @@ struct mlrt_kernels {
     int counts; /* the functions add to the worker's counters */
 
     const struct mlrt_picture_kernels *picture;
+
+    /* Traces a block of at most 4x4 rays from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
+    void (*trace_block)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
+                        const struct entry_list *list);
 
     /* The kernels of the kd-tree have none of the following. */
 

@@ -93,7 +93,7 @@ static void set_corner_terms(const struct mlrt_triangle *triangle, const struct 
  * +1 or -1 if value i surely has that sign for the whole beam, else 0. It must exceed twice its error bound, so that
  * greatest_depth divides by more than half of |value|.
  */
-MLRT_INLINE int certain_sign(const struct corner_terms *terms, int i)
+static MLRT_NOINLINE int certain_sign(const struct corner_terms *terms, int i)
 {
     double least = terms->value[i][0], greatest = least;
     for (int corner = 1; corner < 4; ++corner) {
