@@ -22,6 +22,7 @@
 
 #include "rays/camera.c"
 #include "mlrta/view_beam.c"
+#include "mlrta/entry_point.c"
 #include "scene/clip.c"
 #include "mlrta/ray.c"
 
@@ -47,7 +48,6 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define v_div   remembering_divide
 #define f4_div  remembering_divide_four
 #define KERNELS bounds_kernels_kdtree
-#include "mlrta/covering.h"
 #define PICTURE mlrt_plain_picture
 #include "mlrta/kernels.h"
 #undef PICTURE
@@ -771,7 +771,7 @@ static double attack_group_plane(const float *input)
     packet.has_apex = 1;
     packet.apex[0] = input[1];
     set_group_axis(&packet, 1, 0, input[2], input[2], &axis);
-    const struct distance_interval t = plane_distances(&axis, input[0]);
+    const struct distance_interval t = plane_distances(&axis, input[0], 0);
     find_plane_distance(input[0], input[1], input[2]);
     if (is_normal(truth)) return place_in(truth, t.lo, t.hi);
     const int negative = mpf_sgn(truth) < 0;
@@ -878,7 +878,7 @@ static double attack_beam_slope(const float *input)
     if (input[2] == 0 || input[5] == 0 || x == 0 || r == 0) return -1;
     const double slope = input[5] * (1.0 / input[2]);
     mlrt_set_slope(&beam, 0, 1, slope, slope);
-    const struct distance_interval q = offset_range(&beam, 0, 1, x, x);
+    const struct offset_interval q = offset_range(&beam, 0, 1, x, x);
     find_plane_distance(input[0], input[1], input[2]);
     mpf_set_d(scratch[0], input[5]);
     mpf_mul(truth, truth, scratch[0]);
