@@ -18,6 +18,8 @@
 #include "mlrta/block.h"
 #include "mlrta/levels.h"
 
+extern const struct mlrt_picture_kernels PICTURE;
+
 const struct mlrt_kernels KERNELS = {.trace_tile = mlrt_trace_kdtree_tile,
                                      .counts = MLRT_COUNTING,
                                      .picture = &PICTURE,
