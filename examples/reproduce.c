@@ -164,7 +164,7 @@ static const mlrt_trace_options variations[] = {
     {.initial_tile_size = 256, .minimum_tile_size = 4, .split_factor = 16},
 };
 
-static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_ISA_SSE};
+static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_ISA_SSE, MLRT_ISA_AUTO};
 
 static const struct {
     const char *title;

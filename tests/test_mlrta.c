@@ -244,8 +244,7 @@ static void entry_points_are_the_deepest_common_nodes(void **state)
     for (int s = 0; s < SCENE_COUNT; s++) {
         struct subject subject = make_subject(names[s]);
         for (int size = 0; size < 2; size++) {
-            const struct entry_tally tally =
-                compare_entry_points(&subject, MLRT_CULLING_INVERSE, 0, size ? 32 : 8);
+            const struct entry_tally tally = compare_entry_points(&subject, MLRT_CULLING_INVERSE, 0, size ? 32 : 8);
             assert_int_equal(tally.wrong, 0);
             failed |= tally.equal != expected[s][size][0] || tally.above != expected[s][size][1];
         }
@@ -282,8 +281,8 @@ static int cull_with_check(const struct mlrt_beam *beam, const struct mlrt_box *
 }
 
 static void count_decisions(const struct mlrt_tree *tree, uint32_t node, const struct mlrt_box *cell,
-                            const struct mlrt_beam *beam, const struct plain_ray *rays, size_t ray_count, culling_test cull,
-                            struct decisions *decisions)
+                            const struct mlrt_beam *beam, const struct plain_ray *rays, size_t ray_count,
+                            culling_test cull, struct decisions *decisions)
 {
     const struct mlrt_node *here = &tree->nodes[node];
     if (mlrt_node_is_leaf(here)) return;
@@ -375,7 +374,11 @@ static const struct {
      {.method = MULTILEVEL, .shortcuts_off = PAPER, .culling = MLRT_CULLING_DIRECT, .culling_check = 1}},
     {"the paper's, checked", {.method = MULTILEVEL, .shortcuts_off = PAPER, .culling_check = 1}},
     {"the paper's, 64 to 16 by 4",
-     {.method = MULTILEVEL, .shortcuts_off = PAPER, .initial_tile_size = 64, .minimum_tile_size = 16, .split_factor = 4}},
+     {.method = MULTILEVEL,
+      .shortcuts_off = PAPER,
+      .initial_tile_size = 64,
+      .minimum_tile_size = 16,
+      .split_factor = 4}},
     {"the paper's, 128 to 8 by 16",
      {.method = MULTILEVEL, .shortcuts_off = PAPER, .initial_tile_size = 128, .minimum_tile_size = 8}},
     {"the paper's, 8 alone",
@@ -393,48 +396,48 @@ static void counts_are_golden(void **state)
     /* packets, beams, cells, of these of the search, tests of triangles, tiles missed, tiles covered */
     static const uint64_t expected[SCENE_COUNT][WAY_COUNT][COUNT_COUNT] = {
         {
-            {16384, 0, 519332, 0, 36905, 0, 0}, /* room: 2x2 packets */
-            {4096, 0, 161502, 0, 16210, 0, 0}, /* room: 4x4 packets */
-            {4096, 58, 146784, 2244, 16210, 0, 0}, /* room: the paper's */
-            {4096, 58, 149072, 2343, 16210, 0, 0}, /* room: the paper's, direct */
-            {4096, 58, 146784, 2244, 16210, 0, 0}, /* room: the paper's, direct, checked */
-            {4096, 58, 146784, 2244, 16210, 0, 0}, /* room: the paper's, checked */
-            {4096, 288, 134043, 9869, 15922, 0, 0}, /* room: the paper's, 64 to 16 by 4 */
-            {4096, 1002, 129555, 31432, 14725, 0, 0}, /* room: the paper's, 128 to 8 by 16 */
-            {4096, 1024, 131692, 33569, 14725, 0, 0}, /* room: the paper's, 8 alone */
-            {3904, 58, 146592, 2244, 15890, 0, 3}, /* room: whole tiles */
-            {4096, 58, 106183, 3999, 15978, 0, 0}, /* room: lists */
-            {3904, 58, 105991, 3999, 15658, 0, 3}, /* room: all shortcuts */
+            {16384, 0, 519332, 0, 36905, 0, 0},        /* room: 2x2 packets */
+            {4096, 0, 161502, 0, 16210, 0, 0},         /* room: 4x4 packets */
+            {4096, 58, 146784, 2244, 16210, 0, 0},     /* room: the paper's */
+            {4096, 58, 149072, 2343, 16210, 0, 0},     /* room: the paper's, direct */
+            {4096, 58, 146784, 2244, 16210, 0, 0},     /* room: the paper's, direct, checked */
+            {4096, 58, 146784, 2244, 16210, 0, 0},     /* room: the paper's, checked */
+            {4096, 288, 134043, 9869, 15922, 0, 0},    /* room: the paper's, 64 to 16 by 4 */
+            {4096, 1002, 129555, 31432, 14725, 0, 0},  /* room: the paper's, 128 to 8 by 16 */
+            {4096, 1024, 131692, 33569, 14725, 0, 0},  /* room: the paper's, 8 alone */
+            {3904, 58, 146592, 2244, 15890, 0, 3},     /* room: whole tiles */
+            {4096, 58, 106183, 3999, 15978, 0, 0},     /* room: lists */
+            {3904, 58, 105991, 3999, 15658, 0, 3},     /* room: all shortcuts */
             {2636, 1002, 65271, 44779, 11057, 0, 320}, /* room: all shortcuts, 128 to 8 */
         },
         {
-            {15825, 0, 715424, 0, 85785, 0, 0}, /* scan:20000: 2x2 packets */
-            {4148, 0, 363175, 0, 27694, 0, 0}, /* scan:20000: 4x4 packets */
-            {3636, 57, 350148, 4161, 27694, 8, 0}, /* scan:20000: the paper's */
-            {3636, 57, 351731, 4282, 27694, 8, 0}, /* scan:20000: the paper's, direct */
-            {3636, 57, 350148, 4161, 27694, 8, 0}, /* scan:20000: the paper's, direct, checked */
-            {3636, 57, 350148, 4161, 27694, 8, 0}, /* scan:20000: the paper's, checked */
-            {3140, 274, 347058, 18219, 27694, 39, 0}, /* scan:20000: the paper's, 64 to 16 by 4 */
+            {15825, 0, 715424, 0, 85785, 0, 0},        /* scan:20000: 2x2 packets */
+            {4148, 0, 363175, 0, 27694, 0, 0},         /* scan:20000: 4x4 packets */
+            {3636, 57, 350148, 4161, 27694, 8, 0},     /* scan:20000: the paper's */
+            {3636, 57, 351731, 4282, 27694, 8, 0},     /* scan:20000: the paper's, direct */
+            {3636, 57, 350148, 4161, 27694, 8, 0},     /* scan:20000: the paper's, direct, checked */
+            {3636, 57, 350148, 4161, 27694, 8, 0},     /* scan:20000: the paper's, checked */
+            {3140, 274, 347058, 18219, 27694, 39, 0},  /* scan:20000: the paper's, 64 to 16 by 4 */
             {2708, 923, 364118, 54597, 27694, 240, 0}, /* scan:20000: the paper's, 128 to 8 by 16 */
             {2708, 994, 364973, 55452, 27694, 360, 0}, /* scan:20000: the paper's, 8 alone */
-            {3636, 57, 350148, 4161, 27694, 8, 0}, /* scan:20000: whole tiles */
-            {3636, 57, 384325, 6393, 27676, 8, 0}, /* scan:20000: lists */
-            {3636, 57, 384325, 6393, 27676, 8, 0}, /* scan:20000: all shortcuts */
+            {3636, 57, 350148, 4161, 27694, 8, 0},     /* scan:20000: whole tiles */
+            {3636, 57, 384325, 6393, 27676, 8, 0},     /* scan:20000: lists */
+            {3636, 57, 384325, 6393, 27676, 8, 0},     /* scan:20000: all shortcuts */
             {2708, 923, 306728, 89735, 27418, 240, 0}, /* scan:20000: all shortcuts, 128 to 8 */
         },
         {
-            {16384, 0, 1193804, 0, 110087, 0, 0}, /* doubled: 2x2 packets */
-            {4096, 0, 443851, 0, 64014, 0, 0}, /* doubled: 4x4 packets */
-            {4096, 58, 430825, 3652, 64014, 0, 0}, /* doubled: the paper's */
-            {4096, 58, 431031, 3794, 64014, 0, 0}, /* doubled: the paper's, direct */
-            {4096, 58, 430825, 3652, 64014, 0, 0}, /* doubled: the paper's, direct, checked */
-            {4096, 58, 430825, 3652, 64014, 0, 0}, /* doubled: the paper's, checked */
-            {4096, 324, 435158, 20268, 64014, 0, 0}, /* doubled: the paper's, 64 to 16 by 4 */
-            {4096, 1082, 465932, 68038, 63958, 0, 0}, /* doubled: the paper's, 128 to 8 by 16 */
-            {4096, 1024, 466493, 68599, 63958, 0, 0}, /* doubled: the paper's, 8 alone */
-            {4096, 58, 430825, 3652, 64014, 0, 0}, /* doubled: whole tiles */
-            {4096, 58, 378090, 6101, 63838, 0, 0}, /* doubled: lists */
-            {4096, 58, 378090, 6101, 63838, 0, 0}, /* doubled: all shortcuts */
+            {16384, 0, 1193804, 0, 110087, 0, 0},      /* doubled: 2x2 packets */
+            {4096, 0, 443851, 0, 64014, 0, 0},         /* doubled: 4x4 packets */
+            {4096, 58, 430825, 3652, 64014, 0, 0},     /* doubled: the paper's */
+            {4096, 58, 431031, 3794, 64014, 0, 0},     /* doubled: the paper's, direct */
+            {4096, 58, 430825, 3652, 64014, 0, 0},     /* doubled: the paper's, direct, checked */
+            {4096, 58, 430825, 3652, 64014, 0, 0},     /* doubled: the paper's, checked */
+            {4096, 324, 435158, 20268, 64014, 0, 0},   /* doubled: the paper's, 64 to 16 by 4 */
+            {4096, 1082, 465932, 68038, 63958, 0, 0},  /* doubled: the paper's, 128 to 8 by 16 */
+            {4096, 1024, 466493, 68599, 63958, 0, 0},  /* doubled: the paper's, 8 alone */
+            {4096, 58, 430825, 3652, 64014, 0, 0},     /* doubled: whole tiles */
+            {4096, 58, 378090, 6101, 63838, 0, 0},     /* doubled: lists */
+            {4096, 58, 378090, 6101, 63838, 0, 0},     /* doubled: all shortcuts */
             {4092, 1082, 284498, 119382, 62432, 0, 1}, /* doubled: all shortcuts, 128 to 8 */
         },
     };
@@ -466,7 +469,8 @@ static void beams_save_steps(void **state)
         struct subject subject = make_subject(names[s]);
         const mlrt_trace_options from_root = {.method = MLRT_METHOD_PACKET4};
         const mlrt_trace_options paper = {.method = MULTILEVEL, .shortcuts_off = PAPER};
-        const mlrt_trace_options direct = {.method = MULTILEVEL, .shortcuts_off = PAPER, .culling = MLRT_CULLING_DIRECT};
+        const mlrt_trace_options direct = {
+            .method = MULTILEVEL, .shortcuts_off = PAPER, .culling = MLRT_CULLING_DIRECT};
         const mlrt_trace_options lists = {.method = MULTILEVEL, .shortcuts_off = MLRT_SHORTCUT_WHOLE_TILES};
         const mlrt_trace_options all = {.method = MULTILEVEL};
         const mlrt_counters root = count_picture(&subject, &from_root), one = count_picture(&subject, &paper),
@@ -558,41 +562,41 @@ static void trees_are_golden(void **state)
             {4359, 609, 3133, 26, 222, 0xC1512DC5FDA73342}, /* room: without covered planes */
             {3765, 617, 2444, 32, 182, 0x5E7D1D59ABBCBEFF}, /* room: without a minimum cell */
             {2697, 460, 2133, 32, 103, 0x61F3CE9B727A3AF0}, /* room: without clipping */
-            {3733, 690, 2357, 32, 0, 0xAD9C5D63116D6EA9}, /* room: without retraction */
-            {3637, 710, 2858, 23, 0, 0x4724E133CB2AB02B}, /* room: without any rule */
+            {3733, 690, 2357, 32, 0, 0xAD9C5D63116D6EA9},   /* room: without retraction */
+            {3637, 710, 2858, 23, 0, 0x4724E133CB2AB02B},   /* room: without any rule */
             {1287, 223, 1665, 32, 329, 0x4353BBB382A2121C}, /* room: steps that cost more */
-            {4565, 807, 2701, 32, 97, 0x53BE78CB0F39FCCC}, /* room: tests that cost more */
-            {129, 2, 914, 9, 0, 0x37FB49EAADDF014D}, /* room: few levels */
-            {383, 94, 920, 29, 7, 0xB6EAB43C3A1CCF6E}, /* room: few references */
+            {4565, 807, 2701, 32, 97, 0x53BE78CB0F39FCCC},  /* room: tests that cost more */
+            {129, 2, 914, 9, 0, 0x37FB49EAADDF014D},        /* room: few levels */
+            {383, 94, 920, 29, 7, 0xB6EAB43C3A1CCF6E},      /* room: few references */
             {2051, 333, 1831, 32, 278, 0x98E968F976C61798}, /* room: preset tuned */
         },
         {
-            {174539, 47331, 102182, 33, 12727, 0xD1B5D3A15B0FA78}, /* scan:20000: preset paper */
+            {174539, 47331, 102182, 33, 12727, 0xD1B5D3A15B0FA78},  /* scan:20000: preset paper */
             {171245, 45569, 102296, 28, 10990, 0x64C2E157A0E608EB}, /* scan:20000: without empty sides first */
-            {174539, 47331, 102182, 33, 12727, 0xD1B5D3A15B0FA78}, /* scan:20000: without covered planes */
+            {174539, 47331, 102182, 33, 12727, 0xD1B5D3A15B0FA78},  /* scan:20000: without covered planes */
             {198075, 55763, 107228, 36, 15064, 0x4AF67864EA49A21D}, /* scan:20000: without a minimum cell */
             {167089, 34823, 115959, 30, 11007, 0x7382F15FDFBE67CF}, /* scan:20000: without clipping */
-            {201921, 60294, 103093, 33, 0, 0x24E460057E43C48D}, /* scan:20000: without retraction */
-            {181437, 41304, 116984, 27, 0, 0x6E94C9F4EFB9CA1C}, /* scan:20000: without any rule */
-            {40925, 10251, 57646, 28, 10599, 0xEE18C91555E0D76B}, /* scan:20000: steps that cost more */
+            {201921, 60294, 103093, 33, 0, 0x24E460057E43C48D},     /* scan:20000: without retraction */
+            {181437, 41304, 116984, 27, 0, 0x6E94C9F4EFB9CA1C},     /* scan:20000: without any rule */
+            {40925, 10251, 57646, 28, 10599, 0xEE18C91555E0D76B},   /* scan:20000: steps that cost more */
             {252977, 74461, 118094, 37, 11413, 0x6711EE8524486E3D}, /* scan:20000: tests that cost more */
-            {395, 84, 24429, 9, 0, 0x46D5760522F5F808}, /* scan:20000: few levels */
-            {1, 0, 19998, 0, 0, 0x3D0E545AB6A18012}, /* scan:20000: few references */
-            {83843, 21406, 75897, 33, 14301, 0x200457023159B1E9}, /* scan:20000: preset tuned */
+            {395, 84, 24429, 9, 0, 0x46D5760522F5F808},             /* scan:20000: few levels */
+            {1, 0, 19998, 0, 0, 0x3D0E545AB6A18012},                /* scan:20000: few references */
+            {83843, 21406, 75897, 33, 14301, 0x200457023159B1E9},   /* scan:20000: preset tuned */
         },
         {
-            {78095, 10496, 83129, 36, 3374, 0x567ACDFF22925DC5}, /* doubled: preset paper */
-            {77053, 9561, 83135, 32, 2050, 0x328355839EB4AE63}, /* doubled: without empty sides first */
-            {66535, 9612, 106300, 28, 4426, 0x55DD1508CEB9F26}, /* doubled: without covered planes */
+            {78095, 10496, 83129, 36, 3374, 0x567ACDFF22925DC5},  /* doubled: preset paper */
+            {77053, 9561, 83135, 32, 2050, 0x328355839EB4AE63},   /* doubled: without empty sides first */
+            {66535, 9612, 106300, 28, 4426, 0x55DD1508CEB9F26},   /* doubled: without covered planes */
             {109159, 16996, 94589, 38, 5910, 0x1987DE8C59A1A527}, /* doubled: without a minimum cell */
-            {53409, 5507, 84445, 34, 1688, 0xCC7A55B2130CFDC7}, /* doubled: without clipping */
-            {85955, 13787, 83638, 38, 0, 0xC75B65C83E48AD6B}, /* doubled: without retraction */
-            {66903, 12828, 110958, 27, 0, 0x5C31FCAA6A4999F6}, /* doubled: without any rule */
-            {33739, 3007, 61976, 33, 5759, 0xE7F51E6D484978F6}, /* doubled: steps that cost more */
-            {91081, 13704, 87903, 38, 4443, 0xB4FC53A326F9BCD0}, /* doubled: tests that cost more */
-            {785, 24, 22225, 9, 7, 0x238761869A8882E9}, /* doubled: few levels */
-            {1, 0, 18740, 0, 0, 0x3B3183C0AA36FDD7}, /* doubled: few references */
-            {50835, 5879, 70387, 38, 6491, 0x7F0CF15BB996E652}, /* doubled: preset tuned */
+            {53409, 5507, 84445, 34, 1688, 0xCC7A55B2130CFDC7},   /* doubled: without clipping */
+            {85955, 13787, 83638, 38, 0, 0xC75B65C83E48AD6B},     /* doubled: without retraction */
+            {66903, 12828, 110958, 27, 0, 0x5C31FCAA6A4999F6},    /* doubled: without any rule */
+            {33739, 3007, 61976, 33, 5759, 0xE7F51E6D484978F6},   /* doubled: steps that cost more */
+            {91081, 13704, 87903, 38, 4443, 0xB4FC53A326F9BCD0},  /* doubled: tests that cost more */
+            {785, 24, 22225, 9, 7, 0x238761869A8882E9},           /* doubled: few levels */
+            {1, 0, 18740, 0, 0, 0x3B3183C0AA36FDD7},              /* doubled: few references */
+            {50835, 5879, 70387, 38, 6491, 0x7F0CF15BB996E652},   /* doubled: preset tuned */
         },
     };
     int failed = 0;

@@ -141,7 +141,7 @@ MLRT_INLINE int enter_far_region(const struct mlrt_tree *tree, const struct mlrt
 }
 
 int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point *entry,
-                            uint32_t *cover, mlrt_counters *counters)
+                          uint32_t *cover, mlrt_counters *counters)
 {
     struct entry_point stack[MLRT_DEPTH_LIMIT], deeper[MLRT_DEPTH_LIMIT];
     int stack_count, deeper_count;
@@ -164,7 +164,7 @@ int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, st
 }
 
 int mlrt_find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, struct entry_point from,
-                           struct entry_list *list, uint32_t *cover, mlrt_counters *counters)
+                         struct entry_list *list, uint32_t *cover, mlrt_counters *counters)
 {
     struct entry_point stack[MLRT_DEPTH_LIMIT], deeper[MLRT_DEPTH_LIMIT];
     int stack_count = 0;

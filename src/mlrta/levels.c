@@ -70,8 +70,9 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
     list.entries[0] = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = job->entry_lists ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
-                                           : mlrt_find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
+        const int found = job->entry_lists
+                              ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
+                              : mlrt_find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
         if (found != BEAM_ENTERS) {
             finish_tile(job, worker, found, cover, tile);
             return;

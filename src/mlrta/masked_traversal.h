@@ -55,7 +55,7 @@ MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *ax
 
 /* Traces rays whose directions have the same signs. Their lanes are in the PACKET2_VECTORS from first_lane on. */
 MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
-                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
+                                       struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
     mlrt_counters *counters = &worker->counters;
