@@ -103,7 +103,7 @@ ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>
 ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
 SOURCES := $(wildcard src/*/*.c)
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c),$(SOURCES))) \
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) $(if $(IS_X86),,src/mlrta/avx2.c),$(SOURCES))) \
                    $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
 # Packages are looked up when they are needed, so that `make deps demo` works in one call.
@@ -162,6 +162,10 @@ $(BUILD)/obj/trace/%_counting.o: src/trace/%.c
 $(BUILD)/obj/trace/%.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
+
+$(BUILD)/obj/mlrta/avx2.o: src/mlrta/avx2.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_avx2) -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
