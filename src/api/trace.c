@@ -603,12 +603,12 @@ static MLRT_NOINLINE int32_t set_shadow_ray(const mlrt_tree *tree, const mlrt_ra
     int is_on_side = 0;
     const int32_t status = mlrt_set_light(light, &source);
     if (status != MLRT_OK) return status;
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
     if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment) ||
-        !mlrt_triangle_is_finite(triangle) || !mlrt_hits_triangle(&segment, triangle, NULL)) {
+        !mlrt_triangle_is_finite(&triangle) || !mlrt_hits_triangle(&segment, &triangle, NULL)) {
         return MLRT_ERROR_ARGUMENT;
     }
-    if (mlrt_make_shadow_ray(&source, triangle, &segment, &is_on_side, &answer)) {
+    if (mlrt_make_shadow_ray(&source, &triangle, &segment, &is_on_side, &answer)) {
         memcpy(shadow->origin, answer.origin, sizeof shadow->origin);
         memcpy(shadow->direction, answer.direction, sizeof shadow->direction);
         shadow->t_max = isinf(answer.t_max) ? 0 : answer.t_max;
@@ -652,7 +652,8 @@ MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_
     const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);
     if (number == MLRT_NONE) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     const uint64_t environment = mlrt_enter_fp_environment();
-    const int found = mlrt_find_offset_point(&tree->triangles[number], u, v, side, point);
+    const struct mlrt_triangle found_triangle = mlrt_triangle_at(&tree->by_number, number);
+    const int found = mlrt_find_offset_point(&found_triangle, u, v, side, point);
     mlrt_leave_fp_environment(environment);
     return mlrt_note_status(found ? MLRT_OK : MLRT_ERROR_ARGUMENT);
 }

@@ -32,6 +32,7 @@
 #include "base/tuning.h"
 #include "bvh/check.h"
 #include "bvh/collapse.h"
+#include "bvh/places.h"
 #include "bvh/spatial_split.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
@@ -763,6 +764,7 @@ void mlrt_free_bvh(struct mlrt_tree *tree)
     mlrt_free(&tree->memory, bvh->nodes, bvh->node_count, sizeof *bvh->nodes);
     mlrt_free(&tree->memory, bvh->corners, 36 * (size_t)bvh->quad_count + 16, sizeof *bvh->corners);
     mlrt_free(&tree->memory, bvh->numbers, 4 * (size_t)bvh->quad_count + 16, sizeof *bvh->numbers);
+    mlrt_free(&tree->memory, bvh->places, tree->triangle_count, sizeof *bvh->places);
     *bvh = NONE;
 }
 
@@ -770,12 +772,19 @@ static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_siz
 {
     struct mlrt_bvh *bvh = &tree->bvh;
     if (size->node_count > COUNT_LIMIT || size->quad_count > COUNT_LIMIT) return MLRT_ERROR_TOO_LARGE;
+    const uint64_t quad_count = size->quad_count + mlrt_count_given_quads(tree);
+    const int has_places = tree->triangle_count > 0 && quad_count < MLRT_PLACE_QUADS;
     bvh->node_count = (uint32_t)size->node_count;
-    bvh->quad_count = (uint32_t)size->quad_count;
-    bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);
+    bvh->leaf_quad_count = (uint32_t)size->quad_count;
+    bvh->quad_count = has_places ? (uint32_t)quad_count : bvh->leaf_quad_count;
+    if (has_places) bvh->places = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *bvh->places);
+    if (has_places && bvh->places == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
+    if (bvh->quad_count == 0) return MLRT_OK;
+    if (bvh->node_count > 0) bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);
     bvh->corners = mlrt_allocate(&tree->memory, 36 * (size_t)bvh->quad_count + 16, sizeof *bvh->corners);
     bvh->numbers = mlrt_allocate(&tree->memory, 4 * (size_t)bvh->quad_count + 16, sizeof *bvh->numbers);
-    if (bvh->nodes == NULL || bvh->corners == NULL || bvh->numbers == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
+    if (bvh->node_count > 0 && bvh->nodes == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
+    if (bvh->corners == NULL || bvh->numbers == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
     memset(bvh->corners + 36 * (size_t)bvh->quad_count, 0, 16 * sizeof *bvh->corners);
     memset(bvh->numbers + 4 * (size_t)bvh->quad_count, 0, 16 * sizeof *bvh->numbers);
     return MLRT_OK;
@@ -817,20 +826,21 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
 static int32_t build_hierarchy(struct build *build)
 {
     struct mlrt_tree *tree = build->tree;
-    struct mlrt_bvh_size size;
+    struct mlrt_bvh_size size = {0, 0, 0, 0};
     if (!allocate_work(build)) return MLRT_ERROR_OUT_OF_MEMORY;
     memset(&tree->bounds, 0, sizeof tree->bounds);
     mlrt_set_bvh_unit(tree);
     int32_t status = make_references(build);
-    if (status != MLRT_OK || build->reference_count == 0) return status;
-    status = build_binary(build, BINARY_DEPTH, &size);
+    if (status == MLRT_OK && build->reference_count > 0) status = build_binary(build, BINARY_DEPTH, &size);
     if (status == MLRT_OK && size.depth > MLRT_BVH_DEPTH_LIMIT) {
         status = make_references(build); // the first attempt has cut references
         if (status == MLRT_OK) status = build_binary(build, MLRT_BVH_DEPTH_LIMIT, &size);
     }
     release_references(build);
     if (status == MLRT_OK) status = allocate_result(tree, &size);
-    return status == MLRT_OK ? write_all(build) : status;
+    if (status == MLRT_OK && build->reference_count > 0) status = write_all(build);
+    if (status == MLRT_OK && tree->bvh.places) mlrt_place_triangles(tree);
+    return status;
 }
 
 /* Sets all settings and capacities that follow from the options and the number of triangles. */

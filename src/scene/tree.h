@@ -5,7 +5,8 @@
  *
  * Triangles keep the order of the input: triangle i of mesh m has the number mesh_first[m] + i everywhere in the
  * library, so the order of numbers is the order of ties in the hit rule. Triangles that are left out (not finite, or
- * without area) are stored too, but no leaf holds them.
+ * without area) are stored too, but no leaf holds them. A kd-tree keeps an array of the triangles. In a hierarchy of
+ * boxes the leaves have them already (bvh/places.h).
  */
 #ifndef MLRT_SCENE_TREE_H
 #define MLRT_SCENE_TREE_H
@@ -25,8 +26,10 @@ struct mlrt_bvh {
     struct mlrt_bvh_node *nodes;
     uint32_t node_count;
     uint32_t quad_count;
+    uint32_t leaf_quad_count; /* quads of leaves: the first ones */
     float *corners;        /* 36 * quad_count + 16 */
     uint32_t *numbers;     /* 4 * quad_count + 16 */
+    uint32_t *places;      /* of all triangles, mlrt_pack_place; NULL = tree->triangles has them */
     float unit;            /* the factor of the coordinates of boxes and corners: bvh/unit.h */
     struct mlrt_box whole; /* bounds of all triangles that leaves hold, in units */
     struct mlrt_box core;  /* estimated bounds of most of them, in units: no answer depends on it */
@@ -34,7 +37,8 @@ struct mlrt_bvh {
 
 struct mlrt_tree {
     struct mlrt_memory memory;
-    struct mlrt_triangle *triangles;
+    struct mlrt_triangles by_number; /* how to read a triangle */
+    struct mlrt_triangle *triangles; /* triangle_count, in order; NULL = they lie in the hierarchy of boxes */
     uint32_t triangle_count;
     uint32_t mesh_count;
     uint32_t *mesh_ids;   /* mesh_count: the ids that results report */

@@ -78,16 +78,16 @@ struct plane_from_waist {
 static void set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
                                  struct plane_from_waist *plane)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
     double to[3], ab[3], ac[3];
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int axis = (waist->main_axis + k) % 3;
         const double sign = k == 0 ? (double)waist->sign : 1, scale = sign * tree->bvh.unit;
-        const double a = triangle->v[0][axis] * scale;
+        const double a = triangle.v[0][axis] * scale;
         to[k] = a - sign * waist->point[axis];
-        ab[k] = triangle->v[1][axis] * scale - a;
-        ac[k] = triangle->v[2][axis] * scale - a;
+        ab[k] = triangle.v[1][axis] * scale - a;
+        ac[k] = triangle.v[2][axis] * scale - a;
     }
     cross_with_sizes(ab, ac, plane->normal, plane->size);
     plane->n = to[0] * plane->normal[0] + to[1] * plane->normal[1] + to[2] * plane->normal[2];
@@ -96,8 +96,9 @@ static void set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt
 
 static int is_odd(const struct mlrt_tree *tree, uint32_t number)
 {
-    struct mlrt_triangle triangle;
-    return !mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &triangle);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    struct mlrt_triangle in_units;
+    return !mlrt_triangle_in_units(&triangle, tree->bvh.unit, &in_units);
 }
 
 /* The size S of C or of its errors: the sum of |coefficient| |term| if both slopes are 1/2. */
