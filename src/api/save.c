@@ -350,7 +350,7 @@ static int take_sections(const struct header *header, const unsigned char *data,
         memcpy(copy, from, size);
         set_array(tree, i, copy);
     }
-    tree->by_number.corners = tree->triangles ? tree->triangles->v[0] : NULL;
+    mlrt_read_in_order(tree);
     if (tree->bvh.places) mlrt_read_by_places(tree);
     return 1;
 }
@@ -426,8 +426,10 @@ static const char *check_contents(struct mlrt_tree *tree)
     if (!wrong && tree->structure == MLRT_STRUCTURE_BVH) {
         mlrt_set_bvh_unit(tree);
         mlrt_set_bvh_extent(tree);
+    } else {
+        tree->bvh.unit = 0;
     }
-    if (!wrong && !(unit == tree->bvh.unit)) wrong = "the unit is not that of the triangles";
+    if (!wrong && memcmp(&unit, &tree->bvh.unit, sizeof unit) != 0) wrong = "the unit is not that of the triangles";
     if (!wrong && tree->node_count > 0) wrong = mlrt_check_nodes(tree);
     if (!wrong) wrong = mlrt_check_boxes(tree);
     return wrong;

@@ -11,6 +11,7 @@
 #include "base/progress.h"
 #include "base/structs.h"
 #include "bvh/build.h"
+#include "bvh/places.h"
 #include "mlrta/build.h"
 #include "mlrta/kdtree.h"
 #include "scene/meshes.h"
@@ -89,6 +90,7 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
         status = is_kdtree ? mlrt_build_nodes(tree, &call->options.kdtree, &progress)
                            : mlrt_build_bvh(tree, &call->options.tree, &progress);
     }
+    if (status == MLRT_OK) mlrt_drop_order(tree);
     return mlrt_end_progress(&progress, status);
 }
 

@@ -75,6 +75,11 @@ void mlrt_place_triangles(struct mlrt_tree *tree)
         }
     }
     if (bvh->quad_count > bvh->leaf_quad_count) write_all_given(tree);
+}
+
+void mlrt_drop_order(struct mlrt_tree *tree)
+{
+    if (!tree->bvh.places) return;
     mlrt_free(&tree->memory, tree->triangles, tree->triangle_count, sizeof *tree->triangles);
     tree->triangles = NULL;
     mlrt_read_by_places(tree);

@@ -4,8 +4,8 @@
  * triangle a place in a leaf. Triangles that no leaf has, or none as they were given, have places in quads of their
  * own behind those of leaves: those that are left out, and odd ones (unit.h).
  *
- *   P1. If tree->bvh.places is not NULL, tree->triangles is, and the place of triangle i is in the first
- *       bvh.quad_count quads. bvh.numbers has i there. The place is in a leaf, and the triangle is neither odd nor left
+ *   P1. If tree->bvh.places is not NULL, the place of triangle i is in the first bvh.quad_count quads, and bvh.numbers
+ *       has i there. The place is in a leaf, and the triangle is neither odd nor left
  *       out, or it is in one of the quads behind leaves, where corners are as they were given.
  *
  * A hierarchy of MLRT_PLACE_QUADS quads and more keeps the array tree->triangles, and has no places.
@@ -19,10 +19,13 @@
 uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree);
 
 /*
- * Sets the places of all triangles, writes the quads behind leaves, and frees tree->triangles. Leaves are written, and
- * quad_count and leaf_quad_count are set.
+ * Sets the places of all triangles, and writes the quads behind leaves. Leaves are written, and quad_count and
+ * leaf_quad_count are set.
  */
 void mlrt_place_triangles(struct mlrt_tree *tree);
+
+/* If a tree has places, frees its array of triangles in order, so that they are read by their places. */
+void mlrt_drop_order(struct mlrt_tree *tree);
 
 /* Lets tree->by_number read triangles by their places. */
 void mlrt_read_by_places(struct mlrt_tree *tree);

@@ -58,6 +58,12 @@ struct mlrt_tree {
     mlrt_tree_info info;
 };
 
+/* Lets tree->by_number read the triangles in order. */
+static inline void mlrt_read_in_order(struct mlrt_tree *tree)
+{
+    tree->by_number = (struct mlrt_triangles){tree->triangles ? tree->triangles->v[0] : NULL, NULL, 0, 1};
+}
+
 /* 1 if all bounds of the tree are mlrt_is_float_safe. */
 int mlrt_has_safe_bounds(const struct mlrt_tree *tree);
 
