@@ -558,7 +558,7 @@ static void build_subtree(struct build *build, const struct portion *portion, st
     if (!cut(build, portion, node, sides)) {
         mlrt_choose_leaf(&build->costs, area, node, costs);
         for (uint32_t i = node->first; i < node->first + node->count; i++)
-            build->binary.triangles[i] = mlrt_reference_triangle(&build->references[i]);
+            build->binary.triangles[i] = mlrt_reference_word(&build->references[i]);
         return;
     }
     for (int side = 0; side < 2; side++) build_subtree(build, &sides[side], &side_costs[side]);
@@ -779,6 +779,7 @@ static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_siz
     bvh->quad_count = has_places ? (uint32_t)quad_count : bvh->leaf_quad_count;
     if (has_places) bvh->places = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *bvh->places);
     if (has_places && bvh->places == NULL) return MLRT_ERROR_OUT_OF_MEMORY;
+    if (has_places) memset(bvh->places, 0xFF, tree->triangle_count * sizeof *bvh->places);
     if (bvh->quad_count == 0) return MLRT_OK;
     if (bvh->node_count > 0) bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);
     bvh->corners = mlrt_allocate(&tree->memory, 36 * (size_t)bvh->quad_count + 16, sizeof *bvh->corners);
@@ -839,7 +840,7 @@ static int32_t build_hierarchy(struct build *build)
     release_references(build);
     if (status == MLRT_OK) status = allocate_result(tree, &size);
     if (status == MLRT_OK && build->reference_count > 0) status = write_all(build);
-    if (status == MLRT_OK && tree->bvh.places) mlrt_place_triangles(tree);
+    if (status == MLRT_OK) mlrt_write_given(tree);
     return status;
 }
 

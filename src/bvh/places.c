@@ -10,36 +10,13 @@
 #include "bvh/node.h"
 #include "bvh/unit.h"
 
-/* 1 if no leaf has the corners of the triangle. */
-static int is_only_given(const struct mlrt_tree *tree, uint32_t number)
-{
-    struct mlrt_triangle in_units;
-    return mlrt_is_left_out(tree, number) ||
-           !mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &in_units);
-}
-
-/* 1 if each triangle is in a leaf, with its corners. */
-static int is_all_in_leaves(const struct mlrt_tree *tree)
-{
-    return tree->info.non_finite_count + tree->info.zero_area_count == 0 && mlrt_has_usual_triangles(tree);
-}
-
 uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree)
 {
-    uint32_t count = 0;
-    if (is_all_in_leaves(tree)) return 0;
-    for (uint32_t i = 0; i < tree->triangle_count; ++i) count += (uint32_t)is_only_given(tree, i);
-    return (count + 3) / 4;
-}
-
-/* A triangle in several leaves has the place in the one that is found last. */
-static void place_leaf(struct mlrt_bvh *bvh, uint32_t child)
-{
-    const uint32_t first = mlrt_bvh_offset(child), quad_count = mlrt_bvh_quad_count(child);
-    const uint32_t *numbers = bvh->numbers + 4 * (size_t)first;
-    for (uint32_t place = 0; place < 4 * quad_count && numbers[place] != MLRT_NONE; ++place) {
-        bvh->places[numbers[place]] = mlrt_pack_place(first, quad_count, place);
+    uint32_t count = (uint32_t)(tree->info.non_finite_count + tree->info.zero_area_count);
+    for (uint32_t i = 0; !mlrt_has_usual_triangles(tree) && i < tree->triangle_count; ++i) {
+        count += (uint32_t)(mlrt_is_odd(tree, i) && !mlrt_is_left_out(tree, i));
     }
+    return (count + 3) / 4;
 }
 
 /* Writes a triangle to a place behind the leaves. */
@@ -52,29 +29,19 @@ static void write_given(struct mlrt_tree *tree, uint32_t index, uint32_t number)
     tree->bvh.places[number] = mlrt_pack_place(quad, 1, place);
 }
 
-static void write_all_given(struct mlrt_tree *tree)
+void mlrt_write_given(struct mlrt_tree *tree)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
     uint32_t index = 0;
+    if (bvh->quad_count == bvh->leaf_quad_count) return;
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
-        if (is_only_given(tree, i)) write_given(tree, index++, i);
+        if (bvh->places[i] == MLRT_NONE) write_given(tree, index++, i);
     }
     for (; index % 4; ++index) {
         const size_t quad = bvh->leaf_quad_count + index / 4;
         for (uint32_t i = 0; i < 9; ++i) bvh->corners[36 * quad + 4 * i + index % 4] = NAN;
         bvh->numbers[4 * quad + index % 4] = MLRT_NONE;
     }
-}
-
-void mlrt_place_triangles(struct mlrt_tree *tree)
-{
-    struct mlrt_bvh *bvh = &tree->bvh;
-    for (uint32_t i = 0; i < bvh->node_count; ++i) {
-        for (uint32_t slot = 0; slot < MLRT_BVH_WIDTH; ++slot) {
-            if (mlrt_bvh_quad_count(bvh->nodes[i].child[slot])) place_leaf(bvh, bvh->nodes[i].child[slot]);
-        }
-    }
-    if (bvh->quad_count > bvh->leaf_quad_count) write_all_given(tree);
 }
 
 void mlrt_drop_order(struct mlrt_tree *tree)

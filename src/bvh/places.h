@@ -19,10 +19,10 @@
 uint32_t mlrt_count_given_quads(const struct mlrt_tree *tree);
 
 /*
- * Sets the places of all triangles, and writes the quads behind leaves. Leaves are written, and quad_count and
- * leaf_quad_count are set.
+ * Writes the quads behind leaves, and the places of their triangles: of those that have MLRT_NONE, which is no place.
+ * The others have theirs from leaves.
  */
-void mlrt_place_triangles(struct mlrt_tree *tree);
+void mlrt_write_given(struct mlrt_tree *tree);
 
 /* If a tree has places, frees its array of triangles in order, so that they are read by their places. */
 void mlrt_drop_order(struct mlrt_tree *tree);

@@ -334,6 +334,7 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
             for (int i = 0; i < 2; i++)
                 if (touched >> i & 1) deal(&dealing, i, &parts[i]);
         }
+        if (touched == 3) mlrt_mark_copy(&parts[1]);
         if (touched & 1) references[lower++] = parts[0];
         if (touched & 2) references[end++] = parts[1];
     }

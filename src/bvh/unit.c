@@ -69,6 +69,13 @@ static int unit_exponent(int typical)
     return typical < -120 ? 120 : typical > 120 ? -120 : -typical;
 }
 
+int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
+{
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    struct mlrt_triangle in_units;
+    return !mlrt_triangle_in_units(&triangle, tree->bvh.unit, &in_units);
+}
+
 void mlrt_set_bvh_unit(struct mlrt_tree *tree)
 {
     tree->bvh.unit = (float)ldexp(1, unit_exponent(typical_exponent(tree)));

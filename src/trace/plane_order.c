@@ -94,13 +94,6 @@ static void set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt
     plane->n_size = fabs(to[0]) * plane->size[0] + fabs(to[1]) * plane->size[1] + fabs(to[2]) * plane->size[2];
 }
 
-static int is_odd(const struct mlrt_tree *tree, uint32_t number)
-{
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    struct mlrt_triangle in_units;
-    return !mlrt_triangle_in_units(&triangle, tree->bvh.unit, &in_units);
-}
-
 /* The size S of C or of its errors: the sum of |coefficient| |term| if both slopes are 1/2. */
 static inline double weigh(const double a[3])
 {
@@ -153,7 +146,7 @@ MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct
     line->kind = MLRT_ONE_PLANE;
     if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
     line->kind = MLRT_NO_LINE;
-    if (!mlrt_has_usual_triangles(tree) && (is_odd(tree, first) || is_odd(tree, second))) return;
+    if (!mlrt_has_usual_triangles(tree) && (mlrt_is_odd(tree, first) || mlrt_is_odd(tree, second))) return;
     set_plane_from_waist(tree, &cache->waist, first, &plane_1);
     set_plane_from_waist(tree, &cache->waist, second, &plane_2);
     if (set_line(&plane_1, &plane_2, line)) {

@@ -204,9 +204,8 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
     int changed = 0;
     for (uint32_t left = mlrt_has_usual_triangles(job->tree) ? 0 : undecided; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), number = numbers[place];
+        if (MLRT_LIKELY(!mlrt_is_odd(job->tree, number))) continue;
         const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
-        struct mlrt_triangle in_units;
-        if (MLRT_LIKELY(mlrt_triangle_in_units(&triangle, job->tree->bvh.unit, &in_units))) continue;
         undecided &= ~(1u << place);
         if (passes_box(packet, lane, &triangle)) continue;
         changed |= decide_lanes(job->tree, number, 1u << lane, 0, packet, worker, COUNTERS(worker)) != 0;
