@@ -206,7 +206,7 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
 static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_count, int have_masks, size_t mesh_count,
                                   mlrt_memory_estimate *estimate)
 {
-    const uint64_t size = sizeof(struct mlrt_triangle) + (have_masks ? sizeof(uint32_t) : 0);
+    const uint64_t size = have_masks ? sizeof(uint32_t) : 0;
     const uint64_t always = sizeof(struct mlrt_tree) + triangle_count * size + mesh_count * 3 * sizeof(uint32_t);
     const struct mlrt_demand demand = call->structure == MLRT_STRUCTURE_KDTREE
                                           ? mlrt_foresee_nodes(&call->options.kdtree, triangle_count)
