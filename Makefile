@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 #   make                 the library and the examples, in build/
+#   make help            this list
 #   make deps            installs the packages that examples and tests need (Debian and Ubuntu; elsewhere it names them)
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
@@ -19,9 +20,11 @@
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
 #                        doxygen
-#   make install         installs header, libraries and files for pkg-config and CMake in $(DESTDIR)$(PREFIX); make
-#                        install-strip, without debugging information; make uninstall
+#   make install         installs headers, libraries, a manual page and files for pkg-config and CMake in
+#                        $(DESTDIR)$(PREFIX), without debugging information unless KEEP_DEBUG=1; make uninstall
 #   make test-install    installs into build/, then builds and runs programs that use the installed files
+#   make test-packaging  uses the sources from projects with CMake (FetchContent), Meson (a wrap) and vcpkg (a port), in
+#                        fresh folders; make deps-packaging installs these tools, but for vcpkg
 #   make check-abi       compares exported names, layouts and types with tests/abi; checks the size of the shared object
 #                        and the libraries that it needs
 #   make update-abi      writes tests/abi anew, after an intended change
@@ -31,11 +34,13 @@
 #   make check-tables    compares the tables of README.md and docs/ with docs/data
 #   make check-copies    runs three copies of the library in one process
 #   make check-churn     makes and destroys 10,000 trees and pools under valgrind
+#   make fuzz CC=clang SAN=address,undefined,fuzzer-no-link   fuzzes the loading of trees; FUZZ has options of libFuzzer
 #   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
 #   make dist            the sources of the last commit, the amalgamation, and checksums of both, in build/dist
 #   make test-amalgamation  compiles the amalgamation with gcc and clang: golden numbers, exported names, nothing fused
 #   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers
-#                        from emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)
+#                        from emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu), make
+#                        deps-emulated those of aarch64 and 32-bit x86
 #   make format          runs clang-format on every source file
 #   make clean
 #
@@ -45,6 +50,7 @@
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
+MANDIR   ?= $(PREFIX)/share/man
 OPTIMIZE ?= -O2
 SAN      ?=
 RENAME   ?=
@@ -117,10 +123,15 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: deps deps-study deps-docs deps-bindings
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
+.PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
 .SECONDARY:
 
 all: library examples
+
+# The list at the head of this file.
+help:
+	@awk 'NR > 2 {if (!sub(/^#/, "")) exit; sub(/^   /, ""); sub(/^ /, ""); print}' $(firstword $(MAKEFILE_LIST))
 
 library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
@@ -148,14 +159,9 @@ $(BUILD)/obj/%.o: src/%.c
 $(BUILD)/libmlrt-internal.a: $(LIBRARY_OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
-# For other programs: one object, whose internal names are hidden and clash with no others. If there is no objcopy, or
-# it fails, internal names stay visible, and two such archives cannot be linked into one program. On 32-bit x86 the
-# compiler adds small functions in section groups; a linker keeps one copy of a group for all objects. Ours are local
-# now, so they must not be that copy: their groups are removed.
+# For other programs: one object, whose internal names are hidden and clash with no others.
 $(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
-	$(Q)rm -f $@; if $(CC) $(CFLAGS) -r -nostdlib $^ -o $(BUILD)/mlrt.o && $(OBJCOPY) --localize-hidden --remove-section=.group $(BUILD)/mlrt.o; \
-	then $(AR) rcs $@ $(BUILD)/mlrt.o; \
-	else echo "libmlrt.a: $(OBJCOPY) did not hide the names inside: they stay visible"; $(AR) rcs $@ $^; fi
+	$(Q)sh src/packaging/hide_names.sh $@ $(AR) $(OBJCOPY) $^ -- $(CC) $(CFLAGS)
 
 # Exports every function that is declared with MLRT_API, by its name after preprocessing, as version MLRT_0.
 $(BUILD)/mlrt.map: include/mlrt.h
@@ -223,6 +229,8 @@ $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples
 APT_PACKAGES := gcc libc6-dev pkg-config libpng-dev libcmocka-dev libgmp-dev libassimp-dev libcjson-dev
 MISSING = $(strip $(foreach p,$(APT_PACKAGES),$(if $(filter installed,$(shell dpkg-query -W -f='$${db:Status-Status}' $(p) 2>/dev/null)),,$(p))))
 SUDO = $(if $(filter 0,$(shell id -u)),,sudo)
+# Not empty: the lists of packages are fresh, so they are not fetched again.
+APT_UPDATED ?=
 
 deps:
 	@if ! command -v apt-get >/dev/null; then \
@@ -230,7 +238,7 @@ deps:
 	    echo "read mesh files and files of views) assimp and cJSON. The library itself needs none of them."; exit 1; \
 	elif [ -n "$(MISSING)" ]; then \
 	    echo "installing: $(MISSING)"; \
-	    $(SUDO) apt-get update -qq && $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
+	    $(if $(APT_UPDATED),,$(SUDO) apt-get update -qq &&) $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
 	fi
 
 deps-study: deps
@@ -251,6 +259,9 @@ deps-emulated:
 deps-cross:
 	@$(MAKE) --no-print-directory deps \
 	    APT_PACKAGES='$(EMULATED_PACKAGES) gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-mingw-w64-x86-64 wine64'
+
+deps-packaging:
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='gcc g++ libc6-dev pkg-config cmake ninja-build meson git'
 
 # `make deps test` must look for packages after deps has run: a second make does the work.
 AFTER_DEPS := $(filter deps deps-%,$(MAKECMDGOALS))
@@ -492,38 +503,45 @@ FILL_IN    = sed -e 's|@VERSION@|$(VERSION)|g' -e 's|@SOVERSION@|$(SOVERSION)|g'
 INSTALLED_LIBRARIES := libmlrt.a libmlrt.so.$(VERSION) libmlrt.so.$(SOVERSION) libmlrt.so pkgconfig/mlrt.pc \
                        cmake/mlrt/mlrtConfig.cmake cmake/mlrt/mlrtConfigVersion.cmake
 
+# install_library STRIP MODE FILE: a library of the build folder, without what objcopy's option STRIP removes.
+install_library = install -m $(2) $(BUILD)/$(3) "$(DESTDIR)$(LIBDIR)/" $(if $(KEEP_DEBUG),,&& \
+    { $(OBJCOPY) $(1) "$(DESTDIR)$(LIBDIR)/$(3)" || echo "install: $(OBJCOPY) did not strip $(3)"; })
+
 install: library
 	$(if $(GUESS),$(error GUESS=1 is for measuring only))
-	install -d "$(DESTDIR)$(PREFIX)/include" "$(DESTDIR)$(LIBDIR)/pkgconfig" "$(DESTDIR)$(LIBDIR)/cmake/mlrt"
-	install -m 644 include/mlrt.h "$(DESTDIR)$(PREFIX)/include/"
-	install -m 644 $(BUILD)/libmlrt.a "$(DESTDIR)$(LIBDIR)/"
-	install -m 755 $(BUILD)/libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/"
+	install -d "$(DESTDIR)$(PREFIX)/include" "$(DESTDIR)$(LIBDIR)/pkgconfig" "$(DESTDIR)$(LIBDIR)/cmake/mlrt" "$(DESTDIR)$(MANDIR)/man3"
+	install -m 644 include/mlrt.h bindings/cpp/mlrt.hpp "$(DESTDIR)$(PREFIX)/include/"
+	$(call install_library,--strip-debug,644,libmlrt.a)
+	$(call install_library,--strip-all,755,libmlrt.so.$(VERSION))
 	ln -sf libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(SOVERSION)"
 	ln -sf libmlrt.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so"
 	$(FILL_IN) src/packaging/mlrt.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/mlrt.pc"
 	$(FILL_IN) src/packaging/mlrtConfig.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfig.cmake"
 	$(FILL_IN) src/packaging/mlrtConfigVersion.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfigVersion.cmake"
+	awk -f src/packaging/man.awk include/mlrt.h > "$(DESTDIR)$(MANDIR)/man3/mlrt.3"
 
-# Without debugging information.
+# The name that others use for what install does.
 install-strip: install
-	strip "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(VERSION)"
-	strip --strip-debug "$(DESTDIR)$(LIBDIR)/libmlrt.a"
 
 uninstall:
 	for file in $(INSTALLED_LIBRARIES); do rm -f "$(DESTDIR)$(LIBDIR)/$$file"; done
-	rm -f "$(DESTDIR)$(PREFIX)/include/mlrt.h"
+	rm -f "$(DESTDIR)$(PREFIX)/include/mlrt.h" "$(DESTDIR)$(PREFIX)/include/mlrt.hpp" "$(DESTDIR)$(MANDIR)/man3/mlrt.3"
 	-rmdir "$(DESTDIR)$(LIBDIR)/cmake/mlrt"
 
 test-install: library
-	@CC='$(CC)' MAKE='$(MAKE)' VERSION=$(VERSION) sh tests/consumer/check.sh $(BUILD)/install
+	@CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' VERSION=$(VERSION) sh tests/consumer/check.sh $(BUILD)/install
+
+test-packaging: library
+	@CC='$(CC)' CXX='$(CXX)' sh tests/consumer/check_build.sh $(BUILD)/packaging $(BUILD)/libmlrt.so $(BUILD)/libmlrt.a
 
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
 	clang-format -i include/*.h src/*/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
-	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
+	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c tests/consumer/*.cpp
 
 clean:
 	rm -rf build
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+# Of this build alone: builds with other settings lie below build/ too, and may be running.
+-include $(shell find $(BUILD)/obj $(BUILD)/examples $(BUILD)/tests -name copies -prune -o -name '*.d' -print 2>/dev/null)
