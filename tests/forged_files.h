@@ -18,7 +18,8 @@ enum {
     FILE_HASH = 24,
     FILE_GEOMETRY_HASH = 32,
     FILE_STRUCTURE = 40,
-    FILE_COUNTS = 44, /* triangles, meshes, masks, nodes, references, nodes of boxes, quads, triangles in order, places */
+    FILE_COUNTS =
+        44, /* triangles, meshes, masks, nodes, references, nodes of boxes, quads, triangles in order, places */
     FILE_UNIT = 80,
     FILE_LEAF_QUADS = 84,
     FILE_INFO = 88,

@@ -475,7 +475,7 @@ static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
         memset(&tree, 0, sizeof tree);
         tree.memory.limit_size = limit;
         tree.triangles = triangles;
-    mlrt_read_in_order(&tree);
+        mlrt_read_in_order(&tree);
         tree.triangle_count = count + 300;
         status = mlrt_build_nodes(&tree, NULL, NULL);
         if (status == MLRT_OK) {

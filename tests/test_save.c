@@ -1331,8 +1331,7 @@ static void mislead(struct random *random, mlrt_tree *tree)
         if (numbers[place] == MLRT_NONE) break;
         numbers[place] = number;
         for (uint32_t row = 0; row < 9; row++) {
-            bvh->corners[36 * mlrt_bvh_offset(*child) + places * row + place] =
-                *coordinate_of(tree, number, row);
+            bvh->corners[36 * mlrt_bvh_offset(*child) + places * row + place] = *coordinate_of(tree, number, row);
         }
         break;
     }

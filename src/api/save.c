@@ -98,7 +98,7 @@ struct header {
     uint32_t counts[COUNT_COUNT];
     float unit;               /* kd-tree: 0, as leaf_quad_count is */
     uint32_t leaf_quad_count; /* bvh.leaf_quad_count */
-    mlrt_tree_info info; /* struct_size, memory_size, peak_memory_size, build_seconds and structure are 0 */
+    mlrt_tree_info info;      /* struct_size, memory_size, peak_memory_size, build_seconds and structure are 0 */
     struct section sections[SECTION_COUNT];
 };
 

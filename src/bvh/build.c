@@ -55,8 +55,8 @@ struct preset {
  * and 1.86 s. The expected costs differ by 0.3 % (2), and by 0.7 % in sponza (1).
  */
 static const struct preset PRESETS[] = {
-    {0.15f, 1e-4f, 32, 2},       /* MLRT_TREE_DEFAULT */
-    {0.0f, 1.0f, 32, 0},         /* MLRT_TREE_FAST */
+    {0.15f, 1e-4f, 32, 2},         /* MLRT_TREE_DEFAULT */
+    {0.0f, 1.0f, 32, 0},           /* MLRT_TREE_FAST */
     {0.5f, 1e-6f, 16, UINT32_MAX}, /* MLRT_TREE_BEST */
 };
 
@@ -117,7 +117,7 @@ struct portion {
     uint32_t spare; /* free places behind the references of the set */
     uint32_t node;
     uint32_t depth;
-    uint32_t budget; /* the most leaves */
+    uint32_t budget;       /* the most leaves */
     uint32_t failed_count; /* spatial splits tried in vain, for this set and those above it, since one was made */
 };
 
@@ -325,9 +325,14 @@ static void share_out(const struct build *build, const struct portion *portion, 
     int is_last = portion->set.count <= build->preset->spatial_size;
     uint32_t spare = is_last ? 0 : (uint32_t)(portion->set.count + portion->spare - count);
     uint32_t lower_spare = scale(spare, sets[0].count, count);
-    sides[0] = (struct portion){sets[0], lower_spare, portion->node + 1, portion->depth + 1, lower_budget, portion->failed_count};
-    sides[1] = (struct portion){sets[1], spare - lower_spare, portion->node + 2 * lower_budget, portion->depth + 1,
-                                portion->budget - lower_budget, portion->failed_count};
+    sides[0] = (struct portion){sets[0],      lower_spare,          portion->node + 1, portion->depth + 1,
+                                lower_budget, portion->failed_count};
+    sides[1] = (struct portion){sets[1],
+                                spare - lower_spare,
+                                portion->node + 2 * lower_budget,
+                                portion->depth + 1,
+                                portion->budget - lower_budget,
+                                portion->failed_count};
 }
 
 /* ---- looking for a split --------------------------------------------------------------------------------------- */
@@ -536,8 +541,7 @@ static struct mlrt_binary_node *start_node(const struct build *build, const stru
 }
 
 /* Cuts a portion in two and returns 1. Returns 0 if the portion becomes a leaf, or the call is cancelled. */
-static int cut(struct build *build, struct portion *portion, struct mlrt_binary_node *node,
-               struct portion sides[2])
+static int cut(struct build *build, struct portion *portion, struct mlrt_binary_node *node, struct portion sides[2])
 {
     struct choice choice;
     int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
@@ -814,7 +818,11 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
 {
     struct portion root = {mlrt_measure_set(build->references, 0, build->reference_count, build->progress),
-                           build->capacity - build->reference_count, 0, 0, build->leaf_limit, 0};
+                           build->capacity - build->reference_count,
+                           0,
+                           0,
+                           build->leaf_limit,
+                           0};
     struct mlrt_forest_costs costs;
     uint32_t next_task = 0;
     measure_scene(build, &root.set.box);

@@ -268,8 +268,8 @@ static const char *check_given(const struct mlrt_tree *tree, uint32_t placed_cou
         for (uint32_t place = 0; place < 4; place++) {
             const uint32_t number = bvh->numbers[4 * (size_t)quad + place];
             if (number == MLRT_NONE) continue;
-            if (number >= tree->triangle_count) return "P1: a number is not a triangle's";
-            if (bvh->places[number] != mlrt_pack_place(quad, 1, place)) return "P1: a triangle is twice as it was given";
+            if (number >= tree->triangle_count || bvh->places[number] != mlrt_pack_place(quad, 1, place))
+                return "P1: a number has its place elsewhere";
             placed_count++;
         }
     }

@@ -115,7 +115,7 @@ static uint32_t sort_numbers(const uint32_t *words, uint32_t count, uint32_t *nu
         for (; j > 0 && numbers[j - 1] > number; j--) numbers[j] = numbers[j - 1];
         numbers[j] = number;
         const uint32_t below = first & ((1u << j) - 1);
-        first = below | (uint32_t)!(words[i] & MLRT_REFERENCE_COPY) << j | (first & ~below) << 1;
+        first = below | (uint32_t) !(words[i] & MLRT_REFERENCE_COPY) << j | (first & ~below) << 1;
     }
     return first;
 }

@@ -115,8 +115,8 @@ MLRT_INLINE struct growing_box cross_section(const struct sorted_triangle *trian
  * the planes, and by the middle vertex if it lies between them.
  */
 MLRT_INLINE void fill_axis(const struct vertices *vertices, const struct mlrt_quad_box *reference,
-                      const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
-                      struct mlrt_spatial_bins *bins)
+                           const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
+                           struct mlrt_spatial_bins *bins)
 {
     const struct sorted_triangle sorted = sort_vertices(vertices, axis);
     f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);

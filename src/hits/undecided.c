@@ -123,8 +123,9 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
         }
         triangle = mlrt_triangle_at(&job->tree->by_number, number);
         if (nearest != MLRT_NONE) other = mlrt_triangle_at(&job->tree->by_number, nearest);
-        const int nearer = mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
-                                                &packet->lo[lane], &packet->hi[lane]);
+        const int nearer =
+            mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
+                                 &packet->lo[lane], &packet->hi[lane]);
         if (nearer >= 0) {
             if (counters) {
                 ++counters->undecided_test_count;

@@ -174,12 +174,11 @@ void mlrt_gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet 
                          float corners[9][MLRT_PACKET_RAYS])
 {
     const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
-    const float scale = tree->by_number.inverse_unit;
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint32_t number = hit >> lane & 1 ? packet->triangle[lane] : standard;
         const struct mlrt_corners from = mlrt_corners_of(&tree->by_number, number);
-        for (uint32_t i = 0; i < 9; ++i) corners[i][lane] = from.corner[i * from.row];
-        for (uint32_t i = 0; from.in_units && scale != 1 && i < 9; ++i) corners[i][lane] *= scale;
+        const float scale = from.in_units ? tree->by_number.inverse_unit : 1;
+        for (uint32_t i = 0; i < 9; ++i) corners[i][lane] = from.corner[i * from.row] * scale;
     }
 }
 
