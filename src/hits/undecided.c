@@ -108,7 +108,6 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
                           uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
                           mlrt_counters *counters)
 {
-    struct mlrt_triangle triangle, other;
     struct mlrt_ray_segment ray;
     uint32_t hit = 0;
     mlrt_get_segment(packet, lane, &ray);
@@ -121,11 +120,14 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
             if (counters) ++counters->tie_lane_count;
             continue;
         }
-        triangle = mlrt_triangle_at(&job->tree->by_number, number);
-        if (nearest != MLRT_NONE) other = mlrt_triangle_at(&job->tree->by_number, nearest);
-        const int nearer =
-            mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
-                                 &packet->lo[lane], &packet->hi[lane]);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
+        int nearer =
+            mlrt_offer_in_double(&ray, &triangle, known_inside != 0, NULL, &packet->lo[lane], &packet->hi[lane]);
+        if (nearer < 0 && nearest != MLRT_NONE) { // few tests need the other triangle
+            const struct mlrt_triangle other = mlrt_triangle_at(&job->tree->by_number, nearest);
+            nearer =
+                mlrt_offer_in_double(&ray, &triangle, known_inside != 0, &other, &packet->lo[lane], &packet->hi[lane]);
+        }
         if (nearer >= 0) {
             if (counters) {
                 ++counters->undecided_test_count;
