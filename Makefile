@@ -6,10 +6,17 @@
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
 #   make test-bindings   tests the bindings of other languages whose tools are installed
-#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, and clang, whose libclang Rust needs
+#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks and clang
+#   make bindings-coverage  tests the bindings and writes the table in bindings/README.md of what they reach
+#   make package-rust    packs a binding, with the library inside, in build/packages; also package-go, package-node,
+#                        package-java, package-lua
 #   make test-wheel      builds the Python package's source distribution and wheel, installs and tests them; pip fetches
 #                        from PyPI
-#   make test-trimesh TRIMESH=folder   runs the ray tests of a checkout of trimesh through the drop-in for it
+#   make test-trimesh    runs trimesh's own tests of rays through the drop-in for it: those of its source distribution, which pip
+#                        fetches, or of a checkout, TRIMESH=folder
+#   make deps-python     installs, in build/python, what tests and reference of the Python package use if it is there: Dask, trimesh
+#                        with embreex, pytest, pdoc
+#   make docs-python     a page for each class of the Python package, in build/docs-python
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           measures speed, beside Embree 3 if `make deps-study` installed it: on procedural scenes, and on
@@ -96,7 +103,7 @@ ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>
 ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
 SOURCES := $(wildcard src/*/*.c)
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c),$(SOURCES))) \
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) $(if $(IS_X86),,src/mlrta/avx2.c),$(SOURCES))) \
                    $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
 # Packages are looked up when they are needed, so that `make deps demo` works in one call.
@@ -105,12 +112,16 @@ HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
 HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
 HAVE_CJSON  = $(call pkg,--exists libcjson && echo 1)
 HAVE_GMP    = $(call pkg,--exists gmp && echo 1)
+# tinybvh is a header of C++; make deps-study puts it there.
+TINYBVH     ?= build/tinybvh
+HAVE_TINYBVH = $(if $(wildcard $(TINYBVH)/tiny_bvh.h),$(and $(IS_X86),1))
 HAVE_EMBREE = $(shell $(CC) $(CPPFLAGS) -fsyntax-only -include embree3/rtcore.h -x c /dev/null 2>/dev/null && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
-STUDY       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o
+STUDY        = $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o \
+               $(if $(HAVE_TINYBVH),$(BUILD)/examples/study/tinybvh-cpp.o)
 ENGINE      := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/engine/*.c))
 BENCH_OBJECTS := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/bench/*.c))
-EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
+EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy) $(if $(and $(HAVE_GMP),$(HAVE_PNG)),,errors),$(basename $(notdir $(wildcard examples/*.c))))
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
                 $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
 EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) \
@@ -119,8 +130,9 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_golden.c $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples docs demo reproduce format clean
-.PHONY: deps deps-study deps-docs deps-bindings
+.PHONY: all library examples docs docs-python demo reproduce format clean
+.PHONY: deps deps-study deps-docs deps-bindings deps-python
+.PHONY: package-rust package-go package-node package-java package-lua bindings-coverage
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
@@ -150,6 +162,10 @@ $(BUILD)/obj/trace/%_counting.o: src/trace/%.c
 $(BUILD)/obj/trace/%.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
+
+$(BUILD)/obj/mlrta/avx2.o: src/mlrta/avx2.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_avx2) -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
@@ -190,7 +206,12 @@ examples: $(addprefix $(BUILD)/bin/,$(EXAMPLES))
 
 $(BUILD)/examples/study/%.o: examples/study/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) $(if $(HAVE_TINYBVH),-DHAVE_TINYBVH=1) -Iexamples -Itests -c $< -o $@
+
+# As its makers compile it.
+$(BUILD)/examples/study/tinybvh-cpp.o: examples/study/tinybvh.cpp
+	@mkdir -p $(@D)
+	$(Q)$(CXX) -std=c++20 -O3 -mavx2 -mfma -w -I$(TINYBVH) -Iexamples/study -c $< -o $@
 
 # The benchmark's own code, the same for every library it measures, is compiled for this machine.
 NATIVE = $(if $(filter -O2 -O3,$(OPTIMIZE)),$(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
@@ -207,17 +228,22 @@ $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-$(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
+$(BUILD)/bin/accuracy $(BUILD)/bin/errors: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	@mkdir -p $(@D)
-	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) $(if $(HAVE_TINYBVH),-lstdc++) -lgmp -o $@
 
-$(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+$(BUILD)/bin/depth $(BUILD)/bin/pays: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
 $(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
+PEER_FRAME := $(patsubst %,$(BUILD)/examples/bench/%.o,peer_frame embree task shade crew library) $(BUILD)/examples/study/meshes.o
+$(BUILD)/bin/reproduce: $(BUILD)/examples/reproduce.o $(PEER_FRAME) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
 
 # Linked with the shared object, since Embree and the library of another commit (--against) are shared objects too.
 $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.so
@@ -242,14 +268,21 @@ deps:
 	fi
 
 deps-study: deps
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib'
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib g++'
+	@sh examples/study/fetch_tinybvh.sh $(TINYBVH)
 
 deps-docs:
 	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='doxygen python3'
 
+# Everything that the tests and the reference of bindings/python can use, in an environment of its own.
+deps-python:
+	@python3 -m venv $(BUILD)/python 2>/dev/null || { echo "deps-python: no python3 with venv (apt-get install python3-venv)"; exit 1; }
+	@$(BUILD)/python/bin/python -m pip --disable-pip-version-check install -q numpy tqdm 'dask[array]' distributed \
+	    trimesh embreex pytest scipy networkx rtree shapely manifold3d pdoc
+
 deps-bindings: deps
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit luarocks'
 
 EMULATED_PACKAGES := gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-i686-linux-gnu libc6-dev-i386-cross qemu-user clang
 
@@ -290,18 +323,28 @@ SWEEP_RAYS ?= 16384
 STUDY_SCENES := room office building scan sphere
 STUDY_FILES = $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
-ACCURACY = $(BUILD)/bin/accuracy --csv
+ACCURACY = $(BUILD)/bin/accuracy --csv --guess $(GUESSING)
 
 charts: charts-accuracy charts-speed
 
+# The library without exactness, for charts of what exactness costs.
+GUESSING := build/guess/libmlrt.so
+$(GUESSING): $(wildcard src/*/*.[ch]) include/mlrt.h
+	@$(MAKE) --no-print-directory GUESS=1 $@
+
 charts-accuracy: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy
+	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy $(BUILD)/bin/errors $(BUILD)/bin/pays $(BUILD)/bin/bench $(GUESSING)
 	@mkdir -p docs/data
 	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,edge --rays $(STUDY_RAYS) > docs/data/methods.csv
 	$(ACCURACY) --study stability --rays $(SWEEP_RAYS) > docs/data/stability.csv
 	$(ACCURACY) --study stages $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,random,edge --rays $(STUDY_RAYS) > docs/data/stages.csv
+	$(BUILD)/bin/bench --csv --alone --against $(GUESSING) --runs 5 $(addprefix --scene ,$(STUDY_SCENES) doubled $(STUDY_FILES)) \
+	    $(addprefix --views ,$(VIEWS)) > docs/data/price.csv
+	$(BUILD)/bin/pays --csv > docs/data/pays.csv
+	$(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2 >> docs/data/pays.csv
+	$(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png > docs/data/errors.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
 
 # ---- speed ----------------------------------------------------------------------------------------------------------
@@ -466,20 +509,29 @@ test-cross-%: amalgamation
 	        EXAMPLE_LIBS='-lm -static' $(BUILD)/cross/$*/tests/print_golden && \
 	    sh tests/cross.sh $* $(BUILD)/cross/$* $(ONE_FILE) $(call X86_32_FLAGS,$*); fi
 
+# What deps-python installs, else whatever python3 has.
+TEST_PYTHON = $(abspath $(firstword $(wildcard $(BUILD)/python/bin/python) $(shell command -v python3)))
+
 test-python: library
-	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
-	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
+	@if ! $(TEST_PYTHON) -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
+	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. $(TEST_PYTHON) -m unittest discover; fi
 
 test-bindings: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory library
+	@$(MAKE) --no-print-directory library amalgamation
 	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
-	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
+	@CC='$(CC)' CXX='$(CXX)' VERSION=$(VERSION) sh bindings/test.sh $(BUILD)/bindings
+
+bindings-coverage:
+	@COVERAGE=write $(MAKE) --no-print-directory test-bindings
+
+package-rust package-go package-node package-java package-lua: library amalgamation
+	@CC='$(CC)' VERSION=$(VERSION) sh bindings/package.sh $(@:package-%=%) $(BUILD) $(BUILD)/packages
 
 test-wheel:
 	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel
 
 test-trimesh: library
-	@PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python python3 bindings/python/tests/trimesh_own.py $(or $(TRIMESH),$(error TRIMESH: the folder of a checkout of trimesh))
+	@sh bindings/python/tests/trimesh_own.sh "$(TEST_PYTHON)" $(BUILD)/trimesh $(TRIMESH)
 
 # ---- reference -----------------------------------------------------------------------------------------------------
 
@@ -488,6 +540,12 @@ docs: | $(AFTER_DEPS)
 	@rm -rf build/docs && mkdir -p build/docs
 	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
 	@echo "docs: build/docs/html/index.html"
+
+docs-python: library
+	@$(TEST_PYTHON) -c 'import pdoc' 2>/dev/null || { echo "docs-python: no pdoc: make deps-python installs it"; exit 1; }
+	$(Q)PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python $(TEST_PYTHON) -W ignore::UserWarning -m pdoc -o $(BUILD)/docs-python \
+	    mlrt mlrt.typing mlrt.trimesh $$($(TEST_PYTHON) -c 'import distributed; print("mlrt.distributed")' 2>/dev/null)
+	@echo "docs-python: $(BUILD)/docs-python/index.html"
 
 # ---- install -------------------------------------------------------------------------------------------------------
 
