@@ -18,10 +18,14 @@ enum {
     FILE_HASH = 24,
     FILE_GEOMETRY_HASH = 32,
     FILE_STRUCTURE = 40,
-    FILE_COUNTS = 44, /* triangles, meshes, masks, nodes, references, nodes of boxes, quads */
-    FILE_INFO = 72,
-    FILE_SECTIONS = 216,
-    FILE_HEADER_SIZE = 376
+    FILE_COUNTS =
+        44, /* triangles, meshes, masks, nodes, references, nodes of boxes, quads, triangles in order, places */
+    FILE_UNIT = 80,
+    FILE_LEAF_QUADS = 84,
+    FILE_INFO = 88,
+    FILE_SECTIONS = 232,
+    FILE_SECTION_COUNT = 11,
+    FILE_HEADER_SIZE = 408
 };
 
 /* Room for a file whose last byte is the block's last, at a multiple of 64 if `size` is one. Free *block. */

@@ -1513,7 +1513,7 @@ static void stacks_hold_what_waits(void **state)
     static struct mlrt_triangle triangle;
     static struct mlrt_reciprocals reciprocals;
     static struct mlrt_bundle bundle;
-    struct mlrt_tree tree = {.triangles = &triangle, .bvh.unit = 1};
+    struct mlrt_tree tree = {.by_number.corners = triangle.v[0], .bvh.unit = 1};
     const struct mlrt_job job = {.tree = &tree};
     (void)state;
     assert_true(TILE_STACK_SIZE >= (MLRT_BVH_DEPTH_LIMIT - 1) * (MLRT_BVH_WIDTH - 1) + MLRT_BVH_WIDTH);

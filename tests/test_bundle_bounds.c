@@ -261,7 +261,7 @@ static struct mlrt_ray_tile tile;
 static struct mlrt_bundle bundle;
 static struct mlrt_bundle_leaf leaf;
 static struct mlrt_triangle triangles[1];
-static const struct mlrt_tree tree_of_one = {.triangles = triangles, .bvh.unit = 1};
+static const struct mlrt_tree tree_of_one = {.by_number.corners = triangles[0].v[0], .bvh.unit = 1};
 
 /* Numbers without rounding: of these inputs none has more than 800 bits. */
 #define EXACT_BITS 1280
@@ -1185,7 +1185,7 @@ static double lines_over(const float *input, int has_places)
     static struct mlrt_triangle_pair pairs[1];
     static struct mlrt_bundle_cache cache;
     static struct mlrt_triangle both[2];
-    static const struct mlrt_tree tree_of_two = {.triangles = both, .bvh.unit = 1};
+    static const struct mlrt_tree tree_of_two = {.by_number.corners = both[0].v[0], .bvh.unit = 1};
     static struct exact_plane first, second;
     struct mlrt_pair_line line;
     vf bound;

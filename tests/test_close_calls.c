@@ -83,22 +83,22 @@ static int is_inside(const struct bench *bench, const struct mlrt_tree *tree, ui
     struct mlrt_ray_segment ray = bench->rays[lane];
     ray.t_min = 0;
     ray.t_max = INFINITY;
-    return mlrt_hits_triangle(&ray, &tree->triangles[number], NULL) &&
-           mlrt_crosses_triangle(&ray, &tree->triangles[number]);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    return mlrt_hits_triangle(&ray, &triangle, NULL) && mlrt_crosses_triangle(&ray, &triangle);
 }
 
 /* t is certainly above lo, unless that is 0, and no more than hi. */
 static void check_bounds(const struct bench *bench, const struct mlrt_tree *tree, uint32_t lane)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[bench->packet.triangle[lane]];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, bench->packet.triangle[lane]);
     struct mlrt_ray_segment above = bench->rays[lane], below = bench->rays[lane];
     above.t_min = bench->packet.lo[lane];
     above.t_max = INFINITY;
     below.t_min = 0;
     below.t_max = bench->packet.hi[lane];
     assert_true(bench->packet.lo[lane] >= 0);
-    assert_true(mlrt_hits_triangle(&above, triangle, NULL));
-    assert_true(mlrt_hits_triangle(&below, triangle, NULL));
+    assert_true(mlrt_hits_triangle(&above, &triangle, NULL));
+    assert_true(mlrt_hits_triangle(&below, &triangle, NULL));
 }
 
 /* What float filters know of a nearest hit is less than what double does. */
@@ -129,7 +129,7 @@ static uint32_t offer(decide_function *decide, struct bench *bench, const struct
         if (!(lanes >> lane & 1)) continue;
         was_none |= (uint32_t)(packet->triangle[lane] == MLRT_NONE) << lane;
         if (is_inside(bench, tree, number, lane)) inside |= 1u << lane;
-        if (mlrt_offer_triangle(tree->triangles, &bench->rays[lane], number, &expected[lane], NULL)) hit |= 1u << lane;
+        if (mlrt_offer_triangle(&tree->by_number, &bench->rays[lane], number, &expected[lane], NULL)) hit |= 1u << lane;
     }
     if (!lanes) return 0;
     inside &= draw_bits(random);
@@ -193,21 +193,21 @@ static void add_sheets(struct soup *soup, struct random *random)
 static void aim(struct bench *bench, struct random *random, const struct mlrt_tree *tree)
 {
     float origin[3];
-    const struct mlrt_triangle *base = &tree->triangles[0];
+    const struct mlrt_triangle base = mlrt_triangle_at(&tree->by_number, 0);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane++) {
-        const struct mlrt_triangle *to = &tree->triangles[draw_below(random, tree->triangle_count)];
+        const struct mlrt_triangle to = mlrt_triangle_at(&tree->by_number, draw_below(random, tree->triangle_count));
         float direction[3], target[3];
         const uint32_t kind = draw_below(random, 4);
         float a = kind == 0 ? 0 : draw_range(random, 0, 1), b = kind <= 1 ? 0 : draw_range(random, 0, 1 - a);
         if (lane == 0 || !bench->packet.has_apex) {
             for (int k = 0; k < 3; k++) {
-                const float size = fabsf(base->v[0][k] - base->v[1][k]) + fabsf(base->v[0][k] - base->v[2][k]);
-                origin[k] = base->v[0][k] + 8 * size * draw_range(random, -1, 1);
+                const float size = fabsf(base.v[0][k] - base.v[1][k]) + fabsf(base.v[0][k] - base.v[2][k]);
+                origin[k] = base.v[0][k] + 8 * size * draw_range(random, -1, 1);
             }
-            if (draw_below(random, 8) == 0) memcpy(origin, to->v[draw_below(random, 3)], sizeof origin);
+            if (draw_below(random, 8) == 0) memcpy(origin, to.v[draw_below(random, 3)], sizeof origin);
         }
         for (int k = 0; k < 3; k++) {
-            target[k] = to->v[0][k] + a * (to->v[1][k] - to->v[0][k]) + b * (to->v[2][k] - to->v[0][k]);
+            target[k] = to.v[0][k] + a * (to.v[1][k] - to.v[0][k]) + b * (to.v[2][k] - to.v[0][k]);
             direction[k] = target[k] - origin[k];
         }
         const float t_max = draw_below(random, 3) ? INFINITY : next_float(1, (int)draw_below(random, 5) - 2);
@@ -255,7 +255,8 @@ static void offer_scene(decide_function *decide, struct bench *bench, const stru
     const uint32_t count = tree->triangle_count < OFFER_LIMIT ? tree->triangle_count : OFFER_LIMIT;
     for (uint32_t n = 0; n < count; n++) {
         uint32_t number = draw_below(random, tree->triangle_count);
-        if (mlrt_triangle_is_finite(&tree->triangles[number]) && mlrt_triangle_has_area(&tree->triangles[number])) {
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+        if (mlrt_triangle_is_finite(&triangle) && mlrt_triangle_has_area(&triangle)) {
             offer(decide, bench, tree, number, 0xFFFF, random);
         }
     }

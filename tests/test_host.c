@@ -332,10 +332,10 @@ static void sizes_are_those_of_the_books(void **state)
         assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
         assert_int_equal(info.memory_size, books.held_size);
         assert_int_equal(info.peak_memory_size, books.peak_size);
-        /* Of a kd-tree it is a guess, and this is a soup. */
+        /* Of boxes it has a margin for scenes with many spatial splits. Of a kd-tree it is a guess, and this is a soup. */
         const uint64_t least = info.memory_size / 4, least_peak = info.peak_memory_size / 4;
         const int boxes = kind <= MLRT_TREE_BEST;
-        assert_in_range(estimate.memory_size, (boxes ? 3 : 2) * least, (boxes ? 5 : 12) * least);
+        assert_in_range(estimate.memory_size, (boxes ? 3 : 2) * least, (boxes ? 6 : 12) * least);
         assert_in_range(estimate.peak_memory_size, (boxes ? 3 : 2) * least_peak, (boxes ? 5 : 12) * least_peak);
         mlrt_destroy_tree(tree);
         assert_balanced(&books);
@@ -349,7 +349,7 @@ static void estimates_need_no_meshes(void **state)
     mlrt_mesh mesh = {.struct_size = sizeof mesh, .triangle_count = 1000000};
     mlrt_memory_estimate estimate = {.struct_size = sizeof estimate};
     assert_int_equal(mlrt_estimate_tree(&mesh, 1, NULL, &estimate), MLRT_OK);
-    assert_in_range(estimate.memory_size, 80000000, 110000000);
+    assert_in_range(estimate.memory_size, 50000000, 70000000);
     assert_in_range(estimate.peak_memory_size, 110000000, 150000000);
     mlrt_memory_estimate with_mask = estimate;
     mesh.mask = 1;

@@ -55,6 +55,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     const mlrt_kdtree_options tuned = tuned_options();
     memset(&tree, 0, sizeof tree);
     tree.triangles = triangles;
+    mlrt_read_in_order(&tree);
     tree.triangle_count = count;
     assert_int_equal(mlrt_build_nodes(&tree, options ? options : &tuned, NULL), MLRT_OK);
     const char *wrong = mlrt_check_tree(&tree);
@@ -474,6 +475,7 @@ static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
         memset(&tree, 0, sizeof tree);
         tree.memory.limit_size = limit;
         tree.triangles = triangles;
+        mlrt_read_in_order(&tree);
         tree.triangle_count = count + 300;
         status = mlrt_build_nodes(&tree, NULL, NULL);
         if (status == MLRT_OK) {

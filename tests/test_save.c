@@ -16,6 +16,7 @@
 #include "forged_files.h"
 #include "mlrta/check.h"
 #include "bvh/node.h"
+#include "bvh/places.h"
 #include "mlrta/kdtree.h"
 #include "support.h"
 
@@ -893,6 +894,35 @@ static int is_accepted(const mlrt_tree *tree)
     return accepted;
 }
 
+/* Coordinate i of a triangle, where the tree has it. */
+static float *coordinate_of(const mlrt_tree *tree, uint32_t number, uint32_t i)
+{
+    if (tree->triangles) return &tree->triangles[number].v[i / 3][i % 3];
+    const uint32_t packed = tree->bvh.places[number];
+    return &tree->bvh.corners[36 * (size_t)mlrt_first_quad_of(packed) + mlrt_place_in_leaf(packed) +
+                              4 * i * mlrt_quad_count_of(packed)];
+}
+
+/* Gives a hierarchy of boxes an array of triangles in place of places. Free the array, and restore tree->bvh. */
+static void put_in_order(mlrt_tree *tree)
+{
+    struct mlrt_triangle *triangles = allocate_or_fail(tree->triangle_count, sizeof *triangles);
+    for (uint32_t i = 0; i < tree->triangle_count; i++) triangles[i] = mlrt_triangle_at(&tree->by_number, i);
+    tree->triangles = triangles;
+    tree->bvh.places = NULL;
+    tree->bvh.quad_count = tree->bvh.leaf_quad_count;
+    mlrt_read_in_order(tree);
+}
+
+/* Frees the array of put_in_order, and gives the tree its hierarchy back. */
+static void put_back(mlrt_tree *tree, const struct mlrt_bvh *kept)
+{
+    free(tree->triangles);
+    tree->triangles = NULL;
+    tree->bvh = *kept;
+    mlrt_read_by_places(tree);
+}
+
 /* The leaf that a slot of the root or of a node below is; slots of nodes are numbered. */
 static uint32_t *find_slot(const mlrt_tree *tree, int leaf, uint32_t skipped)
 {
@@ -912,14 +942,6 @@ static struct mlrt_node *find_node(const mlrt_tree *tree, int leaf, uint32_t ski
     }
     fail_msg("no such node");
     return NULL;
-}
-
-/* The one whose quads come first. */
-static uint32_t first_leaf(const mlrt_tree *tree)
-{
-    uint32_t i = 0;
-    while (mlrt_bvh_offset(*find_slot(tree, 1, i)) != 0) i++;
-    return *find_slot(tree, 1, i);
 }
 
 /* Each makes one thing wrong. `word` is a value to make it wrong with. */
@@ -983,6 +1005,17 @@ static uint32_t structure_of(enum forged_thing thing)
     return thing <= ENTRY_NONE ? MLRT_STRUCTURE_KDTREE : 0;
 }
 
+/* The first triangle of a quad that has its place in another leaf; there must be one. Its corner begins at 9 times it. */
+static uint32_t find_shared_place(const mlrt_tree *tree)
+{
+    for (uint32_t i = 0; i < 4 * tree->bvh.leaf_quad_count; i += 4) {
+        const uint32_t packed = tree->bvh.places[tree->bvh.numbers[i]];
+        if (4 * mlrt_first_quad_of(packed) + mlrt_place_in_leaf(packed) != i) return i;
+    }
+    fail_msg("each triangle is in one leaf");
+    return 0;
+}
+
 static void forge_boxes(mlrt_tree *tree, enum forged_thing thing)
 {
     uint32_t *inner = find_slot(tree, 0, 0), *next_inner = find_slot(tree, 0, 1), *leaf = find_slot(tree, 1, 0);
@@ -992,7 +1025,7 @@ static void forge_boxes(mlrt_tree *tree, enum forged_thing thing)
     assert_true(box < tree->bvh.nodes + tree->bvh.node_count);
     uint32_t filled = 0;
     while (box->child[filled]) filled++;
-    struct mlrt_triangle *first = &tree->triangles[tree->bvh.numbers[0]];
+    const uint32_t first = tree->bvh.numbers[0], shared = find_shared_place(tree);
     switch ((int)thing) {
     case BOX_CYCLE:
         *next_inner = *inner;
@@ -1052,7 +1085,7 @@ static void forge_boxes(mlrt_tree *tree, enum forged_thing thing)
         tree->bvh.numbers[1] = MLRT_NONE;
         break;
     case CORNER:
-        tree->bvh.corners[0] = next_float(tree->bvh.corners[0], 1);
+        tree->bvh.corners[9 * shared] = next_float(tree->bvh.corners[9 * shared], 1);
         break;
     case CORNER_OF_NOBODY:
         for (uint32_t i = 0; i < 4 * tree->bvh.quad_count; i++) {
@@ -1065,20 +1098,16 @@ static void forge_boxes(mlrt_tree *tree, enum forged_thing thing)
         break;
     case TRIANGLE_NAN:
     case TRIANGLE_NAN_UNCOUNTED:
-        first->v[0][0] = tree->bvh.corners[0] = NAN;
+        *coordinate_of(tree, first, 0) = NAN;
         tree->info.non_finite_count += thing == TRIANGLE_NAN;
         break;
     case TRIANGLE_FLAT:
     case TRIANGLE_FLAT_UNCOUNTED:
-        for (uint32_t row = 0; row < 3; row++) {
-            const uint32_t places = 4 * mlrt_bvh_quad_count(first_leaf(tree));
-            first->v[0][row] = first->v[1][row];
-            tree->bvh.corners[places * row] = tree->bvh.corners[places * (row + 3)];
-        }
+        for (uint32_t row = 0; row < 3; row++) *coordinate_of(tree, first, row) = *coordinate_of(tree, first, row + 3);
         tree->info.zero_area_count += thing == TRIANGLE_FLAT;
         break;
     case TRIANGLE_ELSEWHERE:
-        first->v[0][0] = next_float(first->v[0][0], 1);
+        *coordinate_of(tree, tree->bvh.numbers[shared], 0) += 0x1p-10f;
         break;
     }
 }
@@ -1260,7 +1289,7 @@ static uint32_t draw_value(struct random *random, uint32_t word)
 /* A word of some section, another word instead, or the words of another place. */
 static void mutate_words(struct random *random, struct file *file)
 {
-    const size_t table = FILE_SECTIONS + 16 * (size_t)draw_below(random, 10);
+    const size_t table = FILE_SECTIONS + 16 * (size_t)draw_below(random, FILE_SECTION_COUNT);
     const uint64_t offset = number_at(file, table), words = number_at(file, table + 8) / 4;
     if (words == 0) return;
     const size_t place = offset + 4 * (size_t)draw_below(random, (uint32_t)words);
@@ -1302,8 +1331,7 @@ static void mislead(struct random *random, mlrt_tree *tree)
         if (numbers[place] == MLRT_NONE) break;
         numbers[place] = number;
         for (uint32_t row = 0; row < 9; row++) {
-            bvh->corners[36 * mlrt_bvh_offset(*child) + places * row + place] =
-                tree->triangles[number].v[row / 3][row % 3];
+            bvh->corners[36 * mlrt_bvh_offset(*child) + places * row + place] = *coordinate_of(tree, number, row);
         }
         break;
     }
@@ -1429,6 +1457,7 @@ static int deep_boxes_are_accepted(uint32_t depth, uint32_t places)
     const struct mlrt_bvh kept = tree->bvh;
     struct file nodes = make_file(depth * sizeof(struct mlrt_bvh_node));
     struct mlrt_bvh *bvh = &tree->bvh;
+    put_in_order(tree);
     bvh->nodes = (struct mlrt_bvh_node *)(void *)nodes.data;
     bvh->node_count = depth;
     bvh->quad_count = 0;
@@ -1459,11 +1488,12 @@ static int deep_boxes_are_accepted(uint32_t depth, uint32_t places)
             }
         }
     }
+    bvh->leaf_quad_count = bvh->quad_count;
     const int accepted = is_accepted(tree);
     free(bvh->corners);
     free(bvh->numbers);
     free_file(&nodes);
-    tree->bvh = kept;
+    put_back(tree, &kept);
     mlrt_destroy_tree(tree);
     return accepted;
 }
@@ -1491,6 +1521,7 @@ static int large_leaf_is_accepted(uint32_t quads)
     struct mlrt_bvh_node *root = (struct mlrt_bvh_node *)(void *)nodes.data;
     float corners[36 * 7 + 16] = {0};
     uint32_t numbers[4 * 7 + 16] = {0};
+    put_in_order(tree);
     for (int k = 0; k < 3; k++) {
         for (int slot = 0; slot < MLRT_BVH_WIDTH; slot++) {
             root->lo[k][slot] = slot == 0 ? tree->bounds.lo[k] : INFINITY;
@@ -1504,12 +1535,12 @@ static int large_leaf_is_accepted(uint32_t quads)
     }
     tree->bvh.nodes = root;
     tree->bvh.node_count = 1;
-    tree->bvh.quad_count = quads;
+    tree->bvh.quad_count = tree->bvh.leaf_quad_count = quads;
     tree->bvh.corners = corners;
     tree->bvh.numbers = numbers;
     const int accepted = is_accepted(tree);
     free_file(&nodes);
-    tree->bvh = kept;
+    put_back(tree, &kept);
     mlrt_destroy_tree(tree);
     return accepted;
 }
@@ -1527,12 +1558,13 @@ static void test_leaves_may_not_name_what_was_left_out(void **state)
     for (uint32_t structure = MLRT_STRUCTURE_KDTREE; structure <= MLRT_STRUCTURE_BVH; structure++) {
         for (uint32_t number = 0; number < 2 * 40; number++) {
             mlrt_tree *tree = small_tree(40, structure);
-            struct mlrt_triangle *triangle = &tree->triangles[number / 2];
+            const uint32_t triangle = number / 2;
             if (number % 2) {
-                triangle->v[0][0] = NAN;
+                *coordinate_of(tree, triangle, 0) = NAN;
                 tree->info.non_finite_count++;
             } else {
-                memcpy(triangle->v[0], triangle->v[1], sizeof triangle->v[0]);
+                for (uint32_t i = 0; i < 3; i++)
+                    *coordinate_of(tree, triangle, i) = *coordinate_of(tree, triangle, i + 3);
                 tree->info.zero_area_count++;
             }
             for (uint32_t quad = 0; quad < tree->bvh.quad_count;) {
@@ -1545,7 +1577,7 @@ static void test_leaves_may_not_name_what_was_left_out(void **state)
                 }
                 for (uint32_t place = 0; place < 4 * quads; place++) {
                     for (uint32_t row = 0; row < 9 && tree->bvh.numbers[4 * quad + place] == number / 2; row++) {
-                        tree->bvh.corners[36 * quad + 4 * quads * row + place] = triangle->v[row / 3][row % 3];
+                        tree->bvh.corners[36 * quad + 4 * quads * row + place] = *coordinate_of(tree, triangle, row);
                     }
                 }
                 quad += quads;
@@ -1554,6 +1586,81 @@ static void test_leaves_may_not_name_what_was_left_out(void **state)
             mlrt_destroy_tree(tree);
         }
     }
+}
+
+/* Puts a word into section `section` of a file, repairs the hash, and puts the word back after loading. */
+static int is_accepted_with(struct file *file, uint32_t section, size_t i, uint32_t word)
+{
+    const size_t offset = (size_t)number_at(file, FILE_SECTIONS + 16 * (size_t)section) + 4 * i;
+    const uint32_t kept = word_at(file, offset);
+    put_word(file, offset, word);
+    repair_hash(file->data, file->size);
+    const int accepted = load_and_exercise(file->data, file->size, 0, 7);
+    assert_int_equal(load_and_exercise(file->data, file->size, 1, 8), accepted);
+    put_word(file, offset, kept);
+    return accepted;
+}
+
+/* Places of triangles in leaves and, from 40 on, of triangles that are left out: those are in quads of their own. */
+static void test_forged_places_are_refused(void **state)
+{
+    enum { IN_LEAVES = 40, COUNT = 46, CORNERS = 8, NUMBERS = 9, PLACES = 10 };
+    (void)state;
+    struct random random = {25};
+    struct soup soup = {0};
+    soup_add_random(&soup, &random, COUNT, 1, 0.4f);
+    for (int i = IN_LEAVES; i < COUNT; i++) soup.corners[9 * i] = NAN;
+    mlrt_tree *tree = tree_of_soup(&soup, MLRT_STRUCTURE_BVH);
+    const struct mlrt_bvh *bvh = &tree->bvh;
+    assert_int_equal(bvh->quad_count, bvh->leaf_quad_count + 2);
+    struct file file = save(tree);
+    const uint32_t given = bvh->leaf_quad_count, *places = bvh->places;
+    const uint32_t far[] = {0xFFFFFFFFu, mlrt_pack_place(bvh->quad_count, 1, 0), mlrt_pack_place(given + 1, 2, 0),
+                            mlrt_pack_place(given, 1, 4), mlrt_pack_place(given - 1, 4, 0)};
+    for (uint32_t number = 0; number < COUNT; number++) {
+        assert_true(is_accepted_with(&file, PLACES, number, places[number]));
+        for (size_t i = 0; i < sizeof far / sizeof *far; i++)
+            assert_false(is_accepted_with(&file, PLACES, number, far[i]));
+        for (uint32_t other = 0; other < COUNT; other++) {
+            if (other != number) assert_false(is_accepted_with(&file, PLACES, number, places[other]));
+        }
+        for (uint32_t bit = 0; bit < 2; bit++)
+            assert_false(is_accepted_with(&file, PLACES, number, places[number] ^ 1u << bit));
+    }
+    for (size_t i = 0; i < COUNT - IN_LEAVES; i++) {
+        const size_t place = 4 * (size_t)given + i;
+        assert_int_equal(bvh->numbers[place], IN_LEAVES + i);
+        assert_false(is_accepted_with(&file, NUMBERS, place, COUNT));
+        assert_false(is_accepted_with(&file, NUMBERS, place, MLRT_NONE));
+        assert_false(is_accepted_with(&file, NUMBERS, place, 0));
+        assert_false(is_accepted_with(&file, CORNERS, 36 * (size_t)given + 36 * (i / 4) + i % 4, 0));
+    }
+    assert_false(is_accepted_with(&file, NUMBERS, 4 * (size_t)given + 7, 0));
+    free_file(&file);
+    mlrt_destroy_tree(tree);
+    free_soup(&soup);
+}
+
+/* A tree may have its triangles in order instead of places: as trees have that are too large for places. */
+static void test_trees_in_order_come_back(void **state)
+{
+    (void)state;
+    mlrt_tree *tree = small_tree(300, MLRT_STRUCTURE_BVH), *same = small_tree(300, MLRT_STRUCTURE_BVH);
+    const struct mlrt_bvh kept = tree->bvh;
+    put_in_order(tree);
+    struct file file = save(tree);
+    mlrt_tree *loaded = load(file.data, file.size, 0);
+    assert_non_null(loaded->triangles);
+    assert_null(loaded->bvh.places);
+    assert_same_tree(tree, &file, loaded);
+    assert_same_answers(same, loaded);
+    loaded->triangles[7].v[1][1] += 0x1p-12f;
+    assert_false(is_accepted(loaded));
+    mlrt_destroy_tree(loaded);
+    free_file(&file);
+    put_back(tree, &kept);
+    mlrt_destroy_tree(tree);
+    mlrt_destroy_tree(same);
 }
 
 /* Then a triangle that is hit would be one of no mesh. */
@@ -1628,6 +1735,8 @@ int main(void)
         cmocka_unit_test(test_deep_boxes_are_refused),
         cmocka_unit_test(test_large_leaves_are_refused),
         cmocka_unit_test(test_triangles_need_meshes),
+        cmocka_unit_test(test_forged_places_are_refused),
+        cmocka_unit_test(test_trees_in_order_come_back),
         cmocka_unit_test(test_leaves_may_not_name_what_was_left_out),
     };
     if (getenv("FUZZ_FILES")) {

@@ -32,9 +32,10 @@ int32_t build_mlrt(const struct library *library, const struct scene *scene, int
                             .vertex_count = scene->vertex_count,
                             .indices = scene->indices,
                             .triangle_count = scene->triangle_count};
-    const double start = seconds_now();
+    double (*const now)(void) = pool ? seconds_now : thread_seconds_now;
+    const double start = now();
     const int32_t status = build_by(library, &mesh, kind, pool, tree);
-    *seconds = seconds_now() - start;
+    *seconds = now() - start;
     return status;
 }
 

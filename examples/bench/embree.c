@@ -53,7 +53,8 @@ static int build_scene(const struct scene *scene, const struct peer_settings *se
         settings->quality == PEER_HIGH_QUALITY ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM;
     RTCGeometry geometry = rtcNewGeometry(peer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (share_mesh(scene, geometry, peer)) return 1;
-    const double start = seconds_now();
+    double (*const now)(void) = settings->threads > 1 ? seconds_now : thread_seconds_now;
+    const double start = now();
     peer->scene = rtcNewScene(peer->device);
     rtcSetSceneFlags(peer->scene, settings->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     rtcSetSceneBuildQuality(peer->scene, quality);
@@ -62,7 +63,7 @@ static int build_scene(const struct scene *scene, const struct peer_settings *se
     rtcAttachGeometry(peer->scene, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(peer->scene);
-    *seconds = seconds_now() - start;
+    *seconds = now() - start;
     return rtcGetDeviceError(peer->device) != RTC_ERROR_NONE;
 }
 

@@ -2,18 +2,20 @@
 /*
  * Trees as bytes, to be written to a file and used again: saving, loading, and the hash of a geometry.
  *
- * THE FORMAT, version 3
+ * THE FORMAT, version 4
  *
- * A file is a header and ten sections, each at a multiple of 64 bytes from the start of the file, in the order below.
+ * A file is a header and eleven sections, each at a multiple of 64 bytes from the start of the file, in the order below.
  * Bytes between sections are zero, and so is the end of the file, up to a multiple of 64. Numbers are in the byte
  * order of the machine that wrote them; floats are those of IEEE 754. The bytes depend on the tree alone, not on
  * pointers, the compiler or the time: the same tree is always the same file.
  *
  *     header    struct header: 8 bytes that identify the format, byte order, version, the size of the
  *               file, the hash of the file, the hash of the geometry (at byte 32: a program may look there before it
- *               loads), counts, the build report, and offset and size of each section
+ *               loads), counts, the unit and the quads of leaves of a hierarchy of boxes, the build report, and
+ *               offset and size of each section
  *     section   size in bytes               contents
- *     0         36 triangle_count           triangles: three coordinates each of a, b, c, as they were given
+ *     0         36 ordered_count            triangles in order: three coordinates each of a, b, c, as they were given.
+ *                                           ordered_count = triangle_count, or 0 if the file has places
  *     1          4 mesh_count               ids of the meshes
  *     2          4 (mesh_count + 1)         number of the first triangle of each mesh, and triangle_count
  *     3          4 mesh_count               positions of the meshes in the order of their ids
@@ -21,11 +23,13 @@
  *     5          8 node_count               kd-tree: nodes, see kdtree.h
  *     6          4 reference_count          kd-tree: entries of leaves
  *     7        448 box_node_count           hierarchy of boxes: nodes in units, see bvh/node.h
- *     8        144 quad_count + 64          hierarchy of boxes: corners in units, see bvh/unit.h
+ *     8        144 quad_count + 64          hierarchy of boxes: corners, in leaves in units, see bvh/unit.h
  *     9         16 quad_count + 64          hierarchy of boxes: numbers
+ *     10         4 place_count              hierarchy of boxes: the place of each triangle, see bvh/places.h
+ *                                           (place_count = triangle_count), or none
  *
  * Sections 8 and 9 end with 16 elements without a meaning, because vectors may read beyond the last quad. If
- * box_node_count is 0, both are empty. The unit follows from the triangles.
+ * quad_count is 0, both are empty.
  *
  * Both hashes are those of base/hash.h over 32-bit words. That of the file is over all of it, with 0 in place of the
  * hash. That of the geometry is over the number of meshes, then for each mesh its id, its number of triangles and its
@@ -38,8 +42,9 @@
  * CHECKS OF LOADING
  *
  * After the hash, loading checks all that memory safety and the end of every traversal depend on. Sizes and places of
- * sections must be those that follow from the counts. Tables of meshes must ascend. The corners in leaves must be
- * those of their triangles. Bounds and the numbers of triangles left out are computed again. Nodes must pass
+ * sections must be those that follow from the counts. Tables of meshes must ascend. Each triangle must be at its place,
+ * and the corners in leaves must be those of their triangles. Bounds, the unit and the numbers of triangles left out
+ * are computed again. Nodes must pass
  * mlrt_check_nodes or mlrt_check_boxes. One kind of invariant is not checked: that boxes and cells contain what is
  * below them (I3, B3). If one is violated, rays can miss a triangle, but there are no false hits: whether a ray hits a
  * triangle, and where, is decided with the triangle alone.
@@ -56,6 +61,7 @@
 #include "base/structs.h"
 #include "bvh/check.h"
 #include "bvh/node.h"
+#include "bvh/places.h"
 #include "bvh/unit.h"
 #include "exact/predicate.h"
 #include "mlrta/check.h"
@@ -69,12 +75,12 @@
 static const unsigned char magic[8] = {0x89, 'M', 'L', 'R', 'T', '\r', '\n', 0x1A};
 
 #define BYTE_ORDER_MARK 0x01020304u
-#define FORMAT_VERSION  3
+#define FORMAT_VERSION  4
 
 /* The counts that give sections their sizes. The first is MLRT_STRUCTURE_*: never 0, so it also stands for "always". */
-enum { STRUCTURE, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, COUNT_COUNT };
+enum { STRUCTURE, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, ORDERED, PLACES, COUNT_COUNT };
 
-#define SECTION_COUNT 10
+#define SECTION_COUNT 11
 
 struct section {
     uint64_t offset;
@@ -89,12 +95,14 @@ struct header {
     uint64_t hash;
     uint64_t geometry_hash;
     uint32_t counts[COUNT_COUNT];
-    mlrt_tree_info info; /* struct_size, memory_size, peak_memory_size, build_seconds and structure are 0 */
+    float unit;               /* kd-tree: 0, as leaf_quad_count is */
+    uint32_t leaf_quad_count; /* bvh.leaf_quad_count */
+    mlrt_tree_info info;      /* struct_size, memory_size, peak_memory_size, build_seconds and structure are 0 */
     struct section sections[SECTION_COUNT];
 };
 
 /* This struct is the format, so it must have no padding. If mlrt_tree_info grows, FORMAT_VERSION must grow too. */
-typedef char header_is_packed[sizeof(struct header) == 72 + 144 + 160 ? 1 : -1];
+typedef char header_is_packed[sizeof(struct header) == 88 + 144 + 176 ? 1 : -1];
 
 /* The sections in their order. */
 static const struct {
@@ -104,7 +112,7 @@ static const struct {
     uint8_t count;    /* the count of elements */
     uint8_t needs;    /* if this count is 0, the section is empty and the pointer NULL */
 } kinds[SECTION_COUNT] = {
-    {offsetof(struct mlrt_tree, triangles), sizeof(struct mlrt_triangle), 0, TRIANGLES, STRUCTURE},
+    {offsetof(struct mlrt_tree, triangles), sizeof(struct mlrt_triangle), 0, ORDERED, ORDERED},
     {offsetof(struct mlrt_tree, mesh_ids), 4, 0, MESHES, STRUCTURE},
     {offsetof(struct mlrt_tree, mesh_first), 4, 4, MESHES, STRUCTURE},
     {offsetof(struct mlrt_tree, mesh_by_id), 4, 0, MESHES, STRUCTURE},
@@ -112,8 +120,9 @@ static const struct {
     {offsetof(struct mlrt_tree, nodes), sizeof(struct mlrt_node), 0, NODES, NODES},
     {offsetof(struct mlrt_tree, references), 4, 0, REFERENCES, NODES},
     {offsetof(struct mlrt_tree, bvh.nodes), sizeof(struct mlrt_bvh_node), 0, BOX_NODES, BOX_NODES},
-    {offsetof(struct mlrt_tree, bvh.corners), 144, 64, QUADS, BOX_NODES},
-    {offsetof(struct mlrt_tree, bvh.numbers), 16, 64, QUADS, BOX_NODES},
+    {offsetof(struct mlrt_tree, bvh.corners), 144, 64, QUADS, QUADS},
+    {offsetof(struct mlrt_tree, bvh.numbers), 16, 64, QUADS, QUADS},
+    {offsetof(struct mlrt_tree, bvh.places), 4, 0, PLACES, PLACES},
 };
 
 /* The tree's pointer to the array of a section. Copied by memcpy, as the pointers have different types. */
@@ -174,7 +183,10 @@ static uint64_t hash_tree_geometry(const struct mlrt_tree *tree)
         const uint32_t first = tree->mesh_first[i], count = tree->mesh_first[i + 1] - first;
         add_mesh(&hash, tree->mesh_ids[i], count, tree->masks && count > 0 ? tree->masks[first] : MLRT_MASK_ALL);
     }
-    mlrt_add_words(&hash, tree->triangles, 9 * (size_t)tree->triangle_count);
+    for (uint32_t i = 0; i < tree->triangle_count; ++i) {
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
+        mlrt_add_words(&hash, &triangle, 9);
+    }
     return mlrt_finish_hash(&hash);
 }
 
@@ -227,7 +239,10 @@ static void make_header(const struct mlrt_tree *tree, struct header *header)
         .byte_order = BYTE_ORDER_MARK,
         .version = FORMAT_VERSION,
         .counts = {tree->structure, tree->triangle_count, tree->mesh_count, tree->masks ? tree->triangle_count : 0,
-                   tree->node_count, tree->reference_count, tree->bvh.node_count, tree->bvh.quad_count},
+                   tree->node_count, tree->reference_count, tree->bvh.node_count, tree->bvh.quad_count,
+                   tree->bvh.places ? 0 : tree->triangle_count, tree->bvh.places ? tree->triangle_count : 0},
+        .unit = tree->bvh.unit,
+        .leaf_quad_count = tree->bvh.leaf_quad_count,
         .info = tree->info,
     };
     memcpy(header->magic, magic, sizeof magic);
@@ -285,8 +300,16 @@ static int counts_make_sense(const uint32_t counts[COUNT_COUNT])
     if (counts[MASKS] != 0 && counts[MASKS] != counts[TRIANGLES]) return 0;
     if (is_kdtree != (counts[NODES] > 0)) return 0;
     if (counts[REFERENCES] > 0 && !is_kdtree) return 0;
-    if (counts[BOX_NODES] > 0 && is_kdtree) return 0;
-    return (counts[BOX_NODES] > 0) == (counts[QUADS] > 0);
+    if (is_kdtree && (counts[BOX_NODES] | counts[QUADS] | counts[PLACES])) return 0;
+    return counts[ORDERED] + counts[PLACES] == counts[TRIANGLES] && (!counts[ORDERED] || !counts[PLACES]);
+}
+
+/* Do the quads make sense: those of leaves where there are nodes, and others where there are places? */
+static int quads_make_sense(const struct header *header)
+{
+    const uint32_t quad_count = header->counts[QUADS], leaf_quad_count = header->leaf_quad_count;
+    if ((header->counts[BOX_NODES] > 0) != (leaf_quad_count > 0)) return 0;
+    return header->counts[PLACES] ? leaf_quad_count <= quad_count : leaf_quad_count == quad_count;
 }
 
 /* Checks a header. Returns the error as a static string, or NULL. */
@@ -297,7 +320,7 @@ static const char *check_header(const struct header *header, size_t size)
     if (header->byte_order != BYTE_ORDER_MARK) return "saved on a machine of another byte order";
     if (header->version != FORMAT_VERSION) return "of another version of the format";
     if (header->size != size) return "not as long as it was: cut off, or followed by something";
-    if (!counts_make_sense(header->counts)) return "counts that no tree has";
+    if (!counts_make_sense(header->counts) || !quads_make_sense(header)) return "counts that no tree has";
     if (lay_out(header, sections) != header->size || memcmp(sections, header->sections, sizeof sections) != 0) {
         return "sections are not where they have to be";
     }
@@ -317,6 +340,8 @@ static int take_sections(const struct header *header, const unsigned char *data,
     tree->reference_count = header->counts[REFERENCES];
     tree->bvh.node_count = header->counts[BOX_NODES];
     tree->bvh.quad_count = header->counts[QUADS];
+    tree->bvh.leaf_quad_count = header->leaf_quad_count;
+    tree->bvh.unit = header->unit;
     for (int i = 0; i < SECTION_COUNT; ++i) {
         const unsigned char *from = data + (size_t)header->sections[i].offset;
         const size_t size = (size_t)header->sections[i].size;
@@ -330,6 +355,8 @@ static int take_sections(const struct header *header, const unsigned char *data,
         memcpy(copy, from, size);
         set_array(tree, i, copy);
     }
+    mlrt_read_in_order(tree);
+    if (tree->bvh.places) mlrt_read_by_places(tree);
     return 1;
 }
 
@@ -369,12 +396,13 @@ static const char *check_report(struct mlrt_tree *tree)
     uint64_t non_finite_count = 0, zero_area_count = 0;
     struct mlrt_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
-        if (!mlrt_triangle_is_finite(&tree->triangles[i])) {
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
+        if (!mlrt_triangle_is_finite(&triangle)) {
             ++non_finite_count;
-        } else if (!mlrt_triangle_has_area(&tree->triangles[i])) {
+        } else if (!mlrt_triangle_has_area(&triangle)) {
             ++zero_area_count;
         } else {
-            extend_box(&box, &tree->triangles[i]);
+            extend_box(&box, &triangle);
         }
     }
     const int is_empty = non_finite_count + zero_area_count == tree->triangle_count;
@@ -396,12 +424,17 @@ static const char *check_report(struct mlrt_tree *tree)
 
 static const char *check_contents(struct mlrt_tree *tree)
 {
+    const float unit = tree->bvh.unit;
     const char *wrong = check_meshes(tree);
+    if (!wrong && tree->bvh.places) wrong = mlrt_check_places(tree);
     if (!wrong) wrong = check_report(tree);
     if (!wrong && tree->structure == MLRT_STRUCTURE_BVH) {
         mlrt_set_bvh_unit(tree);
         mlrt_set_bvh_extent(tree);
+    } else {
+        tree->bvh.unit = 0;
     }
+    if (!wrong && memcmp(&unit, &tree->bvh.unit, sizeof unit) != 0) wrong = "the unit is not that of the triangles";
     if (!wrong && tree->node_count > 0) wrong = mlrt_check_nodes(tree);
     if (!wrong) wrong = mlrt_check_boxes(tree);
     return wrong;

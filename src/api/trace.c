@@ -496,13 +496,13 @@ static MLRT_NOINLINE int32_t set_shadow_ray(const mlrt_tree *tree, const mlrt_ra
     struct mlrt_ray_segment segment, answer;
     int is_on_side = 0;
     mlrt_set_light(light, &source);
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
     if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment) ||
-        !mlrt_triangle_is_finite(triangle) || !mlrt_hits_triangle(&segment, triangle, NULL)) {
+        !mlrt_triangle_is_finite(&triangle) || !mlrt_hits_triangle(&segment, &triangle, NULL)) {
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "hit.triangle: the ray does not hit triangle %lu of mesh %lu",
                          (unsigned long)shadow->skip_triangle, (unsigned long)shadow->skip_mesh);
     }
-    if (mlrt_make_shadow_ray(&source, triangle, &segment, &is_on_side, &answer)) {
+    if (mlrt_make_shadow_ray(&source, &triangle, &segment, &is_on_side, &answer)) {
         memcpy(shadow->origin, answer.origin, sizeof shadow->origin);
         memcpy(shadow->direction, answer.direction, sizeof shadow->direction);
         shadow->t_max = isinf(answer.t_max) ? 0 : answer.t_max;
@@ -560,7 +560,8 @@ MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_FLOAT, "v", 0, &v);
     if (status != MLRT_OK) return status;
     const uint64_t environment = mlrt_enter_fp_environment();
-    status = find_offset_point(&tree->triangles[number], u, v, side, point);
+    const struct mlrt_triangle given = mlrt_triangle_at(&tree->by_number, number);
+    status = find_offset_point(&given, u, v, side, point);
     mlrt_leave_fp_environment(environment);
     return status;
 }

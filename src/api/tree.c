@@ -10,6 +10,7 @@
 #include "base/progress.h"
 #include "base/structs.h"
 #include "bvh/build.h"
+#include "bvh/places.h"
 #include "mlrta/build.h"
 #include "mlrta/kdtree.h"
 #include "scene/meshes.h"
@@ -67,6 +68,7 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
         status = is_kdtree ? mlrt_build_nodes(tree, &call->options.kdtree, &progress)
                            : mlrt_build_bvh(tree, &call->options.tree, &progress);
     }
+    if (status == MLRT_OK) mlrt_drop_order(tree);
     return mlrt_end_progress(&progress, status);
 }
 
@@ -180,7 +182,7 @@ MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
 static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_count, int have_masks, size_t mesh_count,
                                   mlrt_memory_estimate *estimate)
 {
-    const uint64_t size = sizeof(struct mlrt_triangle) + (have_masks ? sizeof(uint32_t) : 0);
+    const uint64_t size = have_masks ? sizeof(uint32_t) : 0;
     const uint64_t always = sizeof(struct mlrt_tree) + triangle_count * size + mesh_count * 3 * sizeof(uint32_t);
     const struct mlrt_demand demand = call->structure == MLRT_STRUCTURE_KDTREE
                                           ? mlrt_foresee_nodes(&call->options.kdtree, triangle_count)

@@ -38,7 +38,7 @@ static uint64_t hash_words(uint64_t hash, const void *words, size_t count)
 /* Boxes, children and numbers. Corners are not hashed: they follow from the numbers. */
 static uint64_t hash_bvh(const struct mlrt_bvh *bvh, struct mlrt_progress *progress)
 {
-    const size_t word_count = 4 * (size_t)bvh->quad_count;
+    const size_t word_count = 4 * (size_t)bvh->leaf_quad_count;
     uint64_t hash = HASH_START;
     for (uint32_t i = 0; i < bvh->node_count; i++) {
         if (i % NODE_ROUNDS == 0 && mlrt_is_cancelled(progress)) return 0;
@@ -165,7 +165,19 @@ static int has_corners_of(const float *corners, uint32_t row, const struct mlrt_
     return difference == 0;
 }
 
-static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
+/* Prefetches a triangle, or its place. */
+static void prefetch_triangle(const struct mlrt_tree *tree, uint32_t number)
+{
+    if (tree->bvh.places != NULL)
+        mlrt_prefetch(&tree->bvh.places[number]);
+    else
+        mlrt_prefetch(&tree->triangles[number]);
+}
+
+/*
+ * Checks the places of a leaf. Adds to *placed_count the triangles that have their place here.
+ */
+static const char *check_leaf(const struct mlrt_tree *tree, uint32_t child, uint32_t *placed_count)
 {
     uint32_t place_count = 4 * mlrt_bvh_quad_count(child), count = leaf_count(&tree->bvh, child);
     const uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)mlrt_bvh_offset(child);
@@ -173,7 +185,7 @@ static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
     if (count == 0 || count + 3 < place_count) return "B5: a leaf has a quad without triangles";
     for (uint32_t place = 0; place < count; place++) {
         if (numbers[place] >= tree->triangle_count) return "B5: a number is not a triangle's";
-        mlrt_prefetch(&tree->triangles[numbers[place]]);
+        prefetch_triangle(tree, numbers[place]);
         for (uint32_t other = 0; other < place; other++)
             if (numbers[other] == numbers[place]) return "B5: a leaf holds a triangle twice";
     }
@@ -183,9 +195,13 @@ static const char *check_places(const struct mlrt_tree *tree, uint32_t child)
             if (!has_no_corners(corners + place, place_count)) return "B5: an empty place has corners";
             continue;
         }
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, numbers[place]);
         if (mlrt_is_left_out(tree, numbers[place])) return "a leaf holds a triangle that was to be left out";
-        if (!has_corners_of(corners + place, place_count, &tree->triangles[numbers[place]], tree->bvh.unit))
+        if (!has_corners_of(corners + place, place_count, &triangle, tree->bvh.unit))
             return "B5: corners are not those of the triangle";
+        if (tree->bvh.places != NULL)
+            *placed_count += tree->bvh.places[numbers[place]] ==
+                             mlrt_pack_place(mlrt_bvh_offset(child), mlrt_bvh_quad_count(child), place);
     }
     return NULL;
 }
@@ -200,6 +216,7 @@ struct walk {
     uint32_t depth;
     uint32_t next_node; /* the node and the quad that depth-first order has next */
     uint32_t next_quad;
+    uint32_t placed_count; /* triangles that have their place in the leaves so far */
 };
 
 static const char *check_empty_slots(const struct mlrt_bvh_node *node, int first)
@@ -226,10 +243,10 @@ static const char *check_slot(const struct mlrt_tree *tree, struct walk *walk, u
     if (is_leaf(child)) {
         uint32_t quad_count = mlrt_bvh_quad_count(child);
         if (quad_count > 4) return "B5: a leaf has too many quads";
-        if (mlrt_bvh_offset(child) != walk->next_quad || quad_count > tree->bvh.quad_count - walk->next_quad)
+        if (mlrt_bvh_offset(child) != walk->next_quad || quad_count > tree->bvh.leaf_quad_count - walk->next_quad)
             return "a leaf's quads are not where depth-first order has them";
         walk->next_quad += quad_count;
-        return check_places(tree, child);
+        return check_leaf(tree, child, &walk->placed_count);
     }
     if (mlrt_bvh_offset(child) != walk->next_node || walk->next_node >= tree->bvh.node_count)
         return "B1: a child is not where depth-first order has it";
@@ -240,10 +257,32 @@ static const char *check_slot(const struct mlrt_tree *tree, struct walk *walk, u
     return NULL;
 }
 
+/*
+ * Checks the quads behind the leaves, and that all triangles have their places: `placed_count` in leaves, the others in
+ * these quads. No triangle counts twice, since a place is in one quad.
+ */
+static const char *check_given(const struct mlrt_tree *tree, uint32_t placed_count)
+{
+    const struct mlrt_bvh *bvh = &tree->bvh;
+    for (uint32_t quad = bvh->leaf_quad_count; quad < bvh->quad_count; quad++) {
+        for (uint32_t place = 0; place < 4; place++) {
+            const uint32_t number = bvh->numbers[4 * (size_t)quad + place];
+            if (number == MLRT_NONE) continue;
+            if (number >= tree->triangle_count || bvh->places[number] != mlrt_pack_place(quad, 1, place))
+                return "P1: a number has its place elsewhere";
+            placed_count++;
+        }
+    }
+    return bvh->places == NULL || placed_count == tree->triangle_count ? NULL : "P1: a triangle is not at its place";
+}
+
 const char *mlrt_check_boxes(const struct mlrt_tree *tree)
 {
-    struct walk walk = {{0}, {0}, 0, 1, 0};
-    if (tree->bvh.node_count == 0) return tree->bvh.quad_count == 0 ? NULL : "there are quads without a leaf";
+    struct walk walk = {{0}, {0}, 0, 1, 0, 0};
+    if (tree->bvh.node_count == 0) {
+        if (tree->bvh.leaf_quad_count != 0) return "there are quads without a leaf";
+        return check_given(tree, 0);
+    }
     if (tree->bvh.node_count > NODE_LIMIT) return "there are too many nodes";
     for (;;) {
         const struct mlrt_bvh_node *node = &tree->bvh.nodes[walk.node[walk.depth]];
@@ -259,7 +298,8 @@ const char *mlrt_check_boxes(const struct mlrt_tree *tree)
         if (wrong != NULL) return wrong;
     }
     if (walk.next_node != tree->bvh.node_count) return "B1: there are nodes without a parent";
-    return walk.next_quad == tree->bvh.quad_count ? NULL : "there are quads without a leaf";
+    if (walk.next_quad != tree->bvh.leaf_quad_count) return "there are quads without a leaf";
+    return check_given(tree, walk.placed_count);
 }
 
 static int leaf_holds(const struct mlrt_bvh *bvh, uint32_t child, uint32_t triangle)
@@ -292,10 +332,10 @@ static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
     static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
                                      {4, 4, 8},  {4, 8, 4},  {8, 4, 4},  {1, 15, 0}, {3, 0, 13}, {0, 11, 5}};
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
     for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
         double point[3], in_units[3];
-        if (!mlrt_find_check_point(triangle, WEIGHTS[i], point)) continue;
+        if (!mlrt_find_check_point(&triangle, WEIGHTS[i], point)) continue;
         for (int k = 0; k < 3; k++) {
             in_units[k] = point[k] * tree->bvh.unit;
             if (!(tree->bounds.lo[k] <= point[k] && point[k] <= tree->bounds.hi[k]))

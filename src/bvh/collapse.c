@@ -102,14 +102,22 @@ void mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number,
 
 /* ---- leaves -------------------------------------------------------------------------------------------------- */
 
-/* Ascending, so that of triangles hit at one t the one that the hit rule prefers is tested first. */
-static void sort_numbers(uint32_t *numbers, uint32_t count)
+/*
+ * Sets the numbers of a leaf from the words of its references. Ascending, so that of triangles hit at one t the one that
+ * the hit rule prefers is tested first. Returns the places of those that are no copies.
+ */
+static uint32_t sort_numbers(const uint32_t *words, uint32_t count, uint32_t *numbers)
 {
-    for (uint32_t i = 1; i < count; i++) {
-        uint32_t number = numbers[i], j = i;
+    uint32_t first = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t number = words[i] & ~MLRT_REFERENCE_COPY;
+        uint32_t j = i;
         for (; j > 0 && numbers[j - 1] > number; j--) numbers[j] = numbers[j - 1];
         numbers[j] = number;
+        const uint32_t below = first & ((1u << j) - 1);
+        first = below | (uint32_t) !(words[i] & MLRT_REFERENCE_COPY) << j | (first & ~below) << 1;
     }
+    return first;
 }
 
 static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_binary_node *node,
@@ -117,8 +125,7 @@ static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_
 {
     uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)quad;
     uint32_t place_count = 4 * quads_of(node->count);
-    memcpy(numbers, binary->triangles + node->first, node->count * sizeof *numbers);
-    sort_numbers(numbers, node->count);
+    const uint32_t first = sort_numbers(binary->triangles + node->first, node->count, numbers);
     for (uint32_t place = node->count; place < place_count; place++) numbers[place] = MLRT_NONE;
     float *row = tree->bvh.corners + 36 * (size_t)quad;
     for (uint32_t place = 0; place < place_count; place++) {
@@ -126,6 +133,8 @@ static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_
         const int has_corners =
             place < node->count && mlrt_triangle_in_units(&tree->triangles[numbers[place]], tree->bvh.unit, &triangle);
         for (uint32_t i = 0; i < 9; i++) row[i * place_count + place] = has_corners ? triangle.v[i / 3][i % 3] : NAN;
+        if (tree->bvh.places != NULL && has_corners && first >> place & 1)
+            tree->bvh.places[numbers[place]] = mlrt_pack_place(quad, place_count / 4, place);
     }
 }
 

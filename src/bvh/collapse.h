@@ -55,7 +55,7 @@ struct mlrt_cut mlrt_cut_of(const struct mlrt_binary_node *node, uint32_t slots)
 /* The binary hierarchy. */
 struct mlrt_binary_tree {
     struct mlrt_binary_node *nodes;
-    uint32_t *triangles; /* the number of each reference's triangle */
+    uint32_t *triangles; /* the word of each reference: mlrt_reference_word */
 };
 
 /* The size of the part of the hierarchy that a binary node and all below it become. */

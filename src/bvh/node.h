@@ -21,7 +21,7 @@
  * of corner i of its 4 q places, starts at corners[36 f + 4 q (3 i + k)]. Kernels may read both arrays up to 16
  * elements behind the leaf, but do not use these elements.
  *
- * Boxes and corners are in units (unit.h).
+ * Boxes and corners are in units (unit.h). The arrays also have quads of no leaf, behind those of leaves (places.h).
  */
 #ifndef MLRT_BVH_NODE_H
 #define MLRT_BVH_NODE_H

@@ -95,9 +95,9 @@ static int test_leaf(struct search *search, uint32_t leaf, uint32_t skip, int an
         if (numbers[i] == skip || mlrt_is_hidden(search->tree, numbers[i], search->ray->mask)) continue;
         if (counters) ++counters->triangle_test_count;
         if (list) {
-            mlrt_gather_hit(search->tree->triangles, search->ray, numbers[i], list, counters);
+            mlrt_gather_hit(&search->tree->by_number, search->ray, numbers[i], list, counters);
         } else if (numbers[i] != search->nearest.triangle) {
-            if (mlrt_offer_triangle(search->tree->triangles, search->ray, numbers[i], &search->nearest, counters) &&
+            if (mlrt_offer_triangle(&search->tree->by_number, search->ray, numbers[i], &search->nearest, counters) &&
                 any)
                 return 1;
         }

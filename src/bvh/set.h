@@ -18,17 +18,31 @@ struct mlrt_quad_box {
 
 /*
  * A reference is the box of a triangle, or of a part of one, that is to be put into a leaf. The fourth element of its
- * lo has the bits of the triangle's number | 2^30: as a float it is at least 2, not denormal, so arithmetic on all four
- * elements runs at full speed.
+ * lo has the bits of the triangle's number | 2^30: as a float its magnitude is at least 2, not denormal, so arithmetic
+ * on all four elements runs at full speed. Of the parts of a triangle all but one are copies, with one bit more: the
+ * leaf of the other is the triangle's place (places.h).
  */
 #define MLRT_REFERENCE_MARK 0x40000000u
+#define MLRT_REFERENCE_COPY 0x80000000u
 
-/* The number of a reference's triangle. */
-static inline uint32_t mlrt_reference_triangle(const struct mlrt_quad_box *reference)
+/* The number of a reference's triangle, and MLRT_REFERENCE_COPY if it is a copy. */
+static inline uint32_t mlrt_reference_word(const struct mlrt_quad_box *reference)
 {
     uint32_t bits;
     memcpy(&bits, &reference->lo[3], sizeof bits);
     return bits & ~MLRT_REFERENCE_MARK;
+}
+
+/* The number of a reference's triangle. */
+static inline uint32_t mlrt_reference_triangle(const struct mlrt_quad_box *reference)
+{
+    return mlrt_reference_word(reference) & ~MLRT_REFERENCE_COPY;
+}
+
+static inline void mlrt_mark_copy(struct mlrt_quad_box *reference)
+{
+    const uint32_t bits = mlrt_reference_word(reference) | MLRT_REFERENCE_MARK | MLRT_REFERENCE_COPY;
+    memcpy(&reference->lo[3], &bits, sizeof bits);
 }
 
 /*

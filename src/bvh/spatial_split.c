@@ -53,10 +53,18 @@ MLRT_INLINE float slab_start(const struct slabs *slabs, uint32_t axis, uint32_t 
 
 /* ---- estimates ------------------------------------------------------------------------------------------------- */
 
-MLRT_INLINE f4 load_vertex(const float vertex[3])
+/* The vertices of a triangle in units. Fourth elements do not matter. */
+struct vertices {
+    MLRT_ALIGNED(16) float of[3][4];
+};
+
+/* Reads the last vertex from one float earlier, so as not to read past it. */
+MLRT_INLINE void load_vertices(const struct mlrt_triangle *triangle, float unit, struct vertices *vertices)
 {
-    MLRT_ALIGNED(16) float place[4] = {vertex[0], vertex[1], vertex[2], 0};
-    return f4_load(place);
+    const f4 scale = f4_set1(unit);
+    f4_store(vertices->of[0], f4_mul(f4_load_any(triangle->v[0]), scale));
+    f4_store(vertices->of[1], f4_mul(f4_load_any(triangle->v[1]), scale));
+    f4_store(vertices->of[2], f4_mul(f4_rest(f4_load_any(triangle->v[1] + 2)), scale));
 }
 
 /* A triangle with its vertices in the order of their heights (coordinates along an axis), and its edges' slopes. */
@@ -71,19 +79,25 @@ MLRT_INLINE f4 slope_of(f4 from, f4 to, float height)
     return height > 0 ? f4_mul(f4_sub(to, from), f4_set1(1 / height)) : f4_set1(0);
 }
 
-static struct sorted_triangle sort_vertices(const struct mlrt_triangle *triangle, uint32_t axis)
+/* Compilers make the choices without branches, which would be mispredicted. */
+MLRT_INLINE struct sorted_triangle sort_vertices(const struct vertices *vertices, uint32_t axis)
 {
-    const float *low = triangle->v[0], *middle = triangle->v[1], *high = triangle->v[2], *swap;
-    if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
-    if (high[axis] < middle[axis]) swap = middle, middle = high, high = swap;
-    if (middle[axis] < low[axis]) swap = low, low = middle, middle = swap;
-    struct sorted_triangle result = {load_vertex(low), load_vertex(middle), low[axis],  middle[axis],
-                                     high[axis],       f4_set1(0),          f4_set1(0), f4_set1(0)};
-    f4 top = load_vertex(high);
-    result.whole_slope = slope_of(result.low, top, high[axis] - low[axis]);
-    result.lower_slope = slope_of(result.low, result.middle, middle[axis] - low[axis]);
-    result.upper_slope = slope_of(result.middle, top, high[axis] - middle[axis]);
-    return result;
+    const float height[3] = {vertices->of[0][axis], vertices->of[1][axis], vertices->of[2][axis]};
+    uint32_t low = height[1] < height[0], high = height[1] >= height[0];
+    low = height[2] < height[low] ? 2 : low;
+    high = height[2] >= height[high] ? 2 : high;
+    const uint32_t middle = 3 - low - high;
+    struct sorted_triangle sorted;
+    const f4 top = f4_load(vertices->of[high]);
+    sorted.low = f4_load(vertices->of[low]);
+    sorted.middle = f4_load(vertices->of[middle]);
+    sorted.low_height = height[low];
+    sorted.middle_height = height[middle];
+    sorted.high_height = height[high];
+    sorted.whole_slope = slope_of(sorted.low, top, sorted.high_height - sorted.low_height);
+    sorted.lower_slope = slope_of(sorted.low, sorted.middle, sorted.middle_height - sorted.low_height);
+    sorted.upper_slope = slope_of(sorted.middle, top, sorted.high_height - sorted.middle_height);
+    return sorted;
 }
 
 /* The box of the segment in which a plane, at that height, cuts the triangle. */
@@ -100,11 +114,11 @@ MLRT_INLINE struct growing_box cross_section(const struct sorted_triangle *trian
  * Adds a reference to slabs first .. last along an axis. The part between two planes is bounded by its two segments in
  * the planes, and by the middle vertex if it lies between them.
  */
-static void fill_axis(const struct mlrt_triangle *triangle, const struct mlrt_quad_box *reference,
-                      const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
-                      struct mlrt_spatial_bins *bins)
+MLRT_INLINE void fill_axis(const struct vertices *vertices, const struct mlrt_quad_box *reference,
+                           const struct slabs *slabs, uint32_t axis, uint32_t first, uint32_t last,
+                           struct mlrt_spatial_bins *bins)
 {
-    struct sorted_triangle sorted = sort_vertices(triangle, axis);
+    const struct sorted_triangle sorted = sort_vertices(vertices, axis);
     f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
     float height = reference->lo[axis], end = reference->hi[axis];
     if (height < sorted.low_height) height = sorted.low_height;
@@ -129,6 +143,9 @@ void mlrt_clear_spatial_bins(struct mlrt_spatial_bins *bins)
         for (int slab = 0; slab < MLRT_SPATIAL_BINS; slab++) clear_box(&bins->box[axis][slab]);
 }
 
+/* Triangles are prefetched so many references ahead. */
+#define AHEAD 12
+
 void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, const struct mlrt_quad_box *references,
                             uint32_t first, uint32_t count, const struct mlrt_quad_box *box,
                             struct mlrt_spatial_bins *bins)
@@ -137,10 +154,14 @@ void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, c
     f4 start = f4_load(slabs.start), scale = f4_load(slabs.scale);
     for (uint32_t i = first; i < first + count; i++) {
         const struct mlrt_quad_box *reference = &references[i];
+        const struct mlrt_triangle *triangle = &triangles[mlrt_reference_triangle(reference)];
+        if (i + AHEAD < first + count) mlrt_prefetch(&triangles[mlrt_reference_triangle(&references[i + AHEAD])]);
         MLRT_ALIGNED(16) float low[4], high[4];
+        struct vertices vertices;
         f4 lo = f4_load(reference->lo), hi = f4_load(reference->hi);
         f4_store(low, f4_mul(f4_sub(lo, start), scale));
         f4_store(high, f4_mul(f4_sub(hi, start), scale));
+        load_vertices(triangle, unit, &vertices);
         for (uint32_t axis = 0; axis < 3; axis++) {
             uint32_t first_slab = (uint32_t)(int32_t)low[axis], last_slab = (uint32_t)(int32_t)high[axis];
             bins->first_count[axis][first_slab]++;
@@ -148,9 +169,7 @@ void mlrt_fill_spatial_bins(const struct mlrt_triangle *triangles, float unit, c
             if (first_slab == last_slab) {
                 extend_box(&bins->box[axis][first_slab], lo, hi);
             } else {
-                struct mlrt_triangle triangle;
-                mlrt_triangle_in_units(&triangles[mlrt_reference_triangle(reference)], unit, &triangle);
-                fill_axis(&triangle, reference, &slabs, axis, first_slab, last_slab, bins);
+                fill_axis(&vertices, reference, &slabs, axis, first_slab, last_slab, bins);
             }
         }
     }
@@ -334,6 +353,7 @@ void mlrt_apply_spatial_split(const struct mlrt_triangle *triangles, float unit,
             for (int i = 0; i < 2; i++)
                 if (touched >> i & 1) deal(&dealing, i, &parts[i]);
         }
+        if (touched == 3) mlrt_mark_copy(&parts[1]);
         if (touched & 1) references[lower++] = parts[0];
         if (touched & 2) references[end++] = parts[1];
     }

@@ -49,7 +49,8 @@ static int typical_exponent(const struct mlrt_tree *tree)
 {
     uint32_t counts[EXPONENT_COUNT] = {0}, total = 0, below = 0;
     for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {
-        const float size = size_of_triangle(&tree->triangles[i]);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
+        const float size = size_of_triangle(&triangle);
         if (!(size > 0)) continue;
         ++counts[exponent_of(size) - LEAST_EXPONENT];
         ++total;
@@ -66,6 +67,22 @@ static int unit_exponent(int typical)
 {
     if (typical >= -USUAL_EXPONENT && typical <= USUAL_EXPONENT) return 0;
     return typical < -120 ? 120 : typical > 120 ? -120 : -typical;
+}
+
+int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
+{
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    struct mlrt_triangle in_units;
+    return !mlrt_triangle_in_units(&triangle, tree->bvh.unit, &in_units);
+}
+
+int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
+{
+    int is_usual = tree->bvh.unit == 1;
+    for (int k = 0; k < 3; ++k) {
+        is_usual &= tree->bvh.whole.lo[k] >= -MLRT_SAFE_MAX && tree->bvh.whole.hi[k] <= MLRT_SAFE_MAX;
+    }
+    return is_usual;
 }
 
 void mlrt_set_bvh_unit(struct mlrt_tree *tree)
@@ -105,8 +122,9 @@ void mlrt_set_bvh_extent(struct mlrt_tree *tree)
     bvh->core = bvh->whole;
     if (is_within(&bvh->whole, (float)(limit * bvh->unit))) return;
     for (uint32_t i = 0; i < tree->triangle_count; i += sample_step(tree)) {
-        const float size = size_of_triangle(&tree->triangles[i]);
-        if (size > 0 && size <= limit) extend_core(&tree->triangles[i], bvh->unit, &core);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
+        const float size = size_of_triangle(&triangle);
+        if (size > 0 && size <= limit) extend_core(&triangle, bvh->unit, &core);
     }
     for (int k = 0; k < 3; ++k) { /* the sample has triangles that are left out, and these may lie outside the bounds */
         if (core.lo[k] > bvh->core.lo[k]) bvh->core.lo[k] = core.lo[k];

@@ -61,14 +61,10 @@ static inline int mlrt_triangle_in_units(const struct mlrt_triangle *triangle, f
     return is_usual;
 }
 
+/* 1 if a triangle is odd. */
+int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number);
+
 /* 1 if no triangle can be odd: the unit is 1, which is exact, and all coordinates are within MLRT_SAFE_MAX. */
-static inline int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
-{
-    int is_usual = tree->bvh.unit == 1;
-    for (int k = 0; k < 3; ++k) {
-        is_usual &= tree->bvh.whole.lo[k] >= -MLRT_SAFE_MAX && tree->bvh.whole.hi[k] <= MLRT_SAFE_MAX;
-    }
-    return is_usual;
-}
+int mlrt_has_usual_triangles(const struct mlrt_tree *tree);
 
 #endif

@@ -27,7 +27,7 @@ static void swap(struct mlrt_nearest *a, struct mlrt_nearest *b)
 
 /* The arguments of comparisons: the triangles, the ray, and its counters. */
 struct order {
-    const struct mlrt_triangle *triangles;
+    const struct mlrt_triangles *triangles;
     const struct mlrt_ray_segment *ray;
     mlrt_counters *counters;
 };
@@ -36,9 +36,9 @@ static int is_before(const struct order *order, const struct mlrt_nearest *first
 {
     if (first->hi < second->lo) return 1;
     if (second->hi < first->lo) return 0;
-    const struct mlrt_triangle *triangles = order->triangles;
-    const int sign =
-        mlrt_compare_distance(order->ray, &triangles[first->triangle], &triangles[second->triangle], order->counters);
+    const struct mlrt_triangle triangles[2] = {mlrt_triangle_at(order->triangles, first->triangle),
+                                               mlrt_triangle_at(order->triangles, second->triangle)};
+    const int sign = mlrt_compare_distance(order->ray, &triangles[0], &triangles[1], order->counters);
     return sign < 0 || (sign == 0 && first->triangle < second->triangle);
 }
 
@@ -111,20 +111,21 @@ static int make_room(struct mlrt_hit_list *list)
     return 1;
 }
 
-void mlrt_gather_hit(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t number,
+void mlrt_gather_hit(const struct mlrt_triangles *triangles, const struct mlrt_ray_segment *ray, uint32_t number,
                      struct mlrt_hit_list *list, mlrt_counters *counters)
 {
-    if (!mlrt_hits_triangle(ray, &triangles[number], counters)) return;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(triangles, number);
+    if (!mlrt_hits_triangle(ray, &triangle, counters)) return;
     if (!make_room(list)) {
         list->failed = 1;
         return;
     }
     struct mlrt_nearest *hit = &list->hits[list->count++];
     hit->triangle = number;
-    mlrt_bound_distance(ray, &triangles[number], &hit->lo, &hit->hi);
+    mlrt_bound_distance(ray, &triangle, &hit->lo, &hit->hi);
 }
 
-void mlrt_order_hits(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t wanted,
+void mlrt_order_hits(const struct mlrt_triangles *triangles, const struct mlrt_ray_segment *ray, uint32_t wanted,
                      struct mlrt_hit_list *list, mlrt_counters *counters)
 {
     const struct order order = {triangles, ray, counters};

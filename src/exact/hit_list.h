@@ -19,7 +19,7 @@ struct mlrt_hit_list {
 };
 
 /* Adds a triangle if the ray hits it. */
-void mlrt_gather_hit(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t number,
+void mlrt_gather_hit(const struct mlrt_triangles *triangles, const struct mlrt_ray_segment *ray, uint32_t number,
                      struct mlrt_hit_list *list, mlrt_counters *counters);
 
 /* Removes repetitions: then the list has each triangle once, ascending by number. */
@@ -29,7 +29,7 @@ void mlrt_remove_repetitions(struct mlrt_hit_list *list);
  * Puts the nearest `wanted` hits first, in order (rules R3, R6); the others follow in any order. Repetitions must have
  * been removed.
  */
-void mlrt_order_hits(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray, uint32_t wanted,
+void mlrt_order_hits(const struct mlrt_triangles *triangles, const struct mlrt_ray_segment *ray, uint32_t wanted,
                      struct mlrt_hit_list *list, mlrt_counters *counters);
 
 void mlrt_free_hit_list(struct mlrt_hit_list *list);

@@ -21,17 +21,18 @@ struct mlrt_nearest {
  * Offers triangle `number` to a ray (rules R2, R3). If the ray hits it before *nearest, sets *nearest to it and returns
  * 1; else returns 0.
  */
-static inline int mlrt_offer_triangle(const struct mlrt_triangle *triangles, const struct mlrt_ray_segment *ray,
+static inline int mlrt_offer_triangle(const struct mlrt_triangles *triangles, const struct mlrt_ray_segment *ray,
                                       uint32_t number, struct mlrt_nearest *nearest, mlrt_counters *counters)
 {
-    const struct mlrt_triangle *triangle = &triangles[number];
-    if (!mlrt_hits_triangle(ray, triangle, counters)) return 0;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(triangles, number);
+    if (!mlrt_hits_triangle(ray, &triangle, counters)) return 0;
     float lo, hi;
-    mlrt_bound_distance(ray, triangle, &lo, &hi);
+    mlrt_bound_distance(ray, &triangle, &lo, &hi);
     if (nearest->triangle != MLRT_NONE) {
         if (lo > nearest->hi) return 0;
         if (!(hi < nearest->lo)) {
-            int order = mlrt_compare_distance(ray, triangle, &triangles[nearest->triangle], counters);
+            const struct mlrt_triangle other = mlrt_triangle_at(triangles, nearest->triangle);
+            const int order = mlrt_compare_distance(ray, &triangle, &other, counters);
             if (order > 0 || (order == 0 && number > nearest->triangle)) return 0;
         }
     }

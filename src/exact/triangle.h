@@ -12,6 +12,63 @@ struct mlrt_triangle {
     float v[3][3];
 };
 
+/*
+ * The triangles of a tree by their numbers. They lie in order, or in the leaves of a hierarchy of boxes (bvh/node.h),
+ * where `places` tells the place of each. Behind the leaves are quads of triangles that no leaf has as they were given.
+ */
+struct mlrt_triangles {
+    const float *corners;   /* in order: 9 floats each. Else the corners of quads */
+    const uint32_t *places; /* NULL = in order. Else, for each triangle: mlrt_pack_place */
+    uint32_t given_quad;    /* from this quad on, corners are as they were given; before it, they are in units */
+    float inverse_unit;     /* the factor that takes corners out of units */
+};
+
+/* Quads below this have a place that fits 32 bits. */
+#ifndef MLRT_PLACE_QUADS
+#define MLRT_PLACE_QUADS (1u << 26)
+#endif
+
+/* A place: `place` of the leaf, or of the only quad, that begins with quad `first` and has 1 to 4 quads. */
+static inline uint32_t mlrt_pack_place(uint32_t first, uint32_t quad_count, uint32_t place)
+{
+    return first << 6 | place << 2 | (quad_count - 1);
+}
+
+/* The first quad of a place's leaf, how many quads that has, and the place in it. */
+static inline uint32_t mlrt_first_quad_of(uint32_t packed)
+{
+    return packed >> 6;
+}
+
+static inline uint32_t mlrt_quad_count_of(uint32_t packed)
+{
+    return (packed & 3) + 1;
+}
+
+static inline uint32_t mlrt_place_in_leaf(uint32_t packed)
+{
+    return packed >> 2 & 15;
+}
+
+/* Coordinate i of a triangle is corner[i * row]. */
+struct mlrt_corners {
+    const float *corner;
+    uint32_t row;
+    int in_units; /* 1 = they are in units */
+};
+
+/* Where the corners of triangle `number` lie. */
+static inline struct mlrt_corners mlrt_corners_of(const struct mlrt_triangles *triangles, uint32_t number)
+{
+    if (!triangles->places) return (struct mlrt_corners){triangles->corners + 9 * (size_t)number, 1, 0};
+    const uint32_t packed = triangles->places[number], quad = mlrt_first_quad_of(packed);
+    return (struct mlrt_corners){triangles->corners + 36 * (size_t)quad + mlrt_place_in_leaf(packed),
+                                 4 * mlrt_quad_count_of(packed), quad < triangles->given_quad};
+}
+
+/* Triangle `number`, bit for bit as it was given. */
+struct mlrt_triangle mlrt_triangle_at(const struct mlrt_triangles *triangles, uint32_t number);
+
 struct mlrt_box {
     float lo[3];
     float hi[3];

@@ -204,7 +204,8 @@ static MLRT_NOINLINE uint32_t compare_with_nearest(const struct mlrt_tree *tree,
     struct close_triangle triangle;
     uint32_t nearer = 0;
     *farther = 0;
-    set_close_triangle(&tree->triangles[nearest], packet, &triangle);
+    const struct mlrt_triangle given = mlrt_triangle_at(&tree->by_number, nearest);
+    set_close_triangle(&given, packet, &triangle);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         struct close_bounds other;
         if (!(lanes >> lane & DOUBLE_LANES)) continue;
@@ -332,7 +333,8 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
     struct close_triangle triangle;
     struct close_bounds bounds[DOUBLE_VECTORS];
     uint32_t passed = 0, hit = 0, nearer = 0, farther = 0;
-    set_close_triangle(&tree->triangles[number], packet, &triangle);
+    const struct mlrt_triangle given = mlrt_triangle_at(&tree->by_number, number);
+    set_close_triangle(&given, packet, &triangle);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         const uint32_t among = lanes >> lane & DOUBLE_LANES;
         if (!among) continue;
@@ -352,7 +354,7 @@ static MLRT_NOINLINE uint32_t decide_by_doubles(const struct mlrt_tree *tree, ui
     }
     const uint32_t at_end = *left & hit & lanes_of_triangle(packet, MLRT_NONE);
     if (at_end) {
-        nearer |= find_lanes_at_end(&tree->triangles[number], packet, at_end, &farther);
+        nearer |= find_lanes_at_end(&given, packet, at_end, &farther);
         *left &= ~(farther | nearer);
     }
     if (nearer) keep_close_hits(number, nearer, bounds, packet);

@@ -49,28 +49,6 @@
 
 #define FEW_TRIANGLES 2
 
-/*
- * Loads the corners of the triangles that the lanes hit. Lanes without a hit get the triangle of a lane that has one.
- */
-static void gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
-                           float corners[9][MLRT_PACKET_RAYS])
-{
-    const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
-    size_t offset[MLRT_PACKET_RAYS];
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint32_t number = hit >> lane & 1 ? packet->triangle[lane] : standard;
-        offset[lane] = number * sizeof *tree->triangles;
-    }
-    for (int i = 0; i < 3; ++i) {
-        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-            vf corner[3];
-            v_triples_of((const unsigned char *)tree->triangles->v[i], offset + v, corner);
-            MLRT_UNROLL
-            for (int k = 0; k < 3; ++k) v_store(corners[3 * i + k] + v, corner[k]);
-        }
-    }
-}
-
 MLRT_INLINE void fused_cross_product(const vd a[3], const vd b[3], vd cross[3])
 {
     MLRT_UNROLL
@@ -158,7 +136,8 @@ MLRT_INLINE const struct mlrt_hit_terms *find_shared_terms(const struct mlrt_tre
     const uint32_t place = number % MLRT_HIT_TERMS_COUNT;
     struct mlrt_hit_terms *kept = &cache->entries[place];
     if (cache->numbers[place] != number) {
-        mlrt_set_plane_terms(&tree->triangles[number], kept);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+        mlrt_set_plane_terms(&triangle, kept);
         cache->numbers[place] = number;
     }
     if (packet->has_apex && memcmp(packet->apex, kept->origin, sizeof kept->origin) != 0) {
@@ -326,7 +305,7 @@ static uint32_t report_triangles(const struct mlrt_tree *tree, const struct mlrt
 {
     uint32_t reported = 0;
     MLRT_ALIGNED(64) float corners[9][MLRT_PACKET_RAYS];
-    gather_corners(tree, packet, hit, corners);
+    mlrt_gather_corners(tree, packet, hit, corners);
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
         vd corner[9];
         struct plane_terms plane;

@@ -93,11 +93,11 @@ static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packe
                            struct seen_points *points)
 {
     const uint32_t number = seen->triangle[mlrt_lowest_bit(hit)];
-    const float *first = tree->triangles[number].v[0];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
     const int is_one = !(hit & ~lanes_of_triangle(seen, number));
-    if (!is_one) gather_corners(tree, seen, hit, points->corners);
+    if (!is_one) mlrt_gather_corners(tree, seen, hit, points->corners);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        for (int k = 0; is_one && k < 9; ++k) v_store(points->corners[k] + v, v_set1(first[k]));
+        for (int k = 0; is_one && k < 9; ++k) v_store(points->corners[k] + v, v_set1(triangle.v[k / 3][k % 3]));
         for (int k = 0; k < 3; ++k) {
             v_store(points->origin[k] + v, seen->has_apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
         }

@@ -107,8 +107,8 @@ uint32_t mlrt_make_shadow_lane(const struct mlrt_job *job, const struct mlrt_pac
     struct mlrt_ray_segment ray, shadow;
     int faces;
     mlrt_get_segment(seen, lane, &ray);
-    const int is_ray =
-        mlrt_make_shadow_ray(&job->source, &job->tree->triangles[seen->triangle[lane]], &ray, &faces, &shadow);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, seen->triangle[lane]);
+    const int is_ray = mlrt_make_shadow_ray(&job->source, &triangle, &ray, &faces, &shadow);
     for (int k = 0; k < 3; ++k) ends[k][lane] = !is_ray ? 0 : is_point ? shadow.direction[k] : shadow.origin[k];
     return (uint32_t)faces << lane;
 }
@@ -118,7 +118,8 @@ int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ra
 {
     struct mlrt_ray_segment shadow;
     int faces;
-    if (!mlrt_make_shadow_ray(&job->source, &job->tree->triangles[number], ray, &faces, &shadow)) return !faces;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
+    if (!mlrt_make_shadow_ray(&job->source, &triangle, ray, &faces, &shadow)) return !faces;
     shadow.mask = job->source.common_mask;
     if (counters) ++counters->ray_count, ++counters->packet_count;
     return job->trace_segment(job->tree, &shadow, number, 1, counters) != MLRT_NONE;

@@ -31,7 +31,9 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
     if (plane_1 == plane_2) return 1;
     if (mlrt_is_pair(pair, first, second) && pair->differ) return 0;
     if (mlrt_is_stopped_in_step(worker)) return 0;
-    if (!mlrt_share_plane(&tree->triangles[first], &tree->triangles[second])) {
+    const struct mlrt_triangle triangles[2] = {mlrt_triangle_at(&tree->by_number, first),
+                                               mlrt_triangle_at(&tree->by_number, second)};
+    if (!mlrt_share_plane(&triangles[0], &triangles[1])) {
         if (!mlrt_is_pair(pair, first, second)) *pair = (struct mlrt_triangle_pair){first, second, 1, 0, {NAN, 0, 0}};
         pair->differ = 1;
         return 0;
@@ -45,7 +47,9 @@ MLRT_NOINLINE void mlrt_find_order(const struct mlrt_tree *tree, const float ape
                                    struct mlrt_triangle_pair *pair)
 {
     const int differ = mlrt_is_pair(pair, first, second) && pair->differ;
-    const int order = mlrt_order_of_triangles(apex, &tree->triangles[first], &tree->triangles[second]);
+    const struct mlrt_triangle triangles[2] = {mlrt_triangle_at(&tree->by_number, first),
+                                               mlrt_triangle_at(&tree->by_number, second)};
+    const int order = mlrt_order_of_triangles(apex, &triangles[0], &triangles[1]);
     *pair = (struct mlrt_triangle_pair){first, second, differ || order != 0, order, {apex[0], apex[1], apex[2]}};
 }
 
@@ -79,7 +83,7 @@ static uint32_t judge_lanes(const struct mlrt_tree *tree, uint32_t number, uint3
         if (mlrt_is_stopped_in_step(worker)) break;
         mlrt_get_segment(packet, lane, &ray);
         struct mlrt_nearest nearest = {packet->triangle[lane], packet->lo[lane], packet->hi[lane]};
-        if (!mlrt_offer_triangle(tree->triangles, &ray, number, &nearest, counters)) continue;
+        if (!mlrt_offer_triangle(&tree->by_number, &ray, number, &nearest, counters)) continue;
         packet->triangle[lane] = nearest.triangle;
         packet->lo[lane] = nearest.lo;
         packet->hi[lane] = nearest.hi;
@@ -104,22 +108,26 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
                           uint32_t lane, struct mlrt_packet *packet, struct mlrt_worker *worker,
                           mlrt_counters *counters)
 {
-    const struct mlrt_triangle *triangles = job->tree->triangles;
     struct mlrt_ray_segment ray;
     uint32_t hit = 0;
     mlrt_get_segment(packet, lane, &ray);
     for (; undecided; undecided &= undecided - 1) {
         const uint32_t i = mlrt_lowest_bit(undecided), number = numbers[i], nearest = packet->triangle[lane];
         const uint32_t known_inside = (inside >> i & 1) << lane;
-        const struct mlrt_triangle *other = nearest == MLRT_NONE ? NULL : &triangles[nearest];
         if (mlrt_is_stopped_in_step(worker)) break;
-        if (other && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
+        if (nearest != MLRT_NONE && mlrt_known_plane_of(worker, number) == mlrt_known_plane_of(worker, nearest) &&
             mlrt_settle_tie(number, nearest, 1u << lane, known_inside, packet)) {
             if (counters) ++counters->tie_lane_count;
             continue;
         }
-        const int nearer = mlrt_offer_in_double(&ray, &triangles[number], known_inside != 0, other, &packet->lo[lane],
-                                                &packet->hi[lane]);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
+        int nearer =
+            mlrt_offer_in_double(&ray, &triangle, known_inside != 0, NULL, &packet->lo[lane], &packet->hi[lane]);
+        if (nearer < 0 && nearest != MLRT_NONE) { // few tests need the other triangle
+            const struct mlrt_triangle other = mlrt_triangle_at(&job->tree->by_number, nearest);
+            nearer =
+                mlrt_offer_in_double(&ray, &triangle, known_inside != 0, &other, &packet->lo[lane], &packet->hi[lane]);
+        }
         if (nearer >= 0) {
             if (counters) {
                 ++counters->undecided_test_count;

@@ -138,8 +138,8 @@ void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t nu
         struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
         memcpy(segment.origin, ray->origin, sizeof segment.origin);
         memcpy(segment.direction, ray->direction, sizeof segment.direction);
-        mlrt_report_hit(&segment, &tree->triangles[number], MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING,
-                        &report);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+        mlrt_report_hit(&segment, &triangle, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
     }
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
     hit->t = report.t;
@@ -159,13 +159,26 @@ void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct ml
     ray->mask = packet->has_masks ? packet->mask[lane] : MLRT_MASK_ALL;
 }
 
+void mlrt_gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                         float corners[9][MLRT_PACKET_RAYS])
+{
+    const uint32_t standard = packet->triangle[mlrt_lowest_bit(hit)];
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
+        const uint32_t number = hit >> lane & 1 ? packet->triangle[lane] : standard;
+        const struct mlrt_corners from = mlrt_corners_of(&tree->by_number, number);
+        const float scale = from.in_units ? tree->by_number.inverse_unit : 1;
+        for (uint32_t i = 0; i < 9; ++i) corners[i][lane] = from.corner[i * from.row] * scale;
+    }
+}
+
 void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
                       struct mlrt_packet_values *values)
 {
     struct mlrt_ray_segment ray;
     struct mlrt_hit_report report = {0, 0, 0, 0};
     mlrt_get_segment(packet, lane, &ray);
-    mlrt_report_hit(&ray, &tree->triangles[packet->triangle[lane]], outputs, &report);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, packet->triangle[lane]);
+    mlrt_report_hit(&ray, &triangle, outputs, &report);
     values->t[lane] = report.t;
     values->uv[0][lane] = report.u;
     values->uv[1][lane] = report.v;

@@ -107,6 +107,13 @@ void mlrt_write_same_shadow(uint8_t occluded, uint32_t x, uint32_t y, uint32_t w
 /* Sets *ray to the ray of a lane. If the packet has no masks, its mask is MLRT_MASK_ALL. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);
 
+/*
+ * Loads the corners of the triangles that the lanes `hit` have hit, as they were given: corners[i] has coordinate i of
+ * all lanes. Lanes without a hit get the triangle of a lane that has one.
+ */
+void mlrt_gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
+                         float corners[9][MLRT_PACKET_RAYS]);
+
 /* Returns the position of the mesh that triangle `number` belongs to. */
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 

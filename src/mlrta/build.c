@@ -606,5 +606,6 @@ struct mlrt_demand mlrt_foresee_nodes(const mlrt_kdtree_options *options, uint32
     const uint64_t guess = 56 * (uint64_t)triangle_count + 64 * 12;
     const uint64_t most = 4 * settings.reference_limit + 16 * (settings.reference_limit + 1);
     const uint64_t held = guess < most ? guess : most;
-    return (struct mlrt_demand){held, 2 * held + 36 * (uint64_t)triangle_count};
+    const uint64_t triangles = (uint64_t)triangle_count * sizeof(struct mlrt_triangle);
+    return (struct mlrt_demand){triangles + held, 2 * triangles + 2 * held};
 }

@@ -93,10 +93,10 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
             if (entries[i] == skip || mlrt_is_hidden(tree, entries[i], ray->mask)) continue;
             if (counters) ++counters->triangle_test_count;
             if (list) {
-                mlrt_gather_hit(tree->triangles, ray, entries[i], list, counters);
+                mlrt_gather_hit(&tree->by_number, ray, entries[i], list, counters);
                 continue;
             }
-            if (mlrt_offer_triangle(tree->triangles, ray, entries[i], &nearest, counters) && any)
+            if (mlrt_offer_triangle(&tree->by_number, ray, entries[i], &nearest, counters) && any)
                 return nearest.triangle;
         }
         do {

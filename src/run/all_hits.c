@@ -74,7 +74,8 @@ static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray,
     uint32_t mesh, triangle;
     mlrt_find_ids(run->tree, number, &mesh, &triangle);
     if (run->outputs && number != MLRT_NONE) {
-        mlrt_report_hit(ray, &run->tree->triangles[number], run->outputs, &report);
+        const struct mlrt_triangle hit = mlrt_triangle_at(&run->tree->by_number, number);
+        mlrt_report_hit(ray, &hit, run->outputs, &report);
     }
     write_float(&run->arrays[T], i, report.t);
     write_float(&run->arrays[U], i, report.u);
@@ -85,12 +86,18 @@ static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray,
     if (run->arrays[CROSSING].data) *(uint8_t *)element(&run->arrays[CROSSING], i) = (uint8_t)crossing;
 }
 
+static int crosses(const struct run *run, const struct mlrt_ray_segment *ray, uint32_t number)
+{
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&run->tree->by_number, number);
+    return mlrt_crosses_triangle(ray, &triangle);
+}
+
 static uint32_t count_crossings(const struct run *run, const struct mlrt_ray_segment *ray,
                                 const struct mlrt_hit_list *list)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < list->count; ++i) {
-        count += (uint32_t)mlrt_crosses_triangle(ray, &run->tree->triangles[list->hits[i].triangle]);
+        count += (uint32_t)crosses(run, ray, list->hits[i].triangle);
     }
     return count;
 }
@@ -108,15 +115,14 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
     if (mlrt_get_ray(source, i % source->width, i / source->width, &ray, &skip)) {
         ++worker->counters.packet_count;
         mlrt_gather_hits(run->tree, &ray, skip, list, counters);
-        mlrt_order_hits(run->tree->triangles, &ray, run->capacity, list, counters);
+        mlrt_order_hits(&run->tree->by_number, &ray, run->capacity, list, counters);
     }
     if (list->failed) return 0;
     write_word(&run->arrays[TOTAL], i, list->count);
     if (run->arrays[CROSSING_TOTAL].data) write_word(&run->arrays[CROSSING_TOTAL], i, count_crossings(run, &ray, list));
     for (uint32_t j = 0; j < run->capacity; ++j) {
         const uint32_t number = j < list->count ? list->hits[j].triangle : MLRT_NONE;
-        const int crossing = number != MLRT_NONE && run->arrays[CROSSING].data &&
-                             mlrt_crosses_triangle(&ray, &run->tree->triangles[number]);
+        const int crossing = number != MLRT_NONE && run->arrays[CROSSING].data && crosses(run, &ray, number);
         write_hit(run, &ray, number, crossing, (size_t)i * run->capacity + j);
     }
     return 1;

@@ -194,6 +194,7 @@ static int allocate_tables(struct mlrt_tree *tree)
     tree->mesh_by_id = mlrt_allocate(&tree->memory, tree->mesh_count, sizeof *tree->mesh_by_id);
     tree->mesh_first = mlrt_allocate(&tree->memory, (size_t)tree->mesh_count + 1, sizeof *tree->mesh_first);
     tree->triangles = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->triangles);
+    mlrt_read_in_order(tree);
     return tree->mesh_ids && tree->mesh_by_id && tree->mesh_first && tree->triangles;
 }
 

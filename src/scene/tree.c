@@ -16,7 +16,7 @@ int mlrt_has_safe_bounds(const struct mlrt_tree *tree)
 
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
     if (tree->info.non_finite_count + tree->info.zero_area_count == 0) return 0;
-    return !mlrt_triangle_is_finite(triangle) || !mlrt_triangle_has_area(triangle);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    return !mlrt_triangle_is_finite(&triangle) || !mlrt_triangle_has_area(&triangle);
 }

@@ -5,7 +5,8 @@
  *
  * Triangles keep the order of the input: triangle i of mesh m has the number mesh_first[m] + i everywhere in the
  * library, so the order of numbers is the order of ties in the hit rule. Triangles that are left out (not finite, or
- * without area) are stored too, but no leaf holds them.
+ * without area) are stored too, but no leaf holds them. A kd-tree keeps an array of the triangles. In a hierarchy of
+ * boxes the leaves have them already (bvh/places.h).
  */
 #ifndef MLRT_SCENE_TREE_H
 #define MLRT_SCENE_TREE_H
@@ -25,16 +26,19 @@ struct mlrt_bvh {
     struct mlrt_bvh_node *nodes;
     uint32_t node_count;
     uint32_t quad_count;
-    float *corners;        /* 36 * quad_count + 16 */
-    uint32_t *numbers;     /* 4 * quad_count + 16 */
-    float unit;            /* the factor of the coordinates of boxes and corners: bvh/unit.h */
-    struct mlrt_box whole; /* bounds of all triangles that leaves hold, in units */
-    struct mlrt_box core;  /* estimated bounds of most of them, in units: no answer depends on it */
+    uint32_t leaf_quad_count; /* quads of leaves: the first ones */
+    float *corners;           /* 36 * quad_count + 16 */
+    uint32_t *numbers;        /* 4 * quad_count + 16 */
+    uint32_t *places;         /* of all triangles, mlrt_pack_place; NULL = tree->triangles has them */
+    float unit;               /* the factor of the coordinates of boxes and corners: bvh/unit.h */
+    struct mlrt_box whole;    /* bounds of all triangles that leaves hold, in units */
+    struct mlrt_box core;     /* estimated bounds of most of them, in units: no answer depends on it */
 };
 
 struct mlrt_tree {
     struct mlrt_memory memory;
-    struct mlrt_triangle *triangles;
+    struct mlrt_triangles by_number; /* how to read a triangle */
+    struct mlrt_triangle *triangles; /* triangle_count, in order; NULL = they lie in the hierarchy of boxes */
     uint32_t triangle_count;
     uint32_t mesh_count;
     uint32_t *mesh_ids;   /* mesh_count: the ids that results report */
@@ -53,6 +57,12 @@ struct mlrt_tree {
     int float_safe;         /* 1 = every split plane and every bound is mlrt_is_float_safe */
     mlrt_tree_info info;
 };
+
+/* Lets tree->by_number read the triangles in order. */
+static inline void mlrt_read_in_order(struct mlrt_tree *tree)
+{
+    tree->by_number = (struct mlrt_triangles){tree->triangles ? tree->triangles->v[0] : NULL, NULL, 0, 1};
+}
 
 /* 1 if all bounds of the tree are mlrt_is_float_safe. */
 int mlrt_has_safe_bounds(const struct mlrt_tree *tree);

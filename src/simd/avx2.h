@@ -102,15 +102,6 @@ MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_st
     transpose_quads(r, by_word);
     by_axis[0] = by_word[0], by_axis[1] = by_word[1], by_axis[2] = by_word[2];
 }
-MLRT_INLINE void v_triples_of(const unsigned char *p, const size_t *offset, vf by_axis[3])
-{
-    __m256 r[4];
-    vf by_word[4];
-    MLRT_UNROLL
-    for (int i = 0; i < 4; ++i) r[i] = _mm256_setr_m128(triple_at(p + offset[i]), triple_at(p + offset[4 + i]));
-    transpose_quads(r, by_word);
-    by_axis[0] = by_word[0], by_axis[1] = by_word[1], by_axis[2] = by_word[2];
-}
 MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
 {
     __m256 r[4];

@@ -13,8 +13,8 @@
  *   not rounded. d_mul_add and d_mul_sub have one rounding or two, like v_mul_add.
  * - v_triples_at, v_quads_at, v_floats_at and i_pairs_at load three, four, one or two words of each lane, one vector
  *   a word. Lanes are squares of 2x2 elements (rays/packet.h), and p is the element of the first lane. Neighbours
- *   in a row are `step` bytes apart, rows `row_step` bytes. v_triples is for a step of 12. v_triples_of is for lanes at
- *   p + offset[i]. These words read no bytes except those that they load.
+ *   in a row are `step` bytes apart, rows `row_step` bytes. v_triples is for a step of 12. These words read no bytes
+ *   except those that they load.
  */
 #ifndef MLRT_SIMD_SCALAR_H
 #define MLRT_SIMD_SCALAR_H
@@ -93,10 +93,6 @@ MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_st
 {
     (void)step, (void)row_step;
     for (int k = 0; k < 3; ++k) memcpy(&by_axis[k], p + 4 * k, 4);
-}
-MLRT_INLINE void v_triples_of(const unsigned char *p, const size_t *offset, vf by_axis[3])
-{
-    v_triples_at(p + offset[0], 0, 0, by_axis);
 }
 MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
 {

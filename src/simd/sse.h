@@ -104,14 +104,6 @@ MLRT_INLINE void v_triples_at(const unsigned char *p, size_t step, size_t row_st
     transpose_quads(r, by_word);
     by_axis[0] = by_word[0], by_axis[1] = by_word[1], by_axis[2] = by_word[2];
 }
-MLRT_INLINE void v_triples_of(const unsigned char *p, const size_t *offset, vf by_axis[3])
-{
-    const __m128 r[4] = {triple_at(p + offset[0]), triple_at(p + offset[1]), triple_at(p + offset[2]),
-                         triple_at(p + offset[3])};
-    vf by_word[4];
-    transpose_quads(r, by_word);
-    by_axis[0] = by_word[0], by_axis[1] = by_word[1], by_axis[2] = by_word[2];
-}
 MLRT_INLINE void v_quads_at(const unsigned char *p, size_t step, size_t row_step, vf by_word[4])
 {
     const unsigned char *below = p + row_step;

@@ -389,7 +389,8 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
 {
     struct mlrt_plane plane;
     uint32_t apart = 0;
-    mlrt_set_plane(&tree->triangles[number], &plane);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    mlrt_set_plane(&triangle, &plane);
     if (bundle->waist.sign < 0) backward = ~backward;
     for (; places; places &= places - 1) {
         const uint32_t place = mlrt_lowest_bit(places);

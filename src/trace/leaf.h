@@ -205,11 +205,11 @@ static double cross_doubles_with_size(const double p[3], const double q[3], doub
 static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t place,
                                           struct mlrt_bundle_leaf *leaf)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
     double near = INFINITY, far = -INFINITY;
     for (int i = 0; i < 3; ++i) {
         const double depth =
-            (triangle->v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
+            (triangle.v[i][waist->main_axis] * (double)tree->bvh.unit - waist->point[waist->main_axis]) * waist->sign;
         near = fmin(depth, near);
         far = fmax(depth, far);
     }
@@ -232,7 +232,7 @@ static MLRT_NOINLINE void set_odd_outline(const struct mlrt_tree *tree, const st
 static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, const struct mlrt_waist *waist,
                                               uint32_t place, struct mlrt_bundle_leaf *leaf)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[leaf->numbers[place]];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
     double to[3][3], g[3][3], cross[3], size[3], steepness = 0, distance = 0, error = 0;
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
@@ -240,8 +240,8 @@ static MLRT_NOINLINE void set_up_odd_triangle(const struct mlrt_tree *tree, cons
         const double flip = k == 0 ? (double)waist->sign : 1, unit = tree->bvh.unit * flip;
         MLRT_UNROLL
         for (int i = 0; i < 3; ++i) {
-            to[i][k] = triangle->v[i][axis] * unit - flip * waist->point[axis];
-            g[i][k] = ((double)triangle->v[(i + 1) % 3][axis] - triangle->v[i][axis]) * unit;
+            to[i][k] = triangle.v[i][axis] * unit - flip * waist->point[axis];
+            g[i][k] = ((double)triangle.v[(i + 1) % 3][axis] - triangle.v[i][axis]) * unit;
         }
     }
     MLRT_UNROLL
@@ -294,7 +294,8 @@ static MLRT_NOINLINE void settle_signs(const struct mlrt_tree *tree, const struc
     for (; leaf->doubtful; leaf->doubtful &= leaf->doubtful - 1) {
         const uint32_t place = mlrt_lowest_bit(leaf->doubtful);
         /* With the waist's sign +1, N has the sign of -side. */
-        const int side = mlrt_side_of_plane(&tree->triangles[leaf->numbers[place]], eye);
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, leaf->numbers[place]);
+        const int side = mlrt_side_of_plane(&triangle, eye);
         if (side == 0) {
             leaf->from_waist &= ~(1u << place);
         } else if ((leaf->flipped >> place & 1) != ((side > 0) == (waist->sign > 0))) {

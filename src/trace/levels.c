@@ -58,16 +58,16 @@ static void find_next_tile(const struct mlrt_source *source, const struct mlrt_r
 }
 
 /*
- * Prefetches the triangles that a packet hits: t, u and v are computed from the corners as they were given, which the
- * traversal does not read. A packet whose lanes all hit one triangle is left out, since one cache miss costs little.
- * Always inlined: the compiler drops a call of a function that only prefetches.
+ * Prefetches the places of the triangles that a packet hits: t, u and v are computed from the corners in leaves, which
+ * the traversal has read, but it knows triangles by their numbers. A packet whose lanes all hit one triangle is left
+ * out, since one cache miss costs little. Always inlined: the compiler drops a call of a function that only prefetches.
  */
 MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct mlrt_packet *packet)
 {
-    if (mlrt_same_words(packet->triangle, packet->triangle[0]) == 0xFFFF) return;
+    if (!tree->bvh.places || mlrt_same_words(packet->triangle, packet->triangle[0]) == 0xFFFF) return;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const uint32_t number = packet->triangle[lane];
-        if (number != MLRT_NONE) mlrt_prefetch(&tree->triangles[number]);
+        if (number != MLRT_NONE) mlrt_prefetch(&tree->bvh.places[number]);
     }
 }
 

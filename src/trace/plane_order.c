@@ -78,26 +78,20 @@ struct plane_from_waist {
 static void set_plane_from_waist(const struct mlrt_tree *tree, const struct mlrt_waist *waist, uint32_t number,
                                  struct plane_from_waist *plane)
 {
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
     double to[3], ab[3], ac[3];
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const int axis = (waist->main_axis + k) % 3;
         const double sign = k == 0 ? (double)waist->sign : 1, scale = sign * tree->bvh.unit;
-        const double a = triangle->v[0][axis] * scale;
+        const double a = triangle.v[0][axis] * scale;
         to[k] = a - sign * waist->point[axis];
-        ab[k] = triangle->v[1][axis] * scale - a;
-        ac[k] = triangle->v[2][axis] * scale - a;
+        ab[k] = triangle.v[1][axis] * scale - a;
+        ac[k] = triangle.v[2][axis] * scale - a;
     }
     cross_with_sizes(ab, ac, plane->normal, plane->size);
     plane->n = to[0] * plane->normal[0] + to[1] * plane->normal[1] + to[2] * plane->normal[2];
     plane->n_size = fabs(to[0]) * plane->size[0] + fabs(to[1]) * plane->size[1] + fabs(to[2]) * plane->size[2];
-}
-
-static int is_odd(const struct mlrt_tree *tree, uint32_t number)
-{
-    struct mlrt_triangle triangle;
-    return !mlrt_triangle_in_units(&tree->triangles[number], tree->bvh.unit, &triangle);
 }
 
 /* The size S of C or of its errors: the sum of |coefficient| |term| if both slopes are 1/2. */
@@ -152,7 +146,7 @@ MLRT_NOINLINE void mlrt_set_pair_line(const struct mlrt_tree *tree, const struct
     line->kind = MLRT_ONE_PLANE;
     if (mlrt_known_plane_of(worker, first) == mlrt_known_plane_of(worker, second)) return;
     line->kind = MLRT_NO_LINE;
-    if (!mlrt_has_usual_triangles(tree) && (is_odd(tree, first) || is_odd(tree, second))) return;
+    if (!mlrt_has_usual_triangles(tree) && (mlrt_is_odd(tree, first) || mlrt_is_odd(tree, second))) return;
     set_plane_from_waist(tree, &cache->waist, first, &plane_1);
     set_plane_from_waist(tree, &cache->waist, second, &plane_2);
     if (set_line(&plane_1, &plane_2, line)) {

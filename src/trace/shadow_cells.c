@@ -84,7 +84,8 @@ static uint32_t find_planes(const struct mlrt_source *light, const struct mlrt_t
         const uint32_t place = mlrt_lowest_bit(among);
         if (seen->hulls.cover[place] != number) {
             number = seen->hulls.cover[place];
-            side = find_plane(light, &tree->triangles[number], seen->waist.point, planes, last = place);
+            const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+            side = find_plane(light, &triangle, seen->waist.point, planes, last = place);
         } else if (side == FACING) {
             copy_plane(planes, last, place);
         }

@@ -204,11 +204,10 @@ static int decide_triangles(const struct mlrt_job *job, const uint32_t *numbers,
     int changed = 0;
     for (uint32_t left = mlrt_has_usual_triangles(job->tree) ? 0 : undecided; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), number = numbers[place];
-        struct mlrt_triangle triangle;
-        if (MLRT_LIKELY(mlrt_triangle_in_units(&job->tree->triangles[number], job->tree->bvh.unit, &triangle)))
-            continue;
+        if (MLRT_LIKELY(!mlrt_is_odd(job->tree, number))) continue;
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
         undecided &= ~(1u << place);
-        if (passes_box(packet, lane, &job->tree->triangles[number])) continue;
+        if (passes_box(packet, lane, &triangle)) continue;
         changed |= decide_lanes(job->tree, number, 1u << lane, 0, packet, worker, COUNTERS(worker)) != 0;
         if (changed && job->any) return 1;
     }

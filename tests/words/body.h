@@ -75,9 +75,6 @@ static void run_blocks(const struct word_input *in, struct word_output *out)
         for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES + k] + v, by_word[k]);
         v_triples_at(first + 4 * STEP * x + 4, 4 * STEP, 4 * ROW, by_word);
         for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES_AT + k] + v, by_word[k]);
-        const size_t offset[16] = {0, 8, 24, 36, 52, 4, 12, 16, 20, 28, 32, 40, 44, 48, 56, 60};
-        v_triples_of((const unsigned char *)words, offset + v, by_word);
-        for (int k = 0; k < 3; ++k) v_store(out->values[WORD_TRIPLES_OF + k] + v, by_word[k]);
         v_quads_at(first + 4 * STEP * x, 4 * STEP, 4 * ROW, by_word);
         for (int k = 0; k < 4; ++k) v_store(out->values[WORD_QUADS_AT + k] + v, by_word[k]);
         v_store(out->values[WORD_FLOATS_AT] + v, v_floats_at(first + 4 * x, 4, 4 * ROW));

@@ -43,8 +43,6 @@ enum {
     WORD_TRIPLES_END = WORD_TRIPLES + 2,
     WORD_TRIPLES_AT,
     WORD_TRIPLES_AT_END = WORD_TRIPLES_AT + 2,
-    WORD_TRIPLES_OF,
-    WORD_TRIPLES_OF_END = WORD_TRIPLES_OF + 2,
     WORD_QUADS_AT, /* by word: four */
     WORD_QUADS_AT_END = WORD_QUADS_AT + 3,
     WORD_FLOATS_AT, /* side by side, and apart */
