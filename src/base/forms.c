@@ -93,16 +93,13 @@ const struct mlrt_rules mlrt_rules =
         .camera = {FIELD_RULE(mlrt_camera, projection, INTEGER, MLRT_PROJECTION_PARALLEL)},
         .view =
             {
-                FIELD_RULE(mlrt_camera, d00, FINITE, 3),
-                FIELD_RULE(mlrt_camera, dx, FINITE, 3),
-                FIELD_RULE(mlrt_camera, dy, FINITE, 3),
-                FIELD_RULE(mlrt_camera, sample_x, FINITE, 1),
-                FIELD_RULE(mlrt_camera, sample_y, FINITE, 1),
-                FIELD_RULE(mlrt_camera, t_min, NUMBER, 1),
+                FIELD_RULE(mlrt_camera, direction, FINITE, 3), /* of parallel cameras, which have no eye */
+                FIELD_RULE(mlrt_camera, d00, FINITE, 3), FIELD_RULE(mlrt_camera, dx, FINITE, 3),
+                FIELD_RULE(mlrt_camera, dy, FINITE, 3), FIELD_RULE(mlrt_camera, sample_x, FINITE, 1),
+                FIELD_RULE(mlrt_camera, sample_y, FINITE, 1), FIELD_RULE(mlrt_camera, t_min, NUMBER, 1),
                 FIELD_RULE(mlrt_camera, t_max, NUMBER, 1),
+                FIELD_RULE(mlrt_camera, eye, FINITE, 3), /* of pinhole cameras, which have no direction */
             },
-        .pinhole = {FIELD_RULE(mlrt_camera, eye, FINITE, 3)},
-        .parallel = {FIELD_RULE(mlrt_camera, direction, FINITE, 3)},
         .vectors = {{"", 0, 12, MLRT_FIELD_OUTPUT}},
         .bytes = {{"", 0, 1, MLRT_FIELD_OUTPUT}},
         .number = {{"", 0, 1, MLRT_FIELD_FINITE}},
@@ -116,6 +113,11 @@ const struct mlrt_rules mlrt_rules =
         BYTES_UP_TO(type, last), sizeof(type), ROW_NUMBER(table), ROW_COUNT(table), status, has_rows                   \
     }
 #define CHECKED_FORM(type, last, table) FORM_OF(type, last, table, MLRT_ERROR_ARGUMENT, 0)
+#define CAMERA_FORM(first)                                                                                             \
+    {                                                                                                                  \
+        BYTES_UP_TO(mlrt_camera, t_max), sizeof(mlrt_camera), ROW_NUMBER(view) + first, ROW_COUNT(view) - 1,           \
+            MLRT_ERROR_CAMERA, 0                                                                                       \
+    }
 #define PLAIN_FORM(type, last)                                                                                         \
     {                                                                                                                  \
         BYTES_UP_TO(type, last), sizeof(type), 0, 0, 0, 0                                                              \
@@ -144,9 +146,8 @@ const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT] = {
     [MLRT_STRUCT_POINTS] = CHECKED_FORM(mlrt_points, skip, points),
     [MLRT_STRUCT_KDTREE_OPTIONS] = CHECKED_FORM(mlrt_kdtree_options, rules_off, kdtree_options),
     [MLRT_FORM_FRAME] = FORM_OF(mlrt_hits, occluded, hits, MLRT_ERROR_ARGUMENT, 1),
-    [MLRT_FORM_VIEW] = FORM_OF(mlrt_camera, t_max, view, MLRT_ERROR_CAMERA, 0),
-    [MLRT_FORM_PINHOLE] = FORM_OF(mlrt_camera, t_max, pinhole, MLRT_ERROR_CAMERA, 0),
-    [MLRT_FORM_PARALLEL] = FORM_OF(mlrt_camera, t_max, parallel, MLRT_ERROR_CAMERA, 0),
+    [MLRT_FORM_PARALLEL] = CAMERA_FORM(0),
+    [MLRT_FORM_PINHOLE] = CAMERA_FORM(1),
     [MLRT_FORM_VECTORS] = FORM_OF(mlrt_array, row_stride, vectors, MLRT_ERROR_ARGUMENT, 1),
     [MLRT_FORM_BYTES] = CHECKED_FORM(mlrt_array, row_stride, bytes),
     [MLRT_FORM_FLOAT] = {sizeof(float), sizeof(float), ROW_NUMBER(number), 1, MLRT_ERROR_ARGUMENT, 0},
