@@ -12,7 +12,11 @@
 #                        package-java, package-lua
 #   make test-wheel      builds the Python package's source distribution and wheel, installs and tests them; pip fetches
 #                        from PyPI
-#   make test-trimesh TRIMESH=folder   runs the ray tests of a checkout of trimesh through the drop-in for it
+#   make test-trimesh    runs trimesh's own tests of rays through the drop-in for it: those of its source distribution, which pip
+#                        fetches, or of a checkout, TRIMESH=folder
+#   make deps-python     installs, in build/python, what tests and reference of the Python package use if it is there: Dask, trimesh
+#                        with embreex, pytest, pdoc
+#   make docs-python     a page for each class of the Python package, in build/docs-python
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           measures speed, beside Embree 3 if `make deps-study` installed it: on procedural scenes, and on
@@ -99,7 +103,7 @@ ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>
 ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
 SOURCES := $(wildcard src/*/*.c)
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c),$(SOURCES))) \
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) $(if $(IS_X86),,src/mlrta/avx2.c),$(SOURCES))) \
                    $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
 # Packages are looked up when they are needed, so that `make deps demo` works in one call.
@@ -126,8 +130,8 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_golden.c $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples docs demo reproduce format clean
-.PHONY: deps deps-study deps-docs deps-bindings
+.PHONY: all library examples docs docs-python demo reproduce format clean
+.PHONY: deps deps-study deps-docs deps-bindings deps-python
 .PHONY: package-rust package-go package-node package-java package-lua bindings-coverage
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
@@ -162,6 +166,10 @@ $(BUILD)/obj/trace/%_counting.o: src/trace/%.c
 $(BUILD)/obj/trace/%.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
+
+$(BUILD)/obj/mlrta/avx2.o: src/mlrta/avx2.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_avx2) -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
@@ -270,6 +278,12 @@ deps-study: deps
 deps-docs:
 	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='doxygen python3'
+
+# Everything that the tests and the reference of bindings/python can use, in an environment of its own.
+deps-python:
+	@python3 -m venv $(BUILD)/python 2>/dev/null || { echo "deps-python: no python3 with venv (apt-get install python3-venv)"; exit 1; }
+	@$(BUILD)/python/bin/python -m pip --disable-pip-version-check install -q numpy tqdm 'dask[array]' distributed \
+	    trimesh embreex pytest scipy networkx rtree shapely manifold3d pdoc
 
 deps-bindings: deps
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit luarocks'
@@ -502,9 +516,12 @@ test-cross-%: amalgamation
 	        EXAMPLE_LIBS='-lm -static' $(BUILD)/cross/$*/tests/print_golden && \
 	    sh tests/cross.sh $* $(BUILD)/cross/$* $(ONE_FILE) $(call X86_32_FLAGS,$*); fi
 
+# What deps-python installs, else whatever python3 has.
+TEST_PYTHON = $(abspath $(firstword $(wildcard $(BUILD)/python/bin/python) $(shell command -v python3)))
+
 test-python: library
-	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
-	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
+	@if ! $(TEST_PYTHON) -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
+	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. $(TEST_PYTHON) -m unittest discover; fi
 
 test-bindings: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory library amalgamation
@@ -521,7 +538,7 @@ test-wheel:
 	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel
 
 test-trimesh: library
-	@PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python python3 bindings/python/tests/trimesh_own.py $(or $(TRIMESH),$(error TRIMESH: the folder of a checkout of trimesh))
+	@sh bindings/python/tests/trimesh_own.sh "$(TEST_PYTHON)" $(BUILD)/trimesh $(TRIMESH)
 
 # ---- reference -----------------------------------------------------------------------------------------------------
 
@@ -530,6 +547,12 @@ docs: | $(AFTER_DEPS)
 	@rm -rf build/docs && mkdir -p build/docs
 	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
 	@echo "docs: build/docs/html/index.html"
+
+docs-python: library
+	@$(TEST_PYTHON) -c 'import pdoc' 2>/dev/null || { echo "docs-python: no pdoc: make deps-python installs it"; exit 1; }
+	$(Q)PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python $(TEST_PYTHON) -W ignore::UserWarning -m pdoc -o $(BUILD)/docs-python \
+	    mlrt mlrt.typing mlrt.trimesh $$($(TEST_PYTHON) -c 'import distributed; print("mlrt.distributed")' 2>/dev/null)
+	@echo "docs-python: $(BUILD)/docs-python/index.html"
 
 # ---- install -------------------------------------------------------------------------------------------------------
 

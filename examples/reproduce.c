@@ -63,10 +63,8 @@ enum {
 };
 
 // What is left of the multi-level method without these shortcuts is the paper's algorithm, or that with entry lists.
-enum {
-    PAPER = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_ENTRY_LISTS | MLRT_SHORTCUT_SHARED_SETUPS,
-    ENTRY_LISTS_ONLY = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_SHARED_SETUPS
-};
+// Set-ups of triangles stay shared, here and in method packet4, as the paper's packets share what it computes in advance.
+enum { PAPER = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_ENTRY_LISTS, ENTRY_LISTS_ONLY = MLRT_SHORTCUT_WHOLE_TILES };
 
 enum { PLAIN, SHADED, SHADING_COUNT };
 enum { ONE_THREAD, ALL_THREADS, THREADING_COUNT };
@@ -173,7 +171,7 @@ static const mlrt_trace_options variations[] = {
     {.initial_tile_size = 256, .minimum_tile_size = 4, .split_factor = 16},
 };
 
-static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_ISA_SSE};
+static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_ISA_SSE, MLRT_ISA_AUTO};
 
 static const struct {
     const char *title;

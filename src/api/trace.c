@@ -25,7 +25,7 @@
 #define DEFAULT_TILE_ROWS           64  /* arrays with rows, tile method: a square of tiles */
 #define DEFAULT_TILE_LIST           256 /* lists, which are four wide, tile method */
 #define DEFAULT_INITIAL_TILE_ARRAYS 32  /* arrays, kd-tree: a beam needs a pass over its rays, so there is one level */
-#define DEFAULT_MINIMUM_TILE        16
+#define DEFAULT_MINIMUM_TILE        32
 #define DEFAULT_SPLIT_FACTOR        16
 
 static int is_power_of_two(uint32_t n)
@@ -88,7 +88,7 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;
     job->whole_tiles = (shortcuts & MLRT_SHORTCUT_WHOLE_TILES) != 0;
     job->entry_lists = (shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) != 0;
-    job->shared_setups = (shortcuts & MLRT_SHORTCUT_SHARED_SETUPS) != 0;
+    job->shared_setups = job->method != MLRT_METHOD_PACKET2 && !(options->shortcuts_off & MLRT_SHORTCUT_SHARED_SETUPS);
     status = resolve_size("initial_tile_size", options->initial_tile_size, standard_initial_tile(job), 1024,
                           &job->initial_tile_size);
     if (status != MLRT_OK) return status;

@@ -1,11 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""One exception class per error code of mlrt.h, each with the library's own message."""
-
-import ctypes
+"""One exception class per error code of mlrt.h, with the library's own message: mlrt_last_message, which names what is wrong."""
 
 from ._abi import library
-
-library.mlrt_last_message.restype = ctypes.c_char_p
 
 
 class Error(Exception):
@@ -78,11 +74,14 @@ _CLASSES = {kind.status: kind for kind in Error.__subclasses__()}
 
 
 def check(status: int, details: str = "") -> None:
-    """Raises the exception of a status that is not MLRT_OK."""
+    """Raises the exception of a status that is not MLRT_OK, which a call of this thread returned just now.
+
+    details: why, if that is known already; else mlrt_last_message says it.
+    """
     if status == 0:
         return
     phrase = library.mlrt_status_string(status).decode()
-    details = details or library.mlrt_last_message().decode()  # of this thread, which made the call
-    error = _CLASSES.get(status, Error)(f"{phrase}: {details}" if details not in ("", phrase) else phrase)
+    reason = details or library.mlrt_last_message().decode(errors="replace")
+    error = _CLASSES.get(status, Error)(f"{phrase}: {reason}" if reason and reason != phrase else phrase)
     error.status = status
     raise error
