@@ -306,6 +306,10 @@ static void check_sizes(void)
     SIZE(info, mlrt_tree_info, reserved, mlrt_get_tree_info(now.tree, &now.info), "info");
     SIZE(estimate, mlrt_memory_estimate, peak_memory_size, mlrt_estimate_tree(NULL, 0, NULL, &now.estimate),
          "estimate");
+    CHECK(now.light.struct_size = 22, POINTS, STRUCT_SIZE,
+          "light.struct_size: 22 is not a multiple of 4 from 20 to 276");
+    CHECK(now.light.struct_size = 280, POINTS, STRUCT_SIZE,
+          "light.struct_size: 280 is not a multiple of 4 from 20 to 276");
     CHECK((now.options.lights = now.lights, now.options.light_count = 2, now.lights[1].struct_size = 24), RENDER,
           STRUCT_SIZE, "options.lights[1].struct_size: 24 is not that of element 0, 20");
     snprintf(text, sizeof text, "rays: byte %u is not 0, but this version knows only %u bytes",
