@@ -5,16 +5,16 @@
 #include "base/host.h"
 #include "base/scheduler.h"
 #include "base/structs.h"
-#include "base/structs.h"
 #include "mlrt.h"
 
-MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool)
+/* `path` names the options. */
+static int32_t create_pool(const char *path, const mlrt_pool_options *options, mlrt_pool **pool)
 {
     if (pool) *pool = NULL;
-    if (!options || !pool) return mlrt_fail_null("options pool", options);
+    if (!options || !pool) return mlrt_fail_null("options pool", !options);
     mlrt_pool_options own;
     struct mlrt_voice voice = {.message = NULL};
-    int32_t status = mlrt_take_struct(MLRT_STRUCT_POOL_OPTIONS, "options", 0, options, &own);
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_POOL_OPTIONS, path, 0, options, &own);
     if (status == MLRT_OK) status = mlrt_take_host("options.host", own.host, &voice.host);
     if (status == MLRT_OK && !own.enqueue != !own.finish) {
         status = mlrt_fail(MLRT_ERROR_ARGUMENT, "options.%s",
@@ -24,10 +24,15 @@ MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options,
     return mlrt_end_call(&voice, status);
 }
 
+MLRT_API int32_t mlrt_create_pool_with_options(const mlrt_pool_options *options, mlrt_pool **pool)
+{
+    return create_pool("options", options, pool);
+}
+
 MLRT_API int32_t mlrt_create_pool(uint32_t thread_count, mlrt_pool **pool)
 {
     const mlrt_pool_options options = {.struct_size = sizeof options, .thread_count = thread_count};
-    return mlrt_create_pool_with_options(&options, pool);
+    return create_pool("", &options, pool);
 }
 
 MLRT_API void mlrt_destroy_pool(mlrt_pool *pool)

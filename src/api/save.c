@@ -215,7 +215,7 @@ static void add_meshes(const mlrt_mesh *meshes, uint32_t mesh_count, struct mlrt
 
 MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, uint64_t *hash)
 {
-    if (!hash) return mlrt_fail_null("hash");
+    if (!hash) return mlrt_fail_null("hash", 0);
     *hash = 0;
     struct mlrt_hash state;
     uint32_t triangle_count;
@@ -271,7 +271,7 @@ static void write_file(const struct mlrt_tree *tree, struct header *header, unsi
 MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size)
 {
     if (size) *size = 0;
-    if (!tree || !size) return mlrt_fail_null("tree size", tree);
+    if (!tree || !size) return mlrt_fail_null("tree size", !tree);
     struct header header;
     char given[MLRT_DIGITS], needed[MLRT_DIGITS];
     make_header(tree, &header);
@@ -508,7 +508,7 @@ static int32_t load(const void *data, size_t size, const mlrt_load_options *opti
 MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree)
 {
     if (tree) *tree = NULL;
-    if (!data || !tree) return mlrt_fail_null("data tree", data);
+    if (!data || !tree) return mlrt_fail_null("data tree", !data);
     mlrt_load_options own;
     struct mlrt_voice voice;
     int32_t status = take_load_options(options, &own, &voice);

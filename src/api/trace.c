@@ -120,7 +120,7 @@ static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_r
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
-    if (!tree || !rays || !hits) return mlrt_fail_null("tree rays hits", tree, rays);
+    if (!tree || !rays || !hits) return mlrt_fail_null("tree rays hits", !tree + 2 * !rays);
     mlrt_rays own_rays;
     mlrt_hits own_hits;
     struct mlrt_call call;
@@ -299,7 +299,7 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {
-    if (!tree || !ray || !hit) return mlrt_fail_null("tree ray hit", tree, ray);
+    if (!tree || !ray || !hit) return mlrt_fail_null("tree ray hit", !tree + 2 * !ray);
     if (MLRT_LIKELY(ray->struct_size == sizeof *ray && hit->struct_size == sizeof *hit &&
                     (!options || options->struct_size == sizeof *options))) {
         return trace_one_ray(tree, ray, options, hit);
@@ -317,7 +317,7 @@ static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_ray
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists)
 {
-    if (!tree || !rays || !lists) return mlrt_fail_null("tree rays lists", tree, rays);
+    if (!tree || !rays || !lists) return mlrt_fail_null("tree rays lists", !tree + 2 * !rays);
     mlrt_rays own_rays;
     mlrt_hit_lists own_lists;
     struct mlrt_call call;
@@ -380,7 +380,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
 MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
                                    const mlrt_hits *frame, mlrt_tile_callback callback, void *user)
 {
-    if (!tree || !camera) return mlrt_fail_null("tree camera", tree);
+    if (!tree || !camera) return mlrt_fail_null("tree camera", !tree);
     mlrt_camera own_camera;
     mlrt_hits own_frame;
     struct mlrt_call call;
@@ -433,7 +433,7 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
     static const mlrt_array none;
     const mlrt_array *const vectors[2] = {origins ? origins : &none, directions ? directions : &none};
     mlrt_camera own;
-    if (!camera) return mlrt_fail_null("camera");
+    if (!camera) return mlrt_fail_null("camera", 0);
     int32_t status = mlrt_take_struct(MLRT_STRUCT_CAMERA, "camera", 0, camera, &own);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_VECTORS, "origins", 0, vectors[0]);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_VECTORS, "directions", 0, vectors[1]);
@@ -459,7 +459,8 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
                                       const mlrt_trace_options *options, const mlrt_array *occluded)
 {
     if (!tree || !points || !light || !occluded || !occluded->data) {
-        return mlrt_fail_null("tree points light occluded occluded.data", tree, points, light, occluded);
+        return mlrt_fail_null("tree points light occluded occluded.data",
+                              !tree + 2 * !points + 4 * !light + 8 * !occluded);
     }
     mlrt_points own_points;
     mlrt_light own_light;
@@ -515,7 +516,8 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
                                  const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
 {
     if (!tree || !ray || !hit || !light || !shadow || !faces) {
-        return mlrt_fail_null("tree ray hit light shadow faces", tree, ray, hit, light, shadow);
+        return mlrt_fail_null("tree ray hit light shadow faces",
+                              !tree + 2 * !ray + 4 * !hit + 8 * !light + 16 * !shadow);
     }
     mlrt_ray own_ray;
     mlrt_hit own_hit;
@@ -552,7 +554,7 @@ static MLRT_NOINLINE int32_t find_offset_point(const struct mlrt_triangle *trian
 MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
                                    int32_t side, float point[3])
 {
-    if (!tree || !point) return mlrt_fail_null("tree point", tree);
+    if (!tree || !point) return mlrt_fail_null("tree point", !tree);
     if (side != 1 && side != -1) return mlrt_fail(MLRT_ERROR_ARGUMENT, "side: %ld is not 1 or -1", (long)side);
     uint32_t number;
     int32_t status = find_triangle(tree, "triangle", mesh, triangle, &number);

@@ -131,7 +131,7 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
 static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
                      mlrt_tree **tree)
 {
-    if (!tree) return mlrt_fail_null("tree");
+    if (!tree) return mlrt_fail_null("tree", 0);
     *tree = NULL;
     struct call call;
     int32_t status = take_options(options, structure, &call);
@@ -171,7 +171,7 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
 
 MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
 {
-    if (!tree || !info) return mlrt_fail_null("tree info", tree);
+    if (!tree || !info) return mlrt_fail_null("tree info", !tree);
     const int32_t status = mlrt_check_result_size(MLRT_STRUCT_TREE_INFO, "info", info);
     if (status == MLRT_OK) mlrt_give_struct(&tree->info, sizeof tree->info, info);
     return status;
@@ -194,7 +194,7 @@ static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_cou
 static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
                                mlrt_memory_estimate *estimate)
 {
-    if (!estimate) return mlrt_fail_null("estimate");
+    if (!estimate) return mlrt_fail_null("estimate", 0);
     mlrt_memory_estimate own;
     struct call call;
     uint32_t triangle_count;

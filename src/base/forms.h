@@ -42,9 +42,8 @@ struct mlrt_form {
 /* Forms besides those of structs (MLRT_STRUCT_*). */
 enum {
     MLRT_FORM_FRAME = MLRT_STRUCT_COUNT, /* mlrt_hits of a picture */
-    MLRT_FORM_VIEW,                      /* mlrt_camera: the numbers that all cameras have */
+    MLRT_FORM_PARALLEL,                  /* mlrt_camera: the numbers of a parallel camera */
     MLRT_FORM_PINHOLE,                   /* mlrt_camera: those of a pinhole camera */
-    MLRT_FORM_PARALLEL,                  /* mlrt_camera: those of a parallel one */
     MLRT_FORM_VECTORS,                   /* mlrt_array as an argument: of three floats, in rows */
     MLRT_FORM_BYTES,                     /* mlrt_array as an argument: of bytes */
     MLRT_FORM_FLOAT,                     /* a float that must be finite */
@@ -56,8 +55,8 @@ extern const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT];
 /* All rules. One struct of arrays: so forms need no addresses, which a shared library would have to be relocated for. */
 extern const struct mlrt_rules {
     struct mlrt_field host[1], pool_options[1], tree_options[3], kdtree_options[5], load_options[1], trace_options[9],
-        counters[1], ray[1], rays[8], points[3], light[2], hits[8], hit_lists[9], camera[1], view[7], pinhole[1],
-        parallel[1], vectors[1], bytes[1], number[1];
+        counters[1], ray[1], rays[8], points[3], light[2], hits[8], hit_lists[9], camera[1], view[9], vectors[1],
+        bytes[1], number[1];
 } mlrt_rules;
 
 /* The first rule of a form; the others follow. */

@@ -33,16 +33,13 @@ int32_t mlrt_fail(int32_t status, const char *format, ...)
     return status;
 }
 
-int32_t mlrt_fail_null(const char *names, ...)
+int32_t mlrt_fail_null(const char *names, int missing)
 {
-    va_list arguments;
-    int length = 0;
-    va_start(arguments, names);
-    for (;; names += length + 1) {
+    int length;
+    for (;; names += length + 1, missing >>= 1) {
         for (length = 0; names[length] && names[length] != ' '; ++length) continue;
-        if (!names[length] || !va_arg(arguments, const void *)) break;
+        if (!names[length] || missing & 1) break;
     }
-    va_end(arguments);
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "%.*s: NULL is not allowed", length, names);
 }
 
@@ -50,9 +47,10 @@ int32_t mlrt_fail_at(int32_t status, const char *path, size_t index, const char 
 {
     char *message = mlrt_message_of_thread();
     va_list values;
+    const char *const form = !field[0] ? ": " : path[0] ? ".%s: " : "%s: ";
     /* Names leave more than half of the message to the rest. */
     int length = snprintf(message, MLRT_MESSAGE_SIZE, path, (unsigned long)index);
-    length += snprintf(message + length, MLRT_MESSAGE_SIZE / 4, field[0] ? ".%s: " : ": ", field);
+    length += snprintf(message + length, MLRT_MESSAGE_SIZE / 4, form, field);
     va_start(values, format);
     vsnprintf(message + length, MLRT_MESSAGE_SIZE - (size_t)length, format, values);
     va_end(values);

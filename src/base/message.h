@@ -30,14 +30,15 @@ char *mlrt_message_of_thread(void);
 MLRT_FORMAT(2, 3) int32_t mlrt_fail(int32_t status, const char *format, ...);
 
 /*
- * Writes that an argument must not be NULL: the first that is of those given (pointers to objects), or the one behind
- * them. `names` are theirs and that one's, with a blank between two. Returns MLRT_ERROR_ARGUMENT.
+ * Writes that an argument must not be NULL. `names` has those that must not, with a blank between two; bit i of `missing`
+ * says that the i-th is NULL. If none is, the last must be. Returns MLRT_ERROR_ARGUMENT.
  */
-int32_t mlrt_fail_null(const char *names, ...);
+int32_t mlrt_fail_null(const char *names, int missing);
 
 /*
  * Writes where a value stands, and behind a colon the rest of the message. `path` names an argument, or with a "%lu" in
- * it element `index` of one; `field` is a field of it, or "" for the argument itself. Returns `status`.
+ * it element `index` of one; `field` is a field of it, or "" for the argument itself. With a path of "" the field is
+ * the argument. Returns `status`.
  */
 MLRT_FORMAT(5, 6)
 int32_t mlrt_fail_at(int32_t status, const char *path, size_t index, const char *field, const char *format, ...);

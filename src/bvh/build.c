@@ -781,7 +781,10 @@ void mlrt_free_bvh(struct mlrt_tree *tree)
 static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_size *size)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
-    if (size->node_count > COUNT_LIMIT || size->quad_count > COUNT_LIMIT) return mlrt_note_status(MLRT_ERROR_TOO_LARGE);
+    if (size->node_count > COUNT_LIMIT || size->quad_count > COUNT_LIMIT) {
+        return mlrt_fail(MLRT_ERROR_TOO_LARGE, "meshes: the tree would have more than %lu nodes, or quads of triangles",
+                         (unsigned long)COUNT_LIMIT);
+    }
     const uint64_t quad_count = size->quad_count + mlrt_count_given_quads(tree);
     const int has_places = tree->triangle_count > 0 && quad_count < MLRT_PLACE_QUADS;
     bvh->node_count = (uint32_t)size->node_count;

@@ -48,9 +48,8 @@ static int32_t resolve_length(const char *axis, const char *length, uint32_t who
 /* Checks the numbers of a camera. Returns a status. */
 static int32_t check_numbers(const mlrt_camera *camera, int is_parallel)
 {
-    int32_t status = mlrt_check_fields(MLRT_FORM_VIEW, "camera", 0, camera);
-    if (status == MLRT_OK)
-        status = mlrt_check_fields(is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE, "camera", 0, camera);
+    const int form = is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE;
+    const int32_t status = mlrt_check_fields(form, "camera", 0, camera);
     if (status != MLRT_OK) return status;
     if (is_parallel && is_zero_vector(camera->direction)) {
         return mlrt_fail(MLRT_ERROR_CAMERA, "camera.direction: all of it is 0");
