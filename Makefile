@@ -53,7 +53,7 @@
 #
 # Settings: CC=clang, OPTIMIZE=-O0, SAN=address,undefined or SAN=thread (builds in build/san-...), WERROR=1, V=1,
 # RENAME=game_, which names functions game_... in place of mlrt_... (builds in build/renamed-game_), and GUESS=1, which
-# drops exactness to measure its price (builds in build/guess), and UNWIND= (empty), which keeps tables for unwinding.
+# drops exactness to measure its price (builds in build/guess).
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
@@ -153,11 +153,7 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 #
 # The shared library leaves out functions that only tests call (--gc-sections). Assertions, which would abort the
 # caller's program, are in builds with SAN only.
-#
-# No tables for unwinding the stack, which would be 47 kB: nothing leaves the library's functions but by their return
-# (docs/design.md, "ABI"). `make UNWIND=` keeps them. Windows and macOS walk no stack without them.
-UNWIND := $(if $(SAN)$(filter %-mingw32,$(TARGET))$(findstring darwin,$(TARGET)),,-fno-asynchronous-unwind-tables)
-INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(UNWIND) $(if $(SAN),,-DNDEBUG)
+INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
 $(BUILD)/obj/trace/%_counting.o: src/trace/%.c
 	@mkdir -p $(@D)
