@@ -4,6 +4,7 @@
  * of the library, and calls one internal function that does the work.
  */
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -14,6 +15,7 @@
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
 #include "job/write_arrays.h"
+#include "rays/lone_ray.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
@@ -236,6 +238,28 @@ static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
     return ray->t_max == 0 ? INFINITY : ray->t_max;
 }
 
+/* Sets the fields of a hit that the query writes, for a miss. */
+MLRT_INLINE void set_miss(int any, mlrt_hit *hit)
+{
+    hit->occluded = 0;
+    if (any) return;
+    hit->t = INFINITY;
+    hit->u = hit->v = 0;
+    hit->mesh = hit->triangle = MLRT_NONE;
+    hit->facing = 0;
+}
+
+/* Likewise for triangle `number` or MLRT_NONE. */
+static void set_result(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, int any, mlrt_hit *hit)
+{
+    if (number == MLRT_NONE) {
+        set_miss(any, hit);
+        return;
+    }
+    hit->occluded = 1;
+    if (!any) mlrt_set_hit(tree, ray, number, hit);
+}
+
 /* Traces one ray in double. For method ray, for counters, and for rays that float does not carry. */
 static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask,
                                        uint32_t skip, mlrt_counters *counters, mlrt_hit *hit)
@@ -248,19 +272,66 @@ static MLRT_NOINLINE void trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ra
         if (counters) ++counters->packet_count;
         number = mlrt_trace_segment(tree, &segment, skip, any, counters);
     }
-    hit->occluded = number != MLRT_NONE;
-    if (!any) mlrt_set_hit(tree, ray, number, hit);
+    set_result(tree, ray, number, any, hit);
 }
 
-/* Traces one ray with these kernels; in double if there are none, if they count, or if float does not carry the ray. */
-static void trace_alone(const struct mlrt_kernels *kernels, const mlrt_tree *tree, const mlrt_ray *ray, int any,
-                        uint32_t mask, uint32_t skip, mlrt_counters *counters, mlrt_hit *hit)
+static const struct mlrt_kernels *kernels_of(const struct mlrt_lone_ray *ray)
 {
-    const uint64_t environment = mlrt_enter_fp_environment();
-    if (!kernels || !kernels->trace_ray || !kernels->trace_ray(tree, ray, any, mask, skip, hit)) {
-        trace_by_ray(tree, ray, any, mask, skip, counters, hit);
+    return ray->kernels ? ray->kernels : mlrt_widest_kernels();
+}
+
+/* Traces one ray in double. */
+static MLRT_NOINLINE void trace_in_double(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
+                                          mlrt_hit *hit)
+{
+    trace_by_ray(tree, given, ray->any, ray->mask, ray->skip, NULL, hit);
+}
+
+/* Traces one ray through boxes whose unit is not 1. */
+static MLRT_NOINLINE void trace_in_units(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
+                                         mlrt_hit *hit)
+{
+    struct mlrt_ray_segment segment;
+    uint32_t number = MLRT_NONE;
+    if (mlrt_make_segment(given->origin, given->direction, given->t_min, resolve_t_max(given), &segment)) {
+        segment.mask = ray->mask;
+        if (!kernels_of(ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
+            trace_in_double(tree, given, ray, hit);
+            return;
+        }
     }
-    mlrt_leave_fp_environment(environment);
+    set_result(tree, given, number, ray->any, hit);
+}
+
+/* Traces one ray that meets the box of the scene. */
+static MLRT_NOINLINE void trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
+                                         mlrt_hit *hit)
+{
+    const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray) : MLRT_NONE;
+    set_result(tree, given, number, ray->any, hit);
+}
+
+/*
+ * Traces one ray through boxes; in double if float does not carry it. The caller has set kernels, mask, `skip` and `any`
+ * of *ray. Rays that miss the scene need no other function.
+ */
+static MLRT_NOINLINE void trace_boxes(const mlrt_tree *tree, const mlrt_ray *given, struct mlrt_lone_ray *ray,
+                                      mlrt_hit *hit)
+{
+    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
+        trace_in_units(tree, given, ray, hit);
+        return;
+    }
+    switch (mlrt_take_lone_ray(given, &tree->bvh.whole, ray)) {
+    case MLRT_LONE_RAY_MAY_HIT:
+        trace_in_scene(tree, given, ray, hit);
+        return;
+    case MLRT_LONE_RAY_NOT_CARRIED:
+        trace_in_double(tree, given, ray, hit);
+        return;
+    default:
+        set_miss(ray->any, hit);
+    }
 }
 
 /* Traces one ray, by a method other than ray, as a list of one. The arrays of the list are the fields of `hit`. */
@@ -297,80 +368,62 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
     return status;
 }
 
-/* Traces one ray with all checks of a call: for options with counters, another method, or sizes of tiles. */
-static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t skip,
-                                           const mlrt_trace_options *options, mlrt_hit *hit)
+/* Traces one ray with all checks of a call. */
+static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray *ray,
+                                           const mlrt_trace_options *options, struct mlrt_lone_ray *lone, mlrt_hit *hit)
 {
     struct call call;
     struct mlrt_job job = {.callback = NULL};
     int32_t status = take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
     if (status != MLRT_OK) return status;
-    if (options->method != MLRT_METHOD_DEFAULT && options->method != MLRT_METHOD_RAY) {
-        return trace_as_list(tree, ray, options, job.any, hit);
+    if (call.options.method != MLRT_METHOD_DEFAULT && call.options.method != MLRT_METHOD_RAY) {
+        return trace_as_list(tree, ray, &call.options, job.any, hit);
     }
     mlrt_counters own = {.struct_size = 0};
-    trace_alone(job.method == MLRT_METHOD_TILE ? job.kernels : NULL, tree, ray, job.any, job.source.common_mask, skip,
-                options->counters ? &own : NULL, hit);
-    if (options->counters) mlrt_add_counters(options->counters, &own);
-    return MLRT_OK;
-}
-
-/* Are all options 0, except for the query, the mask and the pool? */
-static int are_plain(const mlrt_trace_options *of)
-{
-    return (of->method | of->isa | of->culling | (of->query & ~MLRT_QUERY_ANY)) == 0 &&
-           (of->culling_check | of->initial_tile_size | of->minimum_tile_size | of->split_factor | of->outputs |
-            of->shortcuts_off | of->light_count | of->reserved) == 0 &&
-           ((uintptr_t)of->counters | (uintptr_t)of->host | (uintptr_t)of->lights) == 0;
-}
-
-/* Checks the options of a single ray, and sets the kernels that trace it: NULL if it is traced in double. */
-static MLRT_NOINLINE int32_t choose_kernels(const mlrt_tree *tree, const mlrt_trace_options *options,
-                                            const struct mlrt_kernels **kernels)
-{
-    mlrt_host host;
-    const int32_t method = resolve_method(options->method, tree);
-    int32_t status = check_options(options);
-    if (status == MLRT_OK) status = mlrt_take_host(options->host, &host);
-    if (status != MLRT_OK) return status;
-    *kernels = mlrt_select_kernels(options->isa, MLRT_METHOD_TILE, 0);
-    if (method == MLRT_METHOD_DEFAULT || !*kernels) return MLRT_ERROR_UNSUPPORTED;
-    if (method != MLRT_METHOD_TILE) *kernels = NULL;
-    return MLRT_OK;
-}
-
-/* Traces one ray; all structs are of this version. Fields of the hit that the query does not set keep their values. */
-static int32_t trace_one_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
-                             mlrt_hit *hit)
-{
-    const struct mlrt_kernels *kernels = tree->structure == MLRT_STRUCTURE_BVH ? mlrt_widest_kernels() : NULL;
-    int any = 0;
-    uint32_t mask = MLRT_MASK_ALL, skip = MLRT_NONE;
-    if (MLRT_UNLIKELY(ray->flags)) {
-        if (ray->flags != MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
-        skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
+    mlrt_counters *counters = call.options.counters;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    if (job.method == MLRT_METHOD_TILE && !counters && job.kernels->trace_ray) {
+        lone->kernels = job.kernels;
+        trace_boxes(tree, ray, lone, hit);
+    } else {
+        trace_by_ray(tree, ray, lone->any, lone->mask, lone->skip, counters ? &own : NULL, hit);
     }
-    if (options) {
-        any = options->query == MLRT_QUERY_ANY;
-        if (options->mask) mask = options->mask;
-        if (!are_plain(options)) {
-            const int is_alone = options->method == MLRT_METHOD_DEFAULT || options->method == MLRT_METHOD_RAY;
-            if (!is_alone || options->counters || options->initial_tile_size || options->minimum_tile_size) {
-                return trace_as_call(tree, ray, skip, options, hit);
-            }
-            const int32_t status = choose_kernels(tree, options, &kernels);
-            if (status != MLRT_OK) return status;
-        }
-    }
-    trace_alone(kernels, tree, ray, any, mask, skip, NULL, hit);
+    mlrt_leave_fp_environment(environment);
+    if (counters) mlrt_add_counters(counters, &own);
     return MLRT_OK;
+}
+
+/* All words of a part of a struct, or-ed together. `size` is a multiple of 4. */
+MLRT_INLINE uint64_t words_of(const void *part, size_t size)
+{
+    uint64_t all = 0, two;
+    uint32_t one;
+    MLRT_UNROLL
+    for (size_t i = 0; i + sizeof two <= size; i += sizeof two) {
+        memcpy(&two, (const unsigned char *)part + i, sizeof two);
+        all |= two;
+    }
+    if (size % sizeof two) {
+        memcpy(&one, (const unsigned char *)part + size - sizeof one, sizeof one);
+        all |= one;
+    }
+    return all;
+}
+
+/* Are all options 0, except for the query, the instruction set, the mask and the pool? */
+MLRT_INLINE int are_plain(const mlrt_trace_options *of)
+{
+    const size_t first = offsetof(mlrt_trace_options, culling), last = offsetof(mlrt_trace_options, counters);
+    return ((uint32_t)of->method | (of->query & ~MLRT_QUERY_ANY) |
+            words_of(&of->culling, offsetof(mlrt_trace_options, mask) - first) |
+            words_of(&of->counters, sizeof *of - last)) == 0;
 }
 
 #define FIRST_RAY_SIZE MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle)
 #define FIRST_HIT_SIZE MLRT_SIZE_UP_TO(mlrt_hit, occluded)
 
-/* Likewise for structs of other versions. */
+/* As mlrt_trace_ray, for structs of other versions. Fields of the hit that the query does not set keep their values. */
 static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                                  const mlrt_trace_options *options, mlrt_hit *hit)
 {
@@ -385,7 +438,8 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
     }
     if (status != MLRT_OK) return status;
     memcpy(&own_hit, hit, FIRST_HIT_SIZE);
-    status = trace_one_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
+    own_hit.struct_size = sizeof own_hit;
+    status = mlrt_trace_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
     if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
     return status;
 }
@@ -393,12 +447,38 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {
-    if (!tree || !ray || !hit) return MLRT_ERROR_ARGUMENT;
-    if (MLRT_LIKELY(ray->struct_size == sizeof *ray && hit->struct_size == sizeof *hit &&
-                    (!options || options->struct_size == sizeof *options))) {
-        return trace_one_ray(tree, ray, options, hit);
+    struct mlrt_lone_ray lone;
+    if (MLRT_UNLIKELY(!tree)) return MLRT_ERROR_ARGUMENT;
+    if (MLRT_UNLIKELY(!ray)) return MLRT_ERROR_ARGUMENT;
+    if (MLRT_UNLIKELY(!hit)) return MLRT_ERROR_ARGUMENT;
+    if (MLRT_UNLIKELY(ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit)) {
+        return trace_versioned_ray(tree, ray, options, hit);
     }
-    return trace_versioned_ray(tree, ray, options, hit);
+    lone.kernels = NULL;
+    lone.any = 0;
+    lone.mask = MLRT_MASK_ALL;
+    lone.skip = MLRT_NONE;
+    if (MLRT_UNLIKELY(ray->flags)) {
+        if (ray->flags != MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+        lone.skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
+    }
+    if (options) {
+        if (MLRT_UNLIKELY(options->struct_size != sizeof *options)) return trace_versioned_ray(tree, ray, options, hit);
+        lone.any = options->query;
+        if (options->mask) lone.mask = options->mask;
+        if (MLRT_UNLIKELY(!are_plain(options))) return trace_as_call(tree, ray, options, &lone, hit);
+        if (options->isa) {
+            lone.kernels = (uint32_t)options->isa <= MLRT_ISA_AVX512
+                               ? mlrt_select_kernels(options->isa, MLRT_METHOD_TILE, 0)
+                               : NULL;
+            if (!lone.kernels || !lone.kernels->trace_ray) return trace_as_call(tree, ray, options, &lone, hit);
+        }
+    }
+    if (MLRT_UNLIKELY(tree->structure != MLRT_STRUCTURE_BVH)) return trace_as_call(tree, ray, options, &lone, hit);
+    const uint64_t environment = mlrt_enter_fp_environment();
+    trace_boxes(tree, ray, &lone, hit);
+    mlrt_leave_fp_environment(environment);
+    return MLRT_OK;
 }
 
 static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
