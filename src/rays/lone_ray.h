@@ -56,7 +56,8 @@ enum mlrt_lone_ray_kind {
 MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const mlrt_ray *given, const struct mlrt_box *box,
                                                        struct mlrt_lone_ray *ray)
 {
-    const f4 origin = f4_three(given->origin), direction = f4_three(given->direction);
+    const f4 origin = f4_three(given->origin);
+    const f4 direction = f4_add(f4_three(given->direction), f4_set1(0)); /* -0 becomes 0 */
     if (MLRT_UNLIKELY(!f4_are_within(origin, direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) &&
         (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
          f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
@@ -72,7 +73,7 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const mlrt_ray *given, co
     const float t_min = given->t_min < 0 ? 0 : given->t_min;
     if (!(t_min < t_max) || f4_zeros(direction) == 15) return MLRT_LONE_RAY_MISSES;
     f4_store(ray->origin, origin);
-    f4_store(ray->direction, f4_add(direction, f4_set1(0))); /* -0 becomes 0 */
+    f4_store(ray->direction, direction);
     ray->t_min = t_min;
     ray->t_max = t_max;
     return MLRT_LONE_RAY_MAY_HIT;
