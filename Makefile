@@ -70,7 +70,10 @@ SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-fr
 # Jumps and loops that are not aligned: 12 kB less, and of 20 medians of kinds of rays the middle one is 1 % faster. clang
 # does not know them all.
 LAYOUT   := $(shell $(CC) -Werror -fno-align-jumps -fno-align-loops -E -x c /dev/null >/dev/null 2>&1 && echo -fno-align-jumps -fno-align-loops)
-COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
+# A message per thread (src/base/message.c) is found without a call of __tls_get_addr, which would need ld-linux, could
+# allocate, and would end the process if it could not. Other processors do so anyway; clang does not know the flag.
+TLS      := $(if $(IS_X86),$(shell $(CC) -Werror -mtls-dialect=gnu2 -fPIC -S -x c /dev/null -o /dev/null 2>/dev/null && echo -mtls-dialect=gnu2))
+COMPILE  = $(CC) $(STANDARD) $(OPTIMIZE) $(LAYOUT) $(TLS) $(CFLAGS) $(EXACT) $(SANITIZE) $(if $(RENAME),-DMLRT_PREFIX=$(RENAME)) $(CPPFLAGS) -pthread -Iinclude -Isrc -MMD -MP
 LINK     = $(CC) $(OPTIMIZE) $(CFLAGS) $(SANITIZE) $(LDFLAGS) -pthread
 
 # One object of kernels per instruction set, and the scalar kernels with counters (src/run/dispatch.c).

@@ -9,6 +9,8 @@
  * Exit codes: 0, 1 if something failed or a method of the library decided wrongly, 2 for a mistake on the command line.
  */
 #include "common/options.h"
+#include "common/terminal.h"
+#include "common/timer.h"
 #include "study/measure.h"
 #include "study/stability.h"
 #include "study/stages.h"
@@ -72,8 +74,10 @@ static void take_measurements(void *user, size_t set, const struct selection *se
                               const struct measurement *measurements)
 {
     struct report *report = user;
+    clear_work();
     (report->settings->csv ? print_csv : print_table)(report, set, selection, measurements);
     fflush(stdout);
+    show_work("%s: rays after %s ...", report->scene, report->conditions[set]);
     for (size_t i = 0; i < selection->count; i++) {
         const struct verdict *verdict = &measurements[i].verdict;
         int differs = wrong_per_million(verdict) > 0 || verdict->tie_count > 0;
@@ -136,6 +140,7 @@ static int study_scene(const struct settings *settings, const char *word, int *g
     struct subject subject;
     struct ray_set sets[GENERATOR_COUNT] = {{.count = 0}};
     const char *conditions[GENERATOR_COUNT];
+    show_work("%.*s: loading and building ...", (int)strcspn(word, ","), word);
     int failed = load_subject(word, settings->views, &subject);
     for (size_t i = 0; i < settings->generator_count && !failed; i++) {
         conditions[i] = generator_name(settings->chosen[i]);
@@ -307,7 +312,10 @@ int main(int argc, char **argv)
     } else {
         explain_table();
     }
+    const double start = seconds_now();
     int failed = studies[settings.study](&settings, &guilty);
+    clear_work();
+    tell("measured for %.1f s", seconds_now() - start);
     if (guilty) fputs("a method of the library decided wrongly: see above\n", stderr);
     if (fflush(stdout) == 0) return failed || guilty;
     perror("standard output");

@@ -19,6 +19,8 @@
 #include "bench/contest.h"
 #include "bench/study.h"
 #include "common/options.h"
+#include "common/terminal.h"
+#include "common/timer.h"
 #include "common/tree.h"
 
 #include <stdio.h>
@@ -151,12 +153,16 @@ static int bench_scene(const struct bench_settings *settings, const char *word)
 {
     struct arena arena;
     struct contest contest, frame = {.count = 0};
+    show_work("%.*s: building trees ...", (int)strcspn(word, ","), word);
     int failed = open_arena(settings, word, &arena) || set_size(&arena.subject, settings->size);
+    clear_work();
     if (!failed && !settings->csv) print_head(&arena, settings->size);
     for (int kind = 0; kind < KIND_COUNT && !failed; kind++) {
         if (!(settings->kinds & 1u << kind)) continue;
         struct task task;
+        show_work("%s: %s rays ...", arena.subject.name, kind_names[kind]);
         failed = start_contest(settings, &arena, (enum kind)kind, &task, &contest) || hold_contest(&contest);
+        clear_work();
         if (!failed) (settings->csv ? print_csv : print_table)(&contest);
         if (!failed && kind == FRAME) frame = contest;
         if (!failed && kind == LIT && frame.count) print_difference(&contest, &frame, settings->csv);
@@ -259,7 +265,9 @@ int main(int argc, char **argv)
     struct library old;
     if (settings.against && load_library(settings.against, &old)) return 1;
     settings.old = settings.against ? &old : NULL;
+    const double start = seconds_now();
     const int failed = settings.study == STUDY_NONE ? bench_scenes(&settings) : run_study(&settings);
+    tell("measured for %.1f s", seconds_now() - start);
     if (settings.old) close_library(&old);
     return failed;
 }

@@ -231,6 +231,7 @@ int main(int argc, char **argv)
     if (!parse_options("engine - a game engine's loop around the library", options, sizeof options / sizeof *options,
                        argc, argv, &exit_code))
         return exit_code;
+    if (engine.output && check_png_name(engine.output)) return 2;
     engine.log = quiet ? NULL : stderr;
     engine.host = (mlrt_host){sizeof engine.host, 0, &engine, engine_allocate, engine_free, on_log, NULL};
     heap_begin(&engine.heap);

@@ -8,11 +8,13 @@
 #define _POSIX_C_SOURCE 200112L
 
 #include "common/hash.h"
+#include "common/map.h"
 #include "common/options.h"
 #include "common/png_write.h"
 #include "common/report.h"
 #include "common/scene.h"
 #include "common/shade.h"
+#include "common/terminal.h"
 #include "common/timer.h"
 #include "common/tree.h"
 #include "common/view.h"
@@ -21,7 +23,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 struct settings {
     const char *scene, *view, *output;
@@ -32,6 +33,7 @@ struct settings {
     int culling_check;
     uint32_t threads, frames;
     int shadows, no_shade, stats, hash;
+    int32_t map; // MAP_*
 };
 
 /* ---- command line -------------------------------------------------------------------------------------------- */
@@ -53,6 +55,11 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         {OPTION_VECTOR, "--light", s->camera.light, "x,y,z", "where the light is", 0, 0},
         {OPTION_FLAG, "--shadows", &s->shadows, NULL, "light it, with hard shadows", 0, 0},
         {OPTION_SIZE, "--size", s->size, "WxH", "pixels (default: 1024x1024)", 1, 32768},
+        {OPTION_CHOICE, "--map", &s->map, MAP_WORDS,
+         "in false colours, with a legend: for the ray of each pixel alone, the nodes it opens,\nits triangle tests, "
+         "the "
+         "distance of its hit, what is left to exact methods, or its time",
+         MAP_NODES, 0},
         {OPTION_TEXT, "-o", &s->output, "FILE.png", "where the picture goes", 0, 0},
 
         {OPTION_HEADING, 0, 0, 0, "How to trace it (the answers are the same from all):", 0, 0},
@@ -91,6 +98,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
     const char *mistake = NULL;
     if (!s->output && !s->frames && !s->stats && !s->hash)
         mistake = "nothing to do: give -o FILE.png, --frames, --stats or --hash";
+    if (s->map && (!s->output || s->no_shade || s->shadows)) mistake = "--map: needs -o, and no shading";
     if (s->output && s->no_shade) mistake = "--no-shade makes no picture for -o";
     if (s->camera.vfov <= 0 || s->camera.vfov >= 180) mistake = "--fov: between 0 and 180 degrees";
     if (s->trace.split_factor && s->trace.split_factor != 4 && s->trace.split_factor != 16)
@@ -99,7 +107,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         mistake = "--mts: larger than --its";
     if (mistake) fprintf(stderr, "%s\n", mistake);
     *exit_code = 2;
-    return !mistake && !check_tree_settings(&s->build);
+    return !mistake && !(s->output && check_png_name(s->output)) && !check_tree_settings(&s->build);
 }
 
 static void forget_vector(double vector[3])
@@ -189,10 +197,13 @@ static int render_frame(struct session *session, int everything, mlrt_counters *
     mlrt_trace_options options = s->trace;
     shading->rgb = frame->rgb;
     shading->shadows = s->shadows && !counters;
+    struct progress_line line = {.work = "rendering"};
+    const mlrt_host host = host_with_progress(&line);
     options.struct_size = sizeof options;
     options.outputs = shades ? shading_outputs(shading) : 0;
     options.pool = session->pool;
     options.counters = counters;
+    options.host = s->frames ? NULL : &host; // frames are measured
     if (shading->shadows) options.lights = &session->light, options.light_count = 1;
 
     mlrt_hits hits = {.struct_size = sizeof hits};
@@ -201,6 +212,7 @@ static int render_frame(struct session *session, int everything, mlrt_counters *
     if (!shades && shading->shadows) hits.occluded.data = frame->occluded;
     int32_t status = mlrt_render_tiles(session->tree, &session->camera, &options, shades ? NULL : &hits,
                                        shades ? shade_tile : NULL, shading);
+    clear_progress(&line);
     if (status != MLRT_OK) fprintf(stderr, "cannot render: %s\n", mlrt_status_string(status));
     return status != MLRT_OK;
 }
@@ -259,22 +271,22 @@ static int print_hashes(struct session *session)
 
 /* ---- from the start to the end ------------------------------------------------------------------------------- */
 
-// For people who wait; a log needs no such lines.
-static void say(const char *what)
-{
-    if (isatty(STDERR_FILENO)) fprintf(stderr, "%s ...\n", what);
-}
-
 static int prepare(struct session *session)
 {
     const struct settings *s = session->settings;
     double start = seconds_now(), build_seconds;
-    say("loading");
+    tell("loading %s ...", s->scene);
     if (load_scene(s->scene, &session->scene) || choose_view(s, &session->scene)) return 1;
     if (camera_of_view(&session->scene.view, s->size[0], s->size[1], &session->camera)) return 1;
     double load_seconds = seconds_now() - start;
-    say("building the tree");
-    if (build_tree(&session->scene, &s->build, &session->tree, &build_seconds)) return 1;
+    struct progress_line line = {.work = "building the tree"};
+    const mlrt_host host = host_with_progress(&line);
+    struct tree_settings build = s->build;
+    build.host = &host;
+    const int failed = build_tree(&session->scene, &build, &session->tree, &build_seconds);
+    clear_progress(&line);
+    if (failed) return 1;
+    tell("%zu triangles, tree built in %.2f s", session->scene.triangle_count, build_seconds);
     if (s->stats) print_number("load_seconds", load_seconds);
     if (s->threads != 1) {
         int32_t status = mlrt_create_pool(s->threads, &session->pool);
@@ -293,13 +305,26 @@ static int prepare(struct session *session)
     return allocate_frame(session);
 }
 
+// Renders and writes the picture, and tells how long it took.
+static int make_picture(struct session *session)
+{
+    const struct settings *s = session->settings;
+    const double start = seconds_now();
+    const int failed =
+        s->map ? draw_map(session->tree, &session->camera, s->map, session->frame.rgb) : time_frames(session);
+    const double seconds = (seconds_now() - start) / (s->map || !s->frames ? 1 : s->frames);
+    if (failed || !s->output) return failed;
+    if (write_png(s->output, s->size[0], s->size[1], session->frame.rgb)) return 1;
+    tell("%s: %lu x %lu pixels in %.3g ms, %.3g million pixels/s", s->output, (unsigned long)s->size[0],
+         (unsigned long)s->size[1], 1e3 * seconds, 1e-6 * (double)session->pixel_count / seconds);
+    return 0;
+}
+
 static int run(struct session *session)
 {
     const struct settings *s = session->settings;
     if (prepare(session)) return 1;
-    say("rendering");
-    if ((s->output || s->frames) && time_frames(session)) return 1;
-    if (s->output && write_png(s->output, s->size[0], s->size[1], session->frame.rgb)) return 1;
+    if ((s->output || s->frames) && make_picture(session)) return 1;
     if (s->stats && print_stats(session)) return 1;
     if (s->hash && print_hashes(session)) return 1;
     if (fflush(stdout) == 0) return 0;

@@ -67,11 +67,12 @@
  *
  * Errors. Functions that can fail return an int32_t status: MLRT_OK = 0, or one of MLRT_ERROR_*. New codes may be
  * added. After an error nothing is leaked, and a tree or pool that was to be made is NULL. The library never prints,
- * exits or aborts.
+ * exits or aborts. mlrt_last_message tells why a call failed.
  *
- * Threads. The library starts no threads unless the caller makes a pool, and it has no global state. A tree never
- * changes after it is built: any number of threads may trace it at once. A pool with threads of its own serves one call
- * at a time, and calls that share it wait for each other. A pool with mlrt_pool_options.enqueue serves several at once.
+ * Threads. The library starts no threads unless the caller makes a pool, and it has no global state: only the last
+ * message, which each thread has for itself. A tree never changes after it is built: any number of threads may trace it
+ * at once. A pool with threads of its own serves one call at a time, and calls that share it wait for each other. A
+ * pool with mlrt_pool_options.enqueue serves several at once.
  */
 #ifndef MLRT_H
 #define MLRT_H
@@ -117,6 +118,7 @@ extern "C" {
 #define mlrt_estimate_tree            MLRT_RENAMED(estimate_tree)
 #define mlrt_get_tree_info            MLRT_RENAMED(get_tree_info)
 #define mlrt_hash_geometry            MLRT_RENAMED(hash_geometry)
+#define mlrt_last_message             MLRT_RENAMED(last_message)
 #define mlrt_load_tree                MLRT_RENAMED(load_tree)
 #define mlrt_occluded_points          MLRT_RENAMED(occluded_points)
 #define mlrt_offset_point             MLRT_RENAMED(offset_point)
@@ -164,6 +166,17 @@ MLRT_API uint32_t mlrt_version(void);
 
 /* Returns what a status code means: an English phrase, never NULL, also for unknown codes. The string is static. */
 MLRT_API const char *mlrt_status_string(int32_t status);
+
+/*
+ * Returns why the last call of this thread that did not return MLRT_OK failed, in words that name the argument, its
+ * value and the rule: "rays.t_max: stride 13 is not a multiple of 4". UTF-8 without a newline, 255 bytes at most, never
+ * NULL; "" if no call of the thread has failed. Calls that succeed leave it as it is, so ask only after a failure.
+ *
+ * Each thread has its own message, which lasts until the next call of the thread that fails, or until the thread ends.
+ * The thread of a call is the one that made it, also where a pool does the work. Where a runtime may move its tasks
+ * from thread to thread (goroutines, promises), ask before anything else may run.
+ */
+MLRT_API const char *mlrt_last_message(void);
 
 /* What mlrt_capabilities returns, or-ed together. New ones may be added. */
 enum {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The C in README.md and docs/embedding.md compiles, each block after those before it, without a warning.
+ * The C in README.md, docs/embedding.md and docs/moving.md compiles, each block after those before it, without a warning.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
@@ -62,11 +62,18 @@ static void the_pieces_of_the_embedding_page_compile(void **state)
     check_document("docs/embedding.md", 8);
 }
 
+static void the_pieces_of_the_page_on_moving_compile(void **state)
+{
+    (void)state;
+    check_document("docs/moving.md", 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_program_in_the_readme_compiles),
         cmocka_unit_test(the_pieces_of_the_embedding_page_compile),
+        cmocka_unit_test(the_pieces_of_the_page_on_moving_compile),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,11 +2,25 @@
 /* options.c - command line options from a table: see options.h */
 #include "options.h"
 
+#include <mlrt.h>
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// The option that words without a dash belong to.
+#define SCENES "--scene"
+
+static const struct option *find_option(const struct option *options, size_t count, const char *name, size_t length)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (options[i].kind == OPTION_HEADING) continue;
+        if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0) return &options[i];
+    }
+    return NULL;
+}
 
 /* ---- help ---------------------------------------------------------------------------------------------------- */
 
@@ -27,13 +41,23 @@ static void print_option(const char *name, const char *values, const char *help)
 static void print_help(const char *purpose, const struct option *options, size_t count)
 {
     puts(purpose);
+    if (find_option(options, count, SCENES, strlen(SCENES))) puts("A word without a dash is a scene, as after " SCENES ".");
     for (size_t i = 0; i < count; i++) {
         if (options[i].kind == OPTION_HEADING)
             printf("\n%s\n", options[i].help);
         else
             print_option(options[i].name, options[i].values, options[i].help);
     }
-    print_option("--help", NULL, "this text");
+    print_option("-h, --help", NULL, "this text");
+    print_option("--version", NULL, "the version of the library");
+}
+
+// The first word of the purpose is the program's name.
+static void print_version(const char *purpose)
+{
+    const uint32_t version = mlrt_version();
+    printf("%.*s (mlrt) %lu.%lu.%lu\n", (int)strcspn(purpose, " "), purpose, (unsigned long)(version / 10000),
+           (unsigned long)(version / 100 % 100), (unsigned long)(version % 100));
 }
 
 /* ---- values -------------------------------------------------------------------------------------------------- */
@@ -155,15 +179,6 @@ static int read_value(const struct option *option, const char *text)
 
 /* ---- command line -------------------------------------------------------------------------------------------- */
 
-static const struct option *find_option(const struct option *options, size_t count, const char *name, size_t length)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (options[i].kind == OPTION_HEADING) continue;
-        if (strlen(options[i].name) == length && strncmp(options[i].name, name, length) == 0) return &options[i];
-    }
-    return NULL;
-}
-
 static void complain_about_value(const struct option *option, const char *text)
 {
     fprintf(stderr, "%s: %s is not %s", option->name, text, option->values);
@@ -181,7 +196,13 @@ static int read_option(const struct option *options, size_t count, char ***argum
 {
     const char *word = **argument;
     size_t length = strcspn(word, "=");
+    const struct option *scenes = word[0] == '-' ? NULL : find_option(options, count, SCENES, strlen(SCENES));
     const struct option *option = find_option(options, count, word, length);
+    if (scenes) {
+        if (read_value(scenes, word)) return 1;
+        complain_about_value(scenes, word);
+        return 0;
+    }
     if (!option || (option->kind == OPTION_FLAG && word[length])) {
         fprintf(stderr, "%s: no such option; --help lists them\n", word);
         return 0;
@@ -204,8 +225,12 @@ int parse_options(const char *purpose, const struct option *options, size_t coun
                   int *exit_code)
 {
     for (char **argument = argv + (argc > 0); *argument; argument++) {
-        if (strcmp(*argument, "--help") == 0) {
-            print_help(purpose, options, count);
+        const int wants_help = strcmp(*argument, "-h") == 0 || strcmp(*argument, "--help") == 0;
+        if (wants_help || strcmp(*argument, "--version") == 0) {
+            if (wants_help)
+                print_help(purpose, options, count);
+            else
+                print_version(purpose);
             *exit_code = 0;
             return 0;
         }

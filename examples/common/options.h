@@ -2,7 +2,8 @@
 /*
  * options.h - command line options from a table, from which the help text is made too
  *
- * An option is `--name value`, `--name=value` or, for flags, `--name`. An option that is not in the table, or a value
+ * An option is `--name value`, `--name=value` or, for flags, `--name`. A word without a dash is a value of --scene, if
+ * the table has that. An option that is not in the table, or a value
  * that is not of its kind, is reported on stderr.
  */
 #ifndef OPTIONS_H
@@ -43,8 +44,8 @@ struct option {
 };
 
 /*
- * Reads the command line. Returns 1 to go on, or 0 to end with *exit_code: 0 after --help, which prints `purpose` and
- * the table to stdout, 2 after a mistake.
+ * Reads the command line. Returns 1 to go on, or 0 to end with *exit_code: 0 after -h or --help, which
+ * print `purpose` and the table to stdout, or --version; 2 after a mistake. `purpose` begins with the program's name.
  */
 int parse_options(const char *purpose, const struct option *options, size_t count, int argc, char **argv,
                   int *exit_code);

@@ -5,6 +5,16 @@
 #include "png_write.h"
 
 #include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+int check_png_name(const char *path)
+{
+    const size_t length = strlen(path);
+    if (strncmp(path, "/dev/", 5) == 0 || (length > 4 && strcasecmp(path + length - 4, ".png") == 0)) return 0;
+    fprintf(stderr, "%s: pictures are PNG files, so the name must end in .png\n", path);
+    return 1;
+}
 
 #ifdef HAVE_PNG
 
@@ -12,7 +22,6 @@
 
 #include <errno.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 static int complain(const char *path, const char *what)

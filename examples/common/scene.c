@@ -3,6 +3,7 @@
 #include "scene.h"
 
 #include "import.h"
+#include "interior.h"
 #include "procedural.h"
 
 #include <math.h>
@@ -112,6 +113,7 @@ int load_scene(const char *name_or_path, struct scene *scene)
         return 1;
     }
     look_at_all(scene);
+    look_from_inside(scene);
     return 0;
 }
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The exported functions about the library itself: version, capabilities, sizes of structs, texts of status codes.
+ * The exported functions about the library itself: version, capabilities, sizes of structs, texts of status codes, the
+ * last message.
  */
+#include "base/message.h"
 #include "mlrt.h"
 #include "run/dispatch.h"
 
@@ -12,21 +14,12 @@ MLRT_API uint32_t mlrt_version(void)
 
 MLRT_API const char *mlrt_status_string(int32_t status)
 {
-    static const char *const texts[] = {
-        "ok",
-        "invalid argument",
-        "struct_size is not set or not of any version",
-        "a triangle names a vertex that does not exist",
-        "out of memory",
-        "more triangles, rays or pixels than 32-bit counts allow",
-        "camera of size zero, crop outside of it, numbers that are not finite, or vectors that span no picture",
-        "instruction set not available here, or a method for a tree of the other structure",
-        "the system would not start a thread",
-        "stopped by a callback",
-        "not a saved tree, or one that is damaged, of another version, or of other triangles",
-    };
-    const int32_t count = (int32_t)(sizeof texts / sizeof *texts);
-    return status >= 0 && status < count ? texts[status] : "unknown status";
+    return mlrt_meaning_of(status);
+}
+
+MLRT_API const char *mlrt_last_message(void)
+{
+    return mlrt_message_of_thread();
 }
 
 MLRT_API uint64_t mlrt_capabilities(void)

@@ -53,6 +53,7 @@
 
 #include "base/hash.h"
 #include "base/host.h"
+#include "base/message.h"
 #include "base/structs.h"
 #include "bvh/check.h"
 #include "bvh/node.h"
@@ -203,12 +204,12 @@ static void add_meshes(const mlrt_mesh *meshes, uint32_t mesh_count, struct mlrt
 
 MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, uint64_t *hash)
 {
-    if (!hash) return MLRT_ERROR_ARGUMENT;
+    if (!hash) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     *hash = 0;
     struct mlrt_hash state;
     uint32_t triangle_count;
     int32_t status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     mlrt_start_hash(&state);
     add_meshes(meshes, (uint32_t)mesh_count, &state);
     for (size_t i = 0; i < mesh_count && status == MLRT_OK; ++i) {
@@ -216,7 +217,7 @@ MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, 
         status = add_triangles(&mesh, &state);
     }
     if (status == MLRT_OK) *hash = mlrt_finish_hash(&state);
-    return status;
+    return mlrt_note_status(status);
 }
 
 /* ---- saving ---- */
@@ -255,15 +256,15 @@ static void write_file(const struct mlrt_tree *tree, struct header *header, unsi
 
 MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size)
 {
-    if (!size) return MLRT_ERROR_ARGUMENT;
+    if (!size) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     *size = 0;
-    if (!tree) return MLRT_ERROR_ARGUMENT;
+    if (!tree) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     struct header header;
     make_header(tree, &header);
-    if (header.size > SIZE_MAX) return MLRT_ERROR_TOO_LARGE;
+    if (header.size > SIZE_MAX) return mlrt_note_status(MLRT_ERROR_TOO_LARGE);
     *size = (size_t)header.size;
     if (!buffer) return MLRT_OK;
-    if (capacity < header.size) return MLRT_ERROR_ARGUMENT;
+    if (capacity < header.size) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     write_file(tree, &header, buffer);
     return MLRT_OK;
 }
@@ -452,13 +453,13 @@ static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_optio
 
 MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree)
 {
-    if (!tree) return MLRT_ERROR_ARGUMENT;
+    if (!tree) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     *tree = NULL;
-    if (!data) return MLRT_ERROR_ARGUMENT;
+    if (!data) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_load_options own;
     struct mlrt_voice voice;
     int32_t status = take_load_options(options, &own, &voice);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     const struct mlrt_memory memory = mlrt_host_memory(&voice.host, own.memory_limit);
     struct mlrt_tree *made = mlrt_allocate_tree(&memory);
     const char *wrong = NULL;
@@ -472,7 +473,7 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
     if (status != MLRT_OK) {
         mlrt_explain(&voice, "%s", status == MLRT_ERROR_DATA ? wrong : mlrt_status_string(status));
         mlrt_destroy_tree(made);
-        return status;
+        return mlrt_note_status(status);
     }
     *tree = made;
     return MLRT_OK;

@@ -9,6 +9,7 @@
 
 #include "base/counters.h"
 #include "base/host.h"
+#include "base/message.h"
 #include "base/run_options.h"
 #include "base/structs.h"
 #include "exact/nearest.h"
@@ -340,7 +341,7 @@ MLRT_INLINE int take_plain_options(const mlrt_trace_options *options, struct mlr
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
-    if (!tree || !rays || !hits) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !rays || !hits) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     struct mlrt_lone_ray lone;
     if (tree->structure == MLRT_STRUCTURE_BVH && are_simple_rays(rays) && take_plain_options(options, &lone) &&
         are_simple_hits(hits, lone.any)) {
@@ -357,12 +358,12 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK) status = check_groups(&own_rays, &call);
     if (status == MLRT_OK) status = check_hits(&own_hits, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_packet_job(tree, &own_rays, &call, &own_hits, &job);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
 }
 
 static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
@@ -412,7 +413,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     struct mlrt_job job = {.callback = NULL};
     int32_t status = take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     if (call.options.method != MLRT_METHOD_DEFAULT && call.options.method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, &call.options, job.any, hit);
     }
@@ -446,7 +447,7 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
         status =
             mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &own_options, sizeof own_options);
     }
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     memcpy(&own_hit, hit, FIRST_HIT_SIZE);
     own_hit.struct_size = sizeof own_hit;
     status = mlrt_trace_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
@@ -458,9 +459,9 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
                                 mlrt_hit *hit)
 {
     struct mlrt_lone_ray lone;
-    if (MLRT_UNLIKELY(!tree)) return MLRT_ERROR_ARGUMENT;
-    if (MLRT_UNLIKELY(!ray)) return MLRT_ERROR_ARGUMENT;
-    if (MLRT_UNLIKELY(!hit)) return MLRT_ERROR_ARGUMENT;
+    if (MLRT_UNLIKELY(!tree)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (MLRT_UNLIKELY(!ray)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (MLRT_UNLIKELY(!hit)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     if (MLRT_UNLIKELY(ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit)) {
         return trace_versioned_ray(tree, ray, options, hit);
     }
@@ -469,7 +470,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     lone.mask = MLRT_MASK_ALL;
     lone.skip = MLRT_NONE;
     if (MLRT_UNLIKELY(ray->flags)) {
-        if (ray->flags != MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+        if (ray->flags != MLRT_RAY_SKIP) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
         lone.skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
     }
     if (options) {
@@ -501,7 +502,7 @@ static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_ray
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists)
 {
-    if (!tree || !rays || !lists) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !rays || !lists) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_rays own_rays;
     mlrt_hit_lists own_lists;
     struct call call;
@@ -512,12 +513,12 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK) status = check_groups(&own_rays, &call);
     if (status == MLRT_OK) status = check_lists(&own_lists, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_list_job(tree, &own_rays, &call, &job);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run) : status);
 }
 
 static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
@@ -585,7 +586,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
 MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
                                    const mlrt_hits *frame, mlrt_tile_callback callback, void *user)
 {
-    if (!tree || !camera || (!frame && !callback)) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !camera || (!frame && !callback)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_camera own_camera;
     mlrt_hits own_frame;
     struct call call;
@@ -593,12 +594,12 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     if (status == MLRT_OK && frame) status = take_hits(frame, &own_frame);
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK && frame) status = check_hits(&own_frame, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_render_job(tree, &own_camera, &call, frame ? &own_frame : NULL, &job, light_jobs);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
 }
 
 static int can_write_floats(const mlrt_array *array)
@@ -639,14 +640,15 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
 
 MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions)
 {
-    if (!camera || !can_write_floats(origins) || !can_write_floats(directions)) return MLRT_ERROR_ARGUMENT;
+    if (!camera || !can_write_floats(origins) || !can_write_floats(directions))
+        return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_camera own;
     int32_t status = take_camera(camera, &own);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     const uint64_t environment = mlrt_enter_fp_environment();
     status = write_camera_rays(&own, origins, directions);
     mlrt_leave_fp_environment(environment);
-    return status;
+    return mlrt_note_status(status);
 }
 
 static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
@@ -663,7 +665,7 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded)
 {
-    if (!tree || !points || !light || !occluded || !occluded->data) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !points || !light || !occluded || !occluded->data) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_points own_points;
     mlrt_light own_light;
     struct call call;
@@ -673,13 +675,13 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     }
     if (status == MLRT_OK) status = take_options(options, &call);
     if (status == MLRT_OK) status = check_results(&occluded, &(const char *){"occluded"}, 1, &call);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     call.options.query = MLRT_QUERY_ANY;
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
     mlrt_leave_fp_environment(environment);
-    return status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status;
+    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
 }
 
 /* Sets the shadow ray from the hit of a ray to a light, and whether the light is on the ray's side of the surface. */
@@ -708,7 +710,7 @@ static MLRT_NOINLINE int32_t set_shadow_ray(const mlrt_tree *tree, const mlrt_ra
 MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
                                  const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
 {
-    if (!tree || !ray || !hit || !light || !shadow || !faces) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !ray || !hit || !light || !shadow || !faces) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_ray own_ray;
     mlrt_hit own_hit;
     mlrt_light own_light;
@@ -718,9 +720,9 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
         status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
     }
     if (status == MLRT_OK) status = mlrt_check_result_size(shadow, FIRST_RAY_SIZE, sizeof own_ray);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     const uint32_t number = mlrt_triangle_number(tree, own_hit.mesh, own_hit.triangle);
-    if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return MLRT_ERROR_ARGUMENT;
+    if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     mlrt_ray answer = {.struct_size = sizeof answer,
                        .flags = MLRT_RAY_SKIP,
                        .skip_mesh = own_hit.mesh,
@@ -728,7 +730,7 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
     const uint64_t environment = mlrt_enter_fp_environment();
     status = set_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
     mlrt_leave_fp_environment(environment);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_note_status(status);
     mlrt_give_struct(&answer, sizeof answer, shadow);
     return MLRT_OK;
 }
@@ -736,11 +738,11 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
 MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
                                    int32_t side, float point[3])
 {
-    if (!tree || !point || (side != 1 && side != -1)) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !point || (side != 1 && side != -1)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);
-    if (number == MLRT_NONE) return MLRT_ERROR_ARGUMENT;
+    if (number == MLRT_NONE) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     const uint64_t environment = mlrt_enter_fp_environment();
     const int found = mlrt_find_offset_point(&tree->triangles[number], u, v, side, point);
     mlrt_leave_fp_environment(environment);
-    return found ? MLRT_OK : MLRT_ERROR_ARGUMENT;
+    return mlrt_note_status(found ? MLRT_OK : MLRT_ERROR_ARGUMENT);
 }

@@ -6,6 +6,7 @@
 
 #include "api/save.h"
 #include "base/host.h"
+#include "base/message.h"
 #include "base/platform.h"
 #include "base/progress.h"
 #include "base/structs.h"
@@ -167,13 +168,13 @@ static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *opt
 MLRT_API int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                  mlrt_tree **tree)
 {
-    return build(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, tree);
+    return mlrt_note_status(build(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, tree));
 }
 
 MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                    mlrt_tree **tree)
 {
-    return build(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, tree);
+    return mlrt_note_status(build(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, tree));
 }
 
 /* ---- the finished tree ---- */
@@ -192,10 +193,10 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
 
 MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
 {
-    if (!tree || !info) return MLRT_ERROR_ARGUMENT;
+    if (!tree || !info) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
     const int32_t status = mlrt_check_result_size(info, sizeof *info, sizeof *info);
     if (status == MLRT_OK) mlrt_give_struct(&tree->info, sizeof tree->info, info);
-    return status;
+    return mlrt_note_status(status);
 }
 
 /* ---- estimates of memory ---- */
@@ -235,11 +236,11 @@ static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const
 MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                     mlrt_memory_estimate *estimate)
 {
-    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, estimate);
+    return mlrt_note_status(estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, estimate));
 }
 
 MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                       mlrt_memory_estimate *estimate)
 {
-    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, estimate);
+    return mlrt_note_status(estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, estimate));
 }

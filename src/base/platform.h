@@ -46,6 +46,15 @@
 #define MLRT_UNLIKELY(condition) (condition)
 #endif
 
+/* A variable that each thread has for itself. */
+#if defined(__GNUC__)
+#define MLRT_THREAD_LOCAL __thread
+#elif defined(_MSC_VER)
+#define MLRT_THREAD_LOCAL __declspec(thread)
+#else
+#define MLRT_THREAD_LOCAL _Thread_local
+#endif
+
 /* Before a short loop that must be unrolled at every optimisation level. */
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
 #define MLRT_UNROLL _Pragma("GCC unroll 9")

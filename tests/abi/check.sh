@@ -35,9 +35,9 @@ compare()
 nm -D --defined-only "$library" | awk '$2 != "A" {sub(/@.*/, "", $3); print $3}' | sort > "$folder/symbols.txt"
 compare symbols.txt "$folder/symbols.txt"
 
-# Of imports, fewer are as good: compilers call some functions, or do without. Four they may call whenever they like.
+# Of imports, fewer are as good: compilers call some functions, or do without. Five they may call whenever they like.
 nm -D --undefined-only "$library" | awk '$1 != "w" {sub(/@.*/, "", $2); print $2}' |
-    { cat; printf '%s\n' memcmp memcpy memmove memset; } | sort -u > "$folder/imports.txt"
+    { cat; printf '%s\n' __tls_get_addr memcmp memcpy memmove memset; } | sort -u > "$folder/imports.txt"
 if [ "$update" ]; then cp "$folder/imports.txt" "$files/imports.txt"; fi
 news=$(comm -13 "$files/imports.txt" "$folder/imports.txt" | tr '\n' ' ')
 [ -z "$news" ] || fail "imports what imports.txt does not have: $news"
@@ -83,9 +83,10 @@ grep -q 'GNU_STACK.* RW ' "$folder/segments.txt" || fail "has an executable stac
 if grep -E 'LOAD.* RWE ' "$folder/segments.txt"; then fail "has a segment to write and to execute"; fi
 grep -q 'GNU_EH_FRAME' "$folder/segments.txt" || fail "has no tables for unwinding"
 
-# No state: what can be written holds nothing but what the compiler puts there, and what the processor can do.
+# No state: what can be written holds nothing but what the compiler puts there, what the processor can do, and the last
+# message of each thread.
 state=$(nm "$library" | awk '$2 ~ /^[dDbBsSgGC]$/ {print $3}' |
-    grep -vE '^(_DYNAMIC|_GLOBAL_OFFSET_TABLE_|__TMC_END__|known_isa|__dso_handle|completed\.[0-9]+|__.*_array_entry|_edata|_end|__bss_start)$')
+    grep -vE '^(_DYNAMIC|_GLOBAL_OFFSET_TABLE_|__TMC_END__|known_isa|last_message|__dso_handle|completed\.[0-9]+|__.*_array_entry|_edata|_end|__bss_start)$')
 for name in $state; do
     # Tables of addresses are constant once the library is loaded: they lie in .data.rel.ro.
     section=$(objdump -t "$library" | awk -v name="$name" '$NF == name {for (i = 1; i <= NF; i++) if ($i ~ /^\./) {print $i; exit}}')

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The example programs as commands: help, version, files without a flag, names of pictures, maps; and the view that a
+ * scene gets without one of its own.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/interior.h"
+#include "support.h"
+
+enum { OUTPUT_SIZE = 16384 };
+
+/* Runs a program of the build. Returns its exit code; what it printed goes to `output`, also what it said on stderr. */
+static int run(const char *command, char output[OUTPUT_SIZE])
+{
+    char line[1024];
+    const char *build = getenv("BUILD");
+    snprintf(line, sizeof line, "%s/bin/%s 2>&1", build ? build : "build", command);
+    FILE *pipe = popen(line, "r");
+    assert_non_null(pipe);
+    const size_t size = fread(output, 1, OUTPUT_SIZE - 1, pipe);
+    output[size] = 0;
+    const int status = pclose(pipe);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+/* render is there only with libpng. */
+static int have_render(void)
+{
+    char path[1024];
+    const char *build = getenv("BUILD");
+    snprintf(path, sizeof path, "%s/bin/render", build ? build : "build");
+    return access(path, X_OK) == 0;
+}
+
+static void help_and_version(void **state)
+{
+    char shorter[OUTPUT_SIZE], longer[OUTPUT_SIZE], version[OUTPUT_SIZE];
+    (void)state;
+    assert_int_equal(run("inspect -h", shorter), 0);
+    assert_int_equal(run("inspect --help", longer), 0);
+    assert_string_equal(shorter, longer);
+    assert_non_null(strstr(shorter, "--version"));
+    assert_int_equal(run("inspect --version", version), 0);
+    assert_string_equal(version, "inspect (mlrt) " MLRT_VERSION_STRING "\n");
+    assert_int_equal(run("inspect --versions", version), 2);
+}
+
+static void a_word_without_a_dash_is_a_scene(void **state)
+{
+    char with[OUTPUT_SIZE], without[OUTPUT_SIZE];
+    (void)state;
+    assert_int_equal(run("inspect --scene room | grep hash", with), 0);
+    assert_int_equal(run("inspect room | grep hash", without), 0);
+    assert_string_equal(with, without);
+    assert_int_not_equal(with[0], 0);
+    assert_int_equal(run("inspect no_such_scene", without), 1);
+    assert_non_null(strstr(without, "no_such_scene"));
+    assert_int_equal(run("engine room", without), 2); // it has no scenes
+}
+
+static void pictures_have_a_name_that_says_what_they_are(void **state)
+{
+    char output[OUTPUT_SIZE];
+    (void)state;
+    if (!have_render()) skip();
+    assert_int_equal(run("render room --size 16x16 -o picture.jpg", output), 2);
+    assert_non_null(strstr(output, ".png"));
+    assert_int_not_equal(access("picture.jpg", F_OK), 0);
+    assert_int_equal(run("engine --frames 1 -o picture.jpg", output), 2);
+    assert_int_not_equal(access("picture.jpg", F_OK), 0);
+}
+
+static void maps_are_drawn(void **state)
+{
+    static const char *const maps[] = {"nodes", "tests", "depth", "judge", "time"};
+    char output[OUTPUT_SIZE], command[256], folder[] = "/tmp/mlrt-maps-XXXXXX", path[64];
+    static const unsigned char signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    (void)state;
+    if (!have_render()) skip();
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/map.png", folder);
+    for (int i = 0; i < 5; i++) {
+        unsigned char head[24] = {0};
+        snprintf(command, sizeof command, "render room --size %dx33 --map %s -o %s", i == 0 ? 1 : 200, maps[i], path);
+        assert_int_equal(run(command, output), 0);
+        assert_string_equal(output, ""); // nothing is told where no terminal is
+        FILE *file = fopen(path, "rb");
+        assert_non_null(file);
+        assert_int_equal(fread(head, 1, sizeof head, file), sizeof head);
+        fclose(file);
+        assert_memory_equal(head, signature, sizeof signature);
+        assert_int_equal(head[19], i == 0 ? 1 : 200);
+        assert_int_equal(head[23], 33);
+        remove(path);
+    }
+    rmdir(folder);
+    assert_int_equal(run("render room --map nodes", output), 2);
+    assert_int_equal(run("render room --map colours -o x.png", output), 2);
+}
+
+/* ---- views --------------------------------------------------------------------------------------------------- */
+
+/* A box from 0 to `size`, whose fronts are outside, or inside. */
+static void make_box(const float size[3], int fronts_inside, struct scene *scene)
+{
+    static const uint32_t corners[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    static float vertices[8][3];
+    static uint32_t indices[12][3];
+    for (int i = 0; i < 8; i++) {
+        for (int k = 0; k < 3; k++) vertices[i][k] = i >> k & 1 ? size[k] : 0;
+    }
+    for (int i = 0; i < 12; i++) {
+        indices[i][0] = corners[i][0];
+        indices[i][1] = corners[i][fronts_inside ? 2 : 1];
+        indices[i][2] = corners[i][fronts_inside ? 1 : 2];
+    }
+    memset(scene, 0, sizeof *scene);
+    scene->vertices = vertices[0], scene->vertex_count = 8;
+    scene->indices = indices[0], scene->triangle_count = 12;
+    scene->view.eye[0] = 1000;
+}
+
+static int is_inside(const double point[3], const float size[3])
+{
+    int inside = 1;
+    for (int k = 0; k < 3; k++) inside = inside && point[k] > 0 && point[k] < (double)size[k];
+    return inside;
+}
+
+static void rooms_are_seen_from_inside(void **state)
+{
+    static const float sizes[2][3] = {{8, 3, 6}, {80, 60, 28}};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        struct scene scene;
+        make_box(sizes[i], 1, &scene);
+        look_from_inside(&scene);
+        assert_true(is_inside(scene.view.eye, sizes[i]));
+        assert_true(is_inside(scene.view.look, sizes[i]));
+        assert_true(is_inside(scene.view.light, sizes[i]));
+        assert_true(scene.view.up[i == 0 ? 1 : 2] == 1);
+        make_box(sizes[i], 0, &scene); // a body
+        look_from_inside(&scene);
+        assert_true(scene.view.eye[0] == 1000);
+        make_box(sizes[i], 1, &scene); // a box without its front
+        scene.triangle_count = 10, scene.indices += 6;
+        look_from_inside(&scene);
+        assert_true(scene.view.eye[0] == 1000);
+    }
+}
+
+static void scenes_without_triangles_keep_their_view(void **state)
+{
+    struct scene scene = {.view = {.eye = {1, 2, 3}}};
+    (void)state;
+    look_from_inside(&scene);
+    assert_true(scene.view.eye[2] == 3);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(help_and_version),
+        cmocka_unit_test(a_word_without_a_dash_is_a_scene),
+        cmocka_unit_test(pictures_have_a_name_that_says_what_they_are),
+        cmocka_unit_test(maps_are_drawn),
+        cmocka_unit_test(rooms_are_seen_from_inside),
+        cmocka_unit_test(scenes_without_triangles_keep_their_view),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
