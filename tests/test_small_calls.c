@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * mlrt_trace_packet with few rays, which need no job: the answers are those of one call with all rays by method ray, for
- * hostile rays and limits, any strides, and results that lie on the rays.
+ * hostile rays and limits, any strides, and results that lie on the rays. And exception flags of calls of one ray.
  */
+#include <fenv.h>
 #include <math.h>
 #include <string.h>
 
@@ -191,6 +192,35 @@ static void mistakes_are_errors(void **state)
     mlrt_destroy_tree(tree);
 }
 
+/*
+ * Calls leave the caller's exception flags as they were: none, or inexact alone, where a ray that misses the scene does
+ * not look at them again.
+ */
+static void exception_flags_stay(void **state)
+{
+    (void)state;
+    static struct record records[COUNT];
+    int wrong = 0;
+    for (size_t i = 0; i < hard_scene_count(); i++) {
+        struct random random = {9900 + i};
+        struct fixture fixture = make_hard_scene(i);
+        make_records(&random, &fixture, records);
+        for (size_t j = 0; j < COUNT; j++) {
+            const int flags = j % 2 ? FE_INEXACT : 0;
+            mlrt_ray ray = {.struct_size = sizeof ray, .t_min = records[j].t_min, .t_max = records[j].t_max};
+            mlrt_hit hit = {.struct_size = sizeof hit};
+            memcpy(ray.origin, records[j].origin, sizeof ray.origin);
+            memcpy(ray.direction, records[j].direction, sizeof ray.direction);
+            feclearexcept(FE_ALL_EXCEPT);
+            feraiseexcept(flags);
+            mlrt_trace_ray(fixture.tree, &ray, NULL, &hit);
+            wrong += fetestexcept(FE_ALL_EXCEPT) != flags;
+        }
+        free_fixture(&fixture);
+    }
+    assert_int_equal(wrong, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -198,6 +228,7 @@ int main(void)
         cmocka_unit_test(results_on_the_rays),
         cmocka_unit_test(bytes_between_results_stay),
         cmocka_unit_test(mistakes_are_errors),
+        cmocka_unit_test(exception_flags_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

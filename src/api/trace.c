@@ -309,7 +309,7 @@ static MLRT_NOINLINE void trace_few_rays(const mlrt_tree *tree, const mlrt_rays 
         take_element(&rays->t_min, i, sizeof ray.t_min, &ray.t_min);
         take_element(&rays->t_max, i, sizeof ray.t_max, &ray.t_max);
         if (ray.t_max == 0) ray.t_max = -1; /* 0 is a limit in an array, and none in mlrt_ray */
-        mlrt_trace_lone_ray(tree, &ray, lone, &hits[i]);
+        (void)mlrt_trace_lone_ray(tree, &ray, lone, &hits[i]);
     }
     if (lone->any) {
         const size_t stride = results->occluded.stride ? results->occluded.stride : 1;
@@ -422,7 +422,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     const uint64_t environment = mlrt_enter_fp_environment();
     if (job.method == MLRT_METHOD_TILE && !counters && job.kernels->trace_ray) {
         lone->kernels = job.kernels;
-        mlrt_trace_lone_ray(tree, ray, lone, hit);
+        (void)mlrt_trace_lone_ray(tree, ray, lone, hit);
     } else {
         mlrt_trace_by_ray(tree, ray, lone->any, lone->mask, lone->skip, counters ? &own : NULL, hit);
     }
@@ -487,8 +487,11 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     }
     if (MLRT_UNLIKELY(tree->structure != MLRT_STRUCTURE_BVH)) return trace_as_call(tree, ray, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_trace_lone_ray(tree, ray, &lone, hit);
-    mlrt_leave_fp_environment(environment);
+    if (mlrt_trace_lone_ray(tree, ray, &lone, hit)) {
+        mlrt_leave_after_inexact(environment);
+    } else {
+        mlrt_leave_fp_environment(environment);
+    }
     return MLRT_OK;
 }
 

@@ -1,19 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray of a call of its own, with numbers that float carries, and whether it meets the box of a scene. This is
- * compiled once, in the instruction set that every processor has: a ray that misses the scene needs no kernel.
+ * One ray of a call of its own, with numbers that float carries.
  */
 #ifndef MLRT_RAYS_LONE_RAY_H
 #define MLRT_RAYS_LONE_RAY_H
 
-#include <float.h>
-#include <math.h>
 #include <stdint.h>
 
-#include "exact/triangle.h"
-#include "mlrt.h"
-#include "rays/packet.h"
-#include "simd/quad.h"
+#include "base/platform.h"
 
 /* job/job.h */
 struct mlrt_kernels;
@@ -23,60 +17,12 @@ struct mlrt_lone_ray {
     const struct mlrt_kernels *kernels; /* those that trace the ray; NULL = the widest */
     MLRT_ALIGNED(16) float origin[4];
     MLRT_ALIGNED(16) float direction[4];
+    MLRT_ALIGNED(16) float reciprocal[4]; /* 1 / direction, rounded */
     float t_min;
     float t_max;
     uint32_t mask;
     uint32_t skip; /* the number of a triangle that the ray passes through, or MLRT_NONE */
     int any;       /* any hit will do */
 };
-
-/* Loads three floats of a struct that has a readable float before them. */
-MLRT_INLINE f4 mlrt_load_three(const float numbers[3])
-{
-    return f4_rest(f4_load_any((const unsigned char *)numbers - sizeof *numbers));
-}
-
-/* What is known of a ray before it is traced. */
-enum mlrt_lone_ray_kind {
-    MLRT_LONE_RAY_MISSES,      /* it can hit nothing (rule R1, exact/segment.h), or passes the box of the scene */
-    MLRT_LONE_RAY_NOT_CARRIED, /* float does not carry its numbers */
-    MLRT_LONE_RAY_MAY_HIT
-};
-
-/*
- * Compares a ray with the box of all triangles, and sets the numbers of *ray if it may hit one.
- *
- * Along each axis the ray is between the planes of the box from t = near to far, each with three roundings, and 2^-149
- * where it underflows. If the ray meets the box, the true near is at most the true far, so as computed
- * near <= far (1 + 6.01 u) + 2^-147. RECIPROCAL_SLACK is 8 u, and 2^-126 is the least float that is not denormal. Where
- * d_k is 0, a ray between the planes has the distances -inf and inf, another one has two equal ones; a ray in a plane has
- * a NaN, which f4_min and f4_max pass on in the order of operands below, and which t_min and t_max then replace. Planes
- * are at most 2^62 or infinite, so a box begins at t < 2^123 or never: rays end at 2^126 at the latest.
- */
-MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const mlrt_ray *given, const struct mlrt_box *box,
-                                                       struct mlrt_lone_ray *ray)
-{
-    const f4 origin = f4_three(given->origin);
-    const f4 direction = f4_add(f4_three(given->direction), f4_set1(0)); /* -0 becomes 0 */
-    if (MLRT_UNLIKELY(!f4_are_within(origin, direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) &&
-        (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
-         f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
-        return MLRT_LONE_RAY_NOT_CARRIED;
-    }
-    const float t_max = given->t_max == 0 ? INFINITY : given->t_max;
-    const f4 reciprocal = f4_div(f4_set1(1), direction);
-    const f4 to_lo = f4_mul(f4_sub(mlrt_load_three(box->lo), origin), reciprocal);
-    const f4 to_hi = f4_mul(f4_sub(mlrt_load_three(box->hi), origin), reciprocal);
-    const f4 near = f4_max(f4_min(to_hi, to_lo), f4_set1(given->t_min));
-    const f4 far = f4_min(f4_max(to_lo, to_hi), f4_set1(t_max < 0x1p126f ? t_max : 0x1p126f));
-    if (f4_hmax(near) > f4_hmin(far) * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f) return MLRT_LONE_RAY_MISSES;
-    const float t_min = given->t_min < 0 ? 0 : given->t_min;
-    if (!(t_min < t_max) || f4_zeros(direction) == 15) return MLRT_LONE_RAY_MISSES;
-    f4_store(ray->origin, origin);
-    f4_store(ray->direction, direction);
-    ray->t_min = t_min;
-    ray->t_max = t_max;
-    return MLRT_LONE_RAY_MAY_HIT;
-}
 
 #endif

@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "job/job.h"
+#include "rays/meet_scene.h"
 #include "run/dispatch.h"
 #include "run/trace_ray.h"
 #include "scene/tree.h"
@@ -58,15 +59,18 @@ static const struct mlrt_kernels *kernels_of(const struct mlrt_lone_ray *ray)
     return ray->kernels ? ray->kernels : mlrt_widest_kernels();
 }
 
+/* These, too, return 1 if no flag but inexact was raised. */
+
 /* Traces one ray in double. */
-static MLRT_NOINLINE void trace_in_double(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
+static MLRT_NOINLINE int trace_in_double(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
                                           mlrt_hit *hit)
 {
     mlrt_trace_by_ray(tree, given, ray->any, ray->mask, ray->skip, NULL, hit);
+    return 0;
 }
 
 /* Traces one ray through boxes whose unit is not 1. */
-static MLRT_NOINLINE void trace_in_units(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
+static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
                                          mlrt_hit *hit)
 {
     struct mlrt_ray_segment segment;
@@ -74,35 +78,37 @@ static MLRT_NOINLINE void trace_in_units(const mlrt_tree *tree, const mlrt_ray *
     if (mlrt_make_segment(given->origin, given->direction, given->t_min, limit_of(given), &segment)) {
         segment.mask = ray->mask;
         if (!kernels_of(ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
-            trace_in_double(tree, given, ray, hit);
-            return;
+            return trace_in_double(tree, given, ray, hit);
         }
     }
     set_result(tree, given, number, ray->any, hit);
+    return 0;
 }
 
 /* Traces one ray that meets the box of the scene. */
-static MLRT_NOINLINE void trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
+static MLRT_NOINLINE int trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
                                          mlrt_hit *hit)
 {
     const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray) : MLRT_NONE;
     set_result(tree, given, number, ray->any, hit);
+    return 0;
 }
 
-void mlrt_trace_lone_ray(const mlrt_tree *tree, const mlrt_ray *given, struct mlrt_lone_ray *ray, mlrt_hit *hit)
+int mlrt_trace_lone_ray(const mlrt_tree *tree, const mlrt_ray *given, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
-        trace_in_units(tree, given, ray, hit);
-        return;
+        return trace_in_units(tree, given, ray, hit);
     }
     switch (mlrt_take_lone_ray(given, &tree->bvh.whole, ray)) {
     case MLRT_LONE_RAY_MAY_HIT:
-        trace_in_scene(tree, given, ray, hit);
-        return;
+        return trace_in_scene(tree, given, ray, hit);
     case MLRT_LONE_RAY_NOT_CARRIED:
-        trace_in_double(tree, given, ray, hit);
-        return;
+        return trace_in_double(tree, given, ray, hit);
+    case MLRT_LONE_RAY_QUIET_MISS:
+        set_miss(ray->any, hit);
+        return 1;
     default:
         set_miss(ray->any, hit);
+        return 0;
     }
 }

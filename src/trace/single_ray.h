@@ -62,13 +62,11 @@
 #include "hits/undecided.h"
 #include "job/write_arrays.h"
 #include "rays/extremes.h"
+#include "rays/lone_ray.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
 #include "trace/units.h"
-#if !MLRT_COUNTING
-#include "rays/lone_ray.h"
-#endif
 
 /*
  * The share of the bound of D that is added to that of N: it makes PLANE_BOUND's 2^-20 m F G the 2^-60 m F G above.
@@ -401,17 +399,12 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     struct mlrt_known_plane plane;
     struct mlrt_triangle_pair pair;
     struct mlrt_worker worker;
-    MLRT_ALIGNED(16) float near[4];
-    MLRT_ALIGNED(16) float far[4];
-    const f4 r = f4_div(f4_set1(1), f4_load(ray->direction));
-    f4_store(near, f4_mul(r, f4_set1(1 - RECIPROCAL_SLACK)));
-    f4_store(far, f4_mul(r, f4_set1(1 + RECIPROCAL_SLACK)));
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         packet->origin[k][0] = ray->origin[k];
         packet->direction[k][0] = ray->direction[k];
-        reciprocals.near[k][0] = near[k];
-        reciprocals.far[k][0] = far[k];
+        reciprocals.near[k][0] = ray->reciprocal[k] * (1 - RECIPROCAL_SLACK);
+        reciprocals.far[k][0] = ray->reciprocal[k] * (1 + RECIPROCAL_SLACK);
     }
     packet->t_min[0] = ray->t_min;
     packet->t_max[0] = packet->lo[0] = packet->hi[0] = ray->t_max;
@@ -461,9 +454,10 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     packet.has_skip = skip != MLRT_NONE;
     packet.has_apex = packet.has_masks = 0;
     if (!scale_packet(1, tree->bvh.unit, &packet, &scaled)) return 0;
-    for (int k = 0; k < 4; ++k) {
-        ray.origin[k] = scaled.rays.origin[k < 3 ? k : 2][0];
-        ray.direction[k] = scaled.rays.direction[k < 3 ? k : 2][0];
+    for (int k = 0; k < 3; ++k) {
+        ray.origin[k] = scaled.rays.origin[k][0];
+        ray.direction[k] = scaled.rays.direction[k][0];
+        ray.reciprocal[k] = 1 / ray.direction[k];
     }
     ray.t_min = scaled.rays.t_min[0];
     ray.t_max = scaled.rays.hi[0];
