@@ -211,8 +211,9 @@ static void exception_flags_stay(void **state)
             mlrt_hit hit = {.struct_size = sizeof hit};
             memcpy(ray.origin, records[j].origin, sizeof ray.origin);
             memcpy(ray.direction, records[j].direction, sizeof ray.direction);
+            volatile float third = 1;
             feclearexcept(FE_ALL_EXCEPT);
-            feraiseexcept(flags);
+            if (flags) third /= 3; /* feraiseexcept may raise the flag of another unit */
             mlrt_trace_ray(fixture.tree, &ray, NULL, &hit);
             wrong += fetestexcept(FE_ALL_EXCEPT) != flags;
         }
