@@ -163,6 +163,29 @@ static void bytes_between_results_stay(void **state)
     mlrt_destroy_tree(tree);
 }
 
+/* A triangle without area, so small or large that boxes have another unit, leaves a tree without nodes. */
+static void trees_without_nodes(void **state)
+{
+    (void)state;
+    for (int exponent = -60; exponent <= 60; exponent += 60) {
+        const float x = ldexpf(1, exponent);
+        const float line[9] = {x, x, x, 2 * x, x, x, 3 * x, x, x};
+        const mlrt_mesh mesh = {.struct_size = sizeof mesh, .vertices = line, .vertex_count = 3, .triangle_count = 1};
+        const mlrt_ray ray = {.struct_size = sizeof ray, .origin = {2 * x, x, 0}, .direction = {0, 0, 1}};
+        mlrt_hit hit = {.struct_size = sizeof hit};
+        float t = 0;
+        const mlrt_rays rays = {
+            .struct_size = sizeof rays, .count = 1, .origins = {ray.origin, 0}, .directions = {ray.direction, 0}};
+        const mlrt_hits hits = {.struct_size = sizeof hits, .t = {&t, 0, 0}};
+        mlrt_tree *tree = build_structure(&mesh, 1, MLRT_STRUCTURE_BVH);
+        assert_int_equal(mlrt_trace_ray(tree, &ray, NULL, &hit), MLRT_OK);
+        assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &hits), MLRT_OK);
+        assert_int_equal(hit.triangle, MLRT_NONE);
+        assert_true(isinf(t));
+        mlrt_destroy_tree(tree);
+    }
+}
+
 /* Mistakes are found however few the rays are. */
 static void mistakes_are_errors(void **state)
 {
@@ -228,6 +251,7 @@ int main(void)
         cmocka_unit_test(same_as_in_one_call),
         cmocka_unit_test(results_on_the_rays),
         cmocka_unit_test(bytes_between_results_stay),
+        cmocka_unit_test(trees_without_nodes),
         cmocka_unit_test(mistakes_are_errors),
         cmocka_unit_test(exception_flags_stay),
     };

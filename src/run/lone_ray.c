@@ -75,7 +75,8 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *g
 {
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
-    if (mlrt_make_segment(given->origin, given->direction, given->t_min, limit_of(given), &segment)) {
+    if (tree->bvh.node_count > 0 &&
+        mlrt_make_segment(given->origin, given->direction, given->t_min, limit_of(given), &segment)) {
         segment.mask = ray->mask;
         if (!kernels_of(ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
             return trace_in_double(tree, given, ray, hit);
