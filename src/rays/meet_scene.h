@@ -31,18 +31,18 @@ enum mlrt_lone_ray_kind {
 };
 
 /*
- * Are the limits of a ray no NaNs, and t_max 0 or at least 2^-40? As integers, without signs, floats are in order and
- * NaNs are above infinity.
+ * Are the limits of a ray no NaNs, and is the magnitude of t_max 0, infinite, or 2^-40 .. 2^126? As integers, without
+ * signs, floats are in order and NaNs are above infinity.
  */
 MLRT_INLINE int has_quiet_limits(const mlrt_ray *ray)
 {
-    const uint32_t infinity = 0xFF000000u, least = 2 * 0x2B800000u;
+    const uint32_t infinity = 0xFF000000u, least = 2 * 0x2B800000u, greatest = 2 * 0x7E800000u;
     uint32_t t_min, t_max;
     memcpy(&t_min, &ray->t_min, sizeof t_min);
     memcpy(&t_max, &ray->t_max, sizeof t_max);
     t_min *= 2;
     t_max *= 2;
-    return t_min <= infinity && (t_max == 0 || (t_max >= least && t_max <= infinity));
+    return t_min <= infinity && (t_max == 0 || t_max == infinity || (t_max >= least && t_max <= greatest));
 }
 
 /*
