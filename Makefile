@@ -1,14 +1,22 @@
 # SPDX-License-Identifier: MIT
 #
 #   make                 the library and the examples, in build/
+#   make help            this list
 #   make deps            installs the packages that examples and tests need (Debian and Ubuntu; elsewhere it names them)
 #   make test            builds and runs every test
 #   make test-python     tests the Python package in bindings/python
 #   make test-bindings   tests the bindings of other languages whose tools are installed
-#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, and clang, whose libclang Rust needs
+#   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks and clang
+#   make bindings-coverage  tests the bindings and writes the table in bindings/README.md of what they reach
+#   make package-rust    packs a binding, with the library inside, in build/packages; also package-go, package-node,
+#                        package-java, package-lua
 #   make test-wheel      builds the Python package's source distribution and wheel, installs and tests them; pip fetches
 #                        from PyPI
-#   make test-trimesh TRIMESH=folder   runs the ray tests of a checkout of trimesh through the drop-in for it
+#   make test-trimesh    runs trimesh's own tests of rays through the drop-in for it: those of its source distribution, which pip
+#                        fetches, or of a checkout, TRIMESH=folder
+#   make deps-python     installs, in build/python, what tests and reference of the Python package use if it is there: Dask, trimesh
+#                        with embreex, pytest, pdoc
+#   make docs-python     a page for each class of the Python package, in build/docs-python
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
 #   make bench           measures speed, beside Embree 3 if `make deps-study` installed it: on procedural scenes, and on
@@ -19,9 +27,11 @@
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
 #                        doxygen
-#   make install         installs header, libraries and files for pkg-config and CMake in $(DESTDIR)$(PREFIX); make
-#                        install-strip, without debugging information; make uninstall
+#   make install         installs headers, libraries, a manual page and files for pkg-config and CMake in
+#                        $(DESTDIR)$(PREFIX), without debugging information unless KEEP_DEBUG=1; make uninstall
 #   make test-install    installs into build/, then builds and runs programs that use the installed files
+#   make test-packaging  uses the sources from projects with CMake (FetchContent), Meson (a wrap) and vcpkg (a port), in
+#                        fresh folders; make deps-packaging installs these tools, but for vcpkg
 #   make check-abi       compares exported names, layouts and types with tests/abi; checks the size of the shared object
 #                        and the libraries that it needs
 #   make update-abi      writes tests/abi anew, after an intended change
@@ -31,11 +41,13 @@
 #   make check-tables    compares the tables of README.md and docs/ with docs/data
 #   make check-copies    runs three copies of the library in one process
 #   make check-churn     makes and destroys 10,000 trees and pools under valgrind
+#   make fuzz CC=clang SAN=address,undefined,fuzzer-no-link   fuzzes the loading of trees; FUZZ has options of libFuzzer
 #   make amalgamation    the library as one mlrt.c and one mlrt.h, in build/amalgamation
 #   make dist            the sources of the last commit, the amalgamation, and checksums of both, in build/dist
 #   make test-amalgamation  compiles the amalgamation with gcc and clang: golden numbers, exported names, nothing fused
 #   make test-cross      library and amalgamation for aarch64, 32-bit x86, s390x and Windows: the same golden numbers
-#                        from emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu)
+#                        from emulators; make deps-cross installs compilers and emulators (Debian and Ubuntu), make
+#                        deps-emulated those of aarch64 and 32-bit x86
 #   make format          runs clang-format on every source file
 #   make clean
 #
@@ -45,6 +57,7 @@
 
 PREFIX   ?= /usr/local
 LIBDIR   ?= $(PREFIX)/lib
+MANDIR   ?= $(PREFIX)/share/man
 OPTIMIZE ?= -O2
 SAN      ?=
 RENAME   ?=
@@ -90,7 +103,7 @@ ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>
 ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
 SOURCES := $(wildcard src/*/*.c)
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c),$(SOURCES))) \
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) $(if $(IS_X86),,src/mlrta/avx2.c),$(SOURCES))) \
                    $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
 # Packages are looked up when they are needed, so that `make deps demo` works in one call.
@@ -99,12 +112,16 @@ HAVE_PNG    = $(call pkg,--exists libpng && echo 1)
 HAVE_ASSIMP = $(call pkg,--exists assimp && echo 1)
 HAVE_CJSON  = $(call pkg,--exists libcjson && echo 1)
 HAVE_GMP    = $(call pkg,--exists gmp && echo 1)
+# tinybvh is a header of C++; make deps-study puts it there.
+TINYBVH     ?= build/tinybvh
+HAVE_TINYBVH = $(if $(wildcard $(TINYBVH)/tiny_bvh.h),$(and $(IS_X86),1))
 HAVE_EMBREE = $(shell $(CC) $(CPPFLAGS) -fsyntax-only -include embree3/rtcore.h -x c /dev/null 2>/dev/null && echo 1)
 EXAMPLE_COMMON := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/common/*.c))
-STUDY       := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o
+STUDY        = $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/study/*.c)) $(BUILD)/tests/reference.o \
+               $(if $(HAVE_TINYBVH),$(BUILD)/examples/study/tinybvh-cpp.o)
 ENGINE      := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/engine/*.c))
 BENCH_OBJECTS := $(patsubst examples/%.c,$(BUILD)/examples/%.o,$(wildcard examples/bench/*.c))
-EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy),$(basename $(notdir $(wildcard examples/*.c))))
+EXAMPLES    = $(filter-out $(if $(HAVE_PNG),,render) $(if $(HAVE_GMP),,accuracy) $(if $(and $(HAVE_GMP),$(HAVE_PNG)),,errors),$(basename $(notdir $(wildcard examples/*.c))))
 EXAMPLE_FLAGS = $(if $(HAVE_ASSIMP),-DHAVE_ASSIMP=1 $(call pkg,--cflags,assimp)) $(if $(HAVE_PNG),-DHAVE_PNG=1 $(call pkg,--cflags,libpng)) \
                 $(if $(HAVE_CJSON),-DHAVE_CJSON=1 $(call pkg,--cflags,libcjson))
 EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),$(call pkg,--libs,libpng)) \
@@ -113,14 +130,20 @@ EXAMPLE_LIBS  = $(if $(HAVE_ASSIMP),$(call pkg,--libs,assimp)) $(if $(HAVE_PNG),
 TESTS := $(basename $(notdir $(wildcard tests/test_*.c)))
 TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_golden.c $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 
-.PHONY: all library examples docs demo reproduce format clean
-.PHONY: deps deps-study deps-docs deps-bindings
+.PHONY: all library examples docs docs-python demo reproduce format clean
+.PHONY: deps deps-study deps-docs deps-bindings deps-python
+.PHONY: package-rust package-go package-node package-java package-lua bindings-coverage
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
+.PHONY: help test-packaging deps-packaging
 .PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
 .SECONDARY:
 
 all: library examples
+
+# The list at the head of this file.
+help:
+	@awk 'NR > 2 {if (!sub(/^#/, "")) exit; sub(/^   /, ""); sub(/^ /, ""); print}' $(firstword $(MAKEFILE_LIST))
 
 library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 
@@ -140,6 +163,10 @@ $(BUILD)/obj/trace/%.o: src/trace/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
 
+$(BUILD)/obj/mlrta/avx2.o: src/mlrta/avx2.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_avx2) -c $< -o $@
+
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) -c $< -o $@
@@ -148,14 +175,9 @@ $(BUILD)/obj/%.o: src/%.c
 $(BUILD)/libmlrt-internal.a: $(LIBRARY_OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
-# For other programs: one object, whose internal names are hidden and clash with no others. If there is no objcopy, or
-# it fails, internal names stay visible, and two such archives cannot be linked into one program. On 32-bit x86 the
-# compiler adds small functions in section groups; a linker keeps one copy of a group for all objects. Ours are local
-# now, so they must not be that copy: their groups are removed.
+# For other programs: one object, whose internal names are hidden and clash with no others.
 $(BUILD)/libmlrt.a: $(LIBRARY_OBJECTS)
-	$(Q)rm -f $@; if $(CC) $(CFLAGS) -r -nostdlib $^ -o $(BUILD)/mlrt.o && $(OBJCOPY) --localize-hidden --remove-section=.group $(BUILD)/mlrt.o; \
-	then $(AR) rcs $@ $(BUILD)/mlrt.o; \
-	else echo "libmlrt.a: $(OBJCOPY) did not hide the names inside: they stay visible"; $(AR) rcs $@ $^; fi
+	$(Q)sh src/packaging/hide_names.sh $@ $(AR) $(OBJCOPY) $^ -- $(CC) $(CFLAGS)
 
 # Exports every function that is declared with MLRT_API, by its name after preprocessing, as version MLRT_0.
 $(BUILD)/mlrt.map: include/mlrt.h
@@ -184,7 +206,12 @@ examples: $(addprefix $(BUILD)/bin/,$(EXAMPLES))
 
 $(BUILD)/examples/study/%.o: examples/study/%.c
 	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) -Iexamples -Itests -c $< -o $@
+	$(Q)$(COMPILE) $(EXAMPLE_FLAGS) $(if $(HAVE_EMBREE),-DHAVE_EMBREE=1) $(if $(HAVE_TINYBVH),-DHAVE_TINYBVH=1) -Iexamples -Itests -c $< -o $@
+
+# As its makers compile it.
+$(BUILD)/examples/study/tinybvh-cpp.o: examples/study/tinybvh.cpp
+	@mkdir -p $(@D)
+	$(Q)$(CXX) -std=c++20 -O3 -mavx2 -mfma -w -I$(TINYBVH) -Iexamples/study -c $< -o $@
 
 # The benchmark's own code, the same for every library it measures, is compiled for this machine.
 NATIVE = $(if $(filter -O2 -O3,$(OPTIMIZE)),$(shell $(CC) -march=native -E -x c /dev/null >/dev/null 2>&1 && echo -march=native)) -fno-math-errno -fno-trapping-math
@@ -201,17 +228,22 @@ $(BUILD)/bin/%: $(BUILD)/examples/%.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
-$(BUILD)/bin/accuracy: $(BUILD)/examples/accuracy.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
+$(BUILD)/bin/accuracy $(BUILD)/bin/errors: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(STUDY) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	@mkdir -p $(@D)
-	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -lgmp -o $@
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) $(if $(HAVE_TINYBVH),-lstdc++) -lgmp -o $@
 
-$(BUILD)/bin/depth: $(BUILD)/examples/depth.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+$(BUILD)/bin/depth $(BUILD)/bin/pays: $(BUILD)/bin/%: $(BUILD)/examples/%.o $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
 
 $(BUILD)/bin/engine: $(BUILD)/examples/engine.o $(ENGINE) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
 	@mkdir -p $(@D)
 	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) -o $@
+
+PEER_FRAME := $(patsubst %,$(BUILD)/examples/bench/%.o,peer_frame embree task shade crew library) $(BUILD)/examples/study/meshes.o
+$(BUILD)/bin/reproduce: $(BUILD)/examples/reproduce.o $(PEER_FRAME) $(EXAMPLE_COMMON) $(BUILD)/libmlrt.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) $^ $(EXAMPLE_LIBS) $(if $(HAVE_EMBREE),-lembree3) -o $@
 
 # Linked with the shared object, since Embree and the library of another commit (--against) are shared objects too.
 $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples/study/meshes.o $(EXAMPLE_COMMON) $(BUILD)/libmlrt.so
@@ -223,6 +255,8 @@ $(BUILD)/bin/bench: $(BUILD)/examples/bench.o $(BENCH_OBJECTS) $(BUILD)/examples
 APT_PACKAGES := gcc libc6-dev pkg-config libpng-dev libcmocka-dev libgmp-dev libassimp-dev libcjson-dev
 MISSING = $(strip $(foreach p,$(APT_PACKAGES),$(if $(filter installed,$(shell dpkg-query -W -f='$${db:Status-Status}' $(p) 2>/dev/null)),,$(p))))
 SUDO = $(if $(filter 0,$(shell id -u)),,sudo)
+# Not empty: the lists of packages are fresh, so they are not fetched again.
+APT_UPDATED ?=
 
 deps:
 	@if ! command -v apt-get >/dev/null; then \
@@ -230,18 +264,25 @@ deps:
 	    echo "read mesh files and files of views) assimp and cJSON. The library itself needs none of them."; exit 1; \
 	elif [ -n "$(MISSING)" ]; then \
 	    echo "installing: $(MISSING)"; \
-	    $(SUDO) apt-get update -qq && $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
+	    $(if $(APT_UPDATED),,$(SUDO) apt-get update -qq &&) $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(MISSING) >/dev/null; \
 	fi
 
 deps-study: deps
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib'
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='libembree-dev python3-matplotlib g++'
+	@sh examples/study/fetch_tinybvh.sh $(TINYBVH)
 
 deps-docs:
 	@command -v apt-get >/dev/null || { echo "Please install doxygen (1.9.3 or later) and python3."; exit 1; }
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='doxygen python3'
 
+# Everything that the tests and the reference of bindings/python can use, in an environment of its own.
+deps-python:
+	@python3 -m venv $(BUILD)/python 2>/dev/null || { echo "deps-python: no python3 with venv (apt-get install python3-venv)"; exit 1; }
+	@$(BUILD)/python/bin/python -m pip --disable-pip-version-check install -q numpy tqdm 'dask[array]' distributed \
+	    trimesh embreex pytest scipy networkx rtree shapely manifold3d pdoc
+
 deps-bindings: deps
-	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit'
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit luarocks'
 
 EMULATED_PACKAGES := gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-i686-linux-gnu libc6-dev-i386-cross qemu-user clang
 
@@ -251,6 +292,9 @@ deps-emulated:
 deps-cross:
 	@$(MAKE) --no-print-directory deps \
 	    APT_PACKAGES='$(EMULATED_PACKAGES) gcc-s390x-linux-gnu libc6-dev-s390x-cross gcc-mingw-w64-x86-64 wine64'
+
+deps-packaging:
+	@$(MAKE) --no-print-directory deps APT_PACKAGES='gcc g++ libc6-dev pkg-config cmake ninja-build meson git'
 
 # `make deps test` must look for packages after deps has run: a second make does the work.
 AFTER_DEPS := $(filter deps deps-%,$(MAKECMDGOALS))
@@ -279,18 +323,28 @@ SWEEP_RAYS ?= 16384
 STUDY_SCENES := room office building scan sphere
 STUDY_FILES = $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import matplotlib' 2>/dev/null && echo $(p))) python3)
-ACCURACY = $(BUILD)/bin/accuracy --csv
+ACCURACY = $(BUILD)/bin/accuracy --csv --guess $(GUESSING)
 
 charts: charts-accuracy charts-speed
 
+# The library without exactness, for charts of what exactness costs.
+GUESSING := build/guess/libmlrt.so
+$(GUESSING): $(wildcard src/*/*.[ch]) include/mlrt.h
+	@$(MAKE) --no-print-directory GUESS=1 $@
+
 charts-accuracy: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy
+	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy $(BUILD)/bin/errors $(BUILD)/bin/pays $(BUILD)/bin/bench $(GUESSING)
 	@mkdir -p docs/data
 	$(ACCURACY) $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,edge --rays $(STUDY_RAYS) > docs/data/methods.csv
 	$(ACCURACY) --study stability --rays $(SWEEP_RAYS) > docs/data/stability.csv
 	$(ACCURACY) --study stages $(addprefix --scene ,$(STUDY_SCENES) $(STUDY_FILES)) $(addprefix --views ,$(VIEWS)) \
 	    --generator camera,random,edge --rays $(STUDY_RAYS) > docs/data/stages.csv
+	$(BUILD)/bin/bench --csv --alone --against $(GUESSING) --runs 5 $(addprefix --scene ,$(STUDY_SCENES) doubled $(STUDY_FILES)) \
+	    $(addprefix --views ,$(VIEWS)) > docs/data/price.csv
+	$(BUILD)/bin/pays --csv > docs/data/pays.csv
+	$(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2 >> docs/data/pays.csv
+	$(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png > docs/data/errors.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
 
 # ---- speed ----------------------------------------------------------------------------------------------------------
@@ -455,20 +509,29 @@ test-cross-%: amalgamation
 	        EXAMPLE_LIBS='-lm -static' $(BUILD)/cross/$*/tests/print_golden && \
 	    sh tests/cross.sh $* $(BUILD)/cross/$* $(ONE_FILE) $(call X86_32_FLAGS,$*); fi
 
+# What deps-python installs, else whatever python3 has.
+TEST_PYTHON = $(abspath $(firstword $(wildcard $(BUILD)/python/bin/python) $(shell command -v python3)))
+
 test-python: library
-	@if ! python3 -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
-	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. python3 -m unittest discover; fi
+	@if ! $(TEST_PYTHON) -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
+	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. $(TEST_PYTHON) -m unittest discover; fi
 
 test-bindings: | $(AFTER_DEPS)
-	@$(MAKE) --no-print-directory library
+	@$(MAKE) --no-print-directory library amalgamation
 	@$(MAKE) --no-print-directory install PREFIX=$(abspath $(BUILD))/bindings/prefix LIBDIR=$(abspath $(BUILD))/bindings/prefix/lib DESTDIR= >/dev/null
-	@CC='$(CC)' CXX='$(CXX)' sh bindings/test.sh $(BUILD)/bindings
+	@CC='$(CC)' CXX='$(CXX)' VERSION=$(VERSION) sh bindings/test.sh $(BUILD)/bindings
+
+bindings-coverage:
+	@COVERAGE=write $(MAKE) --no-print-directory test-bindings
+
+package-rust package-go package-node package-java package-lua: library amalgamation
+	@CC='$(CC)' VERSION=$(VERSION) sh bindings/package.sh $(@:package-%=%) $(BUILD) $(BUILD)/packages
 
 test-wheel:
 	@sh bindings/python/tests/wheel.sh $(BUILD)/wheel
 
 test-trimesh: library
-	@PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python python3 bindings/python/tests/trimesh_own.py $(or $(TRIMESH),$(error TRIMESH: the folder of a checkout of trimesh))
+	@sh bindings/python/tests/trimesh_own.sh "$(TEST_PYTHON)" $(BUILD)/trimesh $(TRIMESH)
 
 # ---- reference -----------------------------------------------------------------------------------------------------
 
@@ -477,6 +540,12 @@ docs: | $(AFTER_DEPS)
 	@rm -rf build/docs && mkdir -p build/docs
 	$(Q){ cat docs/doxygen/Doxyfile; echo PROJECT_NUMBER = $(VERSION); } | doxygen -
 	@echo "docs: build/docs/html/index.html"
+
+docs-python: library
+	@$(TEST_PYTHON) -c 'import pdoc' 2>/dev/null || { echo "docs-python: no pdoc: make deps-python installs it"; exit 1; }
+	$(Q)PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=bindings/python $(TEST_PYTHON) -W ignore::UserWarning -m pdoc -o $(BUILD)/docs-python \
+	    mlrt mlrt.typing mlrt.trimesh $$($(TEST_PYTHON) -c 'import distributed; print("mlrt.distributed")' 2>/dev/null)
+	@echo "docs-python: $(BUILD)/docs-python/index.html"
 
 # ---- install -------------------------------------------------------------------------------------------------------
 
@@ -492,38 +561,45 @@ FILL_IN    = sed -e 's|@VERSION@|$(VERSION)|g' -e 's|@SOVERSION@|$(SOVERSION)|g'
 INSTALLED_LIBRARIES := libmlrt.a libmlrt.so.$(VERSION) libmlrt.so.$(SOVERSION) libmlrt.so pkgconfig/mlrt.pc \
                        cmake/mlrt/mlrtConfig.cmake cmake/mlrt/mlrtConfigVersion.cmake
 
+# install_library STRIP MODE FILE: a library of the build folder, without what objcopy's option STRIP removes.
+install_library = install -m $(2) $(BUILD)/$(3) "$(DESTDIR)$(LIBDIR)/" $(if $(KEEP_DEBUG),,&& \
+    { $(OBJCOPY) $(1) "$(DESTDIR)$(LIBDIR)/$(3)" || echo "install: $(OBJCOPY) did not strip $(3)"; })
+
 install: library
 	$(if $(GUESS),$(error GUESS=1 is for measuring only))
-	install -d "$(DESTDIR)$(PREFIX)/include" "$(DESTDIR)$(LIBDIR)/pkgconfig" "$(DESTDIR)$(LIBDIR)/cmake/mlrt"
-	install -m 644 include/mlrt.h "$(DESTDIR)$(PREFIX)/include/"
-	install -m 644 $(BUILD)/libmlrt.a "$(DESTDIR)$(LIBDIR)/"
-	install -m 755 $(BUILD)/libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/"
+	install -d "$(DESTDIR)$(PREFIX)/include" "$(DESTDIR)$(LIBDIR)/pkgconfig" "$(DESTDIR)$(LIBDIR)/cmake/mlrt" "$(DESTDIR)$(MANDIR)/man3"
+	install -m 644 include/mlrt.h bindings/cpp/mlrt.hpp "$(DESTDIR)$(PREFIX)/include/"
+	$(call install_library,--strip-debug,644,libmlrt.a)
+	$(call install_library,--strip-all,755,libmlrt.so.$(VERSION))
 	ln -sf libmlrt.so.$(VERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(SOVERSION)"
 	ln -sf libmlrt.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/libmlrt.so"
 	$(FILL_IN) src/packaging/mlrt.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/mlrt.pc"
 	$(FILL_IN) src/packaging/mlrtConfig.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfig.cmake"
 	$(FILL_IN) src/packaging/mlrtConfigVersion.cmake.in > "$(DESTDIR)$(LIBDIR)/cmake/mlrt/mlrtConfigVersion.cmake"
+	awk -f src/packaging/man.awk include/mlrt.h > "$(DESTDIR)$(MANDIR)/man3/mlrt.3"
 
-# Without debugging information.
+# The name that others use for what install does.
 install-strip: install
-	strip "$(DESTDIR)$(LIBDIR)/libmlrt.so.$(VERSION)"
-	strip --strip-debug "$(DESTDIR)$(LIBDIR)/libmlrt.a"
 
 uninstall:
 	for file in $(INSTALLED_LIBRARIES); do rm -f "$(DESTDIR)$(LIBDIR)/$$file"; done
-	rm -f "$(DESTDIR)$(PREFIX)/include/mlrt.h"
+	rm -f "$(DESTDIR)$(PREFIX)/include/mlrt.h" "$(DESTDIR)$(PREFIX)/include/mlrt.hpp" "$(DESTDIR)$(MANDIR)/man3/mlrt.3"
 	-rmdir "$(DESTDIR)$(LIBDIR)/cmake/mlrt"
 
 test-install: library
-	@CC='$(CC)' MAKE='$(MAKE)' VERSION=$(VERSION) sh tests/consumer/check.sh $(BUILD)/install
+	@CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' VERSION=$(VERSION) sh tests/consumer/check.sh $(BUILD)/install
+
+test-packaging: library
+	@CC='$(CC)' CXX='$(CXX)' sh tests/consumer/check_build.sh $(BUILD)/packaging $(BUILD)/libmlrt.so $(BUILD)/libmlrt.a
 
 # ---- housekeeping --------------------------------------------------------------------------------------------------
 
 format:
 	clang-format -i include/*.h src/*/*.[ch] examples/*.c examples/common/*.[ch] examples/study/*.[ch] examples/bench/*.[ch] examples/engine/*.[ch] tests/*.[ch] tests/words/*.[ch] tests/close/*.[ch] bindings/c/*.[ch] bindings/cpp/*.[ch]pp \
-	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c
+	    tests/abi/*.[ch] tests/copies/*.[ch] tests/consumer/*.c tests/consumer/*.cpp
 
 clean:
 	rm -rf build
 
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+# Of this build alone: builds with other settings lie below build/ too, and may be running.
+-include $(shell find $(BUILD)/obj $(BUILD)/examples $(BUILD)/tests -name copies -prune -o -name '*.d' -print 2>/dev/null)

@@ -11,6 +11,7 @@
 #include "common/options.h"
 #include "common/terminal.h"
 #include "common/timer.h"
+#include "study/guess.h"
 #include "study/measure.h"
 #include "study/stability.h"
 #include "study/stages.h"
@@ -26,7 +27,7 @@ enum study { STUDY_METHODS, STUDY_STABILITY, STUDY_STAGES };
 
 struct settings {
     struct word_list scenes, generators, methods, sweeps;
-    const char *views;
+    const char *views, *guess;
     int32_t study;
     uint32_t rays, runs; // rays 0: the study's default
     int csv;
@@ -92,8 +93,9 @@ static void explain_table(void)
          "hit).\n"
          "ties: another triangle, hit at exactly the same distance; not counted as wrong.\n"
          "Triangle tests by name walk the library's tree one ray at a time, in plain C; Embree has its own hierarchy.");
-    if (embree_methods[0].name == NULL)
-        puts("Embree's rows are missing: it was not there to build with (make deps-study).");
+    if (!embree_methods[0].name || !tinybvh_methods[0].name)
+        printf("Not there to build with (make deps-study):%s%s\n", embree_methods[0].name ? "" : " Embree",
+               tinybvh_methods[0].name ? "" : " tinybvh");
 }
 
 static const char *csv_head(int32_t study)
@@ -238,7 +240,8 @@ static int select_methods(struct settings *settings)
         selection->methods[selection->count++] = method;
     }
     for (size_t m = 0; settings->methods.count == 0 && m < method_count(); m++) {
-        selection->methods[selection->count++] = method_at(m);
+        const int guesses = strncmp(method_at(m)->name, "guess", 5) == 0;
+        if (!guesses || settings->guess) selection->methods[selection->count++] = method_at(m);
     }
     return 0;
 }
@@ -283,6 +286,8 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         {OPTION_LIST, "--sweep", &s->sweeps, "NAME,...",
          "what --study stability sweeps: aim, shift, scale, length, sliver, grazing\n(default: all)", 0, 0},
         {OPTION_LIST, "--method", &s->methods, "NAME,...", "methods, by their names in CSV (default: all)", 0, 0},
+        {OPTION_TEXT, "--guess", &s->guess, "FILE.so",
+         "the library as `make GUESS=1 library` builds it: two more methods, without exactness", 0, 0},
         {OPTION_COUNT, "--rays", &s->rays, "N",
          "rays of each generator or value (default: 1048576, for stability 16384)", 16, 1u << 26},
         {OPTION_COUNT, "--runs", &s->runs, "N", "speeds of scenes are medians of this many runs (default: 5)", 1, 1000},
@@ -294,6 +299,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
     if (s->scenes.count == 0) s->scenes = procedural;
     if (s->rays == 0) s->rays = default_rays[s->study];
     *exit_code = 2;
+    if (s->guess && load_guess(s->guess)) return 0;
     return !select_methods(s) && !select_generators(s);
 }
 

@@ -4,7 +4,8 @@
  *
  * For each scene it builds the kd-trees of both presets, from which all tables take their numbers. The answers of each
  * picture whose work is counted are compared with those of method ray. Counters are those of one thread. Times are
- * medians of runs that take turns, so that a machine that slows down or speeds up does so for all of them.
+ * medians of runs that take turns, so that a machine that slows down or speeds up does so for all of them: processor
+ * time of one thread, elapsed time of several. Where runs would take too long there are fewer, but at least three.
  *
  * Exit codes: 0, 1 if something failed or an answer differed, 2 for a mistake on the command line.
  *
@@ -12,10 +13,11 @@
  */
 #define _POSIX_C_SOURCE 200112L
 
+#include "bench/peer_frame.h"
 #include "common/hash.h"
 #include "common/options.h"
 #include "common/scene.h"
-#include "common/shade.h"
+#include "common/terminal.h"
 #include "common/timer.h"
 #include "common/tree.h"
 #include "common/view.h"
@@ -25,7 +27,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define LENGTH(array) (sizeof(array) / sizeof *(array))
 
@@ -62,10 +63,8 @@ enum {
 };
 
 // What is left of the multi-level method without these shortcuts is the paper's algorithm, or that with entry lists.
-enum {
-    PAPER = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_ENTRY_LISTS | MLRT_SHORTCUT_SHARED_SETUPS,
-    ENTRY_LISTS_ONLY = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_SHARED_SETUPS
-};
+// Set-ups of triangles stay shared, here and in method packet4, as the paper's packets share what it computes in advance.
+enum { PAPER = MLRT_SHORTCUT_WHOLE_TILES | MLRT_SHORTCUT_ENTRY_LISTS, ENTRY_LISTS_ONLY = MLRT_SHORTCUT_WHOLE_TILES };
 
 enum { PLAIN, SHADED, SHADING_COUNT };
 enum { ONE_THREAD, ALL_THREADS, THREADING_COUNT };
@@ -137,6 +136,9 @@ static const uint32_t split_factors[] = {4, 16};
 static const uint32_t initial_sizes[] = {16, 32, 64, 128, 256};
 static const uint32_t minimum_sizes[] = {4, 8, 16, 32, 64};
 
+// In place of a method of the library.
+enum { PEER_FAST = -1, PEER_ROBUST = -2 };
+
 static const struct {
     const char *title;
     int32_t method;
@@ -147,10 +149,13 @@ static const struct {
     {"packet4", MLRT_METHOD_PACKET4, 0},
     {"multilevel as in the paper", MLRT_METHOD_MULTILEVEL, PAPER},
     {"multilevel", MLRT_METHOD_MULTILEVEL, 0},
+    {"tile (boxes), what replaced it", MLRT_METHOD_TILE, 0},
+    {"Embree 3.13, fast", PEER_FAST, 0},
+    {"Embree 3.13, robust", PEER_ROBUST, 0},
 };
 
-/* The method that the ratios of table 5 divide by, as a position in `methods`. */
-enum { PACKET2 = 1, PACKET4 = 2, FIRST_MULTILEVEL = 3 };
+/* Positions in `methods`: those that the ratios of table 5 divide by, and those that are divided. */
+enum { PACKET2 = 1, PACKET4 = 2, FIRST_MULTILEVEL = 3, TILE = 5, FIRST_PEER = 6 };
 
 // What the answers must not depend on besides method, instruction set and threads. Sizes 0: the default.
 static const mlrt_trace_options variations[] = {
@@ -166,7 +171,7 @@ static const mlrt_trace_options variations[] = {
     {.initial_tile_size = 256, .minimum_tile_size = 4, .split_factor = 16},
 };
 
-static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_ISA_SSE};
+static const int32_t isas[] = {MLRT_ISA_SCALAR, MLRT_ISA_SSE, MLRT_ISA_AUTO};
 
 static const struct {
     const char *title;
@@ -200,7 +205,7 @@ struct results {
     struct rule_result rules[LENGTH(rules)];
     struct measured cullings[LENGTH(cullings)];
     struct measured sweep[LENGTH(split_factors)][LENGTH(initial_sizes)][LENGTH(minimum_sizes)]; // seconds 0: not one
-    double frame_seconds[SHADING_COUNT][THREADING_COUNT][LENGTH(methods)];
+    double frame_seconds[SHADING_COUNT][THREADING_COUNT][LENGTH(methods)];                      // 0 = not measured
     struct check_result check;
     mlrt_tree_info trees[LENGTH(presets)];
 };
@@ -229,9 +234,10 @@ struct subject {
     mlrt_camera camera;
     size_t pixel_count;
     struct picture picture;
-    struct shading shading;
     size_t preset; // a position in `presets`: the tree's
     mlrt_tree *tree;
+    mlrt_tree *boxes;        // for method tile
+    struct peer_frame *peer; // for pictures by Embree, and for normals
     struct results *results;
 };
 
@@ -424,27 +430,47 @@ struct contender {
 // A frame without colours stores which triangles were hit; one with them stores nothing else.
 static int render_frame(struct subject *subject, const struct contender *contender)
 {
-    const mlrt_hits ids = {.struct_size = sizeof ids,
-                           .mesh = {subject->picture.mesh, 0, 0},
-                           .triangle = {subject->picture.triangle, 0, 0}};
+    const mlrt_hits ids = {.struct_size = sizeof ids, .triangle = {subject->picture.triangle, 0, 0}};
+    uint32_t *rgba = (uint32_t *)(void *)subject->picture.rgba;
     mlrt_trace_options options = contender->options;
-    options.outputs = contender->shaded ? MLRT_OUTPUT_IDS : 0;
-    return !succeeded(mlrt_render_tiles(contender->tree, &subject->camera, &options, contender->shaded ? NULL : &ids,
-                                        contender->shaded ? shade_tile_simply : NULL, &subject->shading));
+    if (options.method < 0) {
+        render_peer_frame(subject->peer, options.method == PEER_ROBUST, subject->picture.triangle,
+                          contender->shaded ? rgba : NULL);
+        return 0;
+    }
+    if (!contender->shaded)
+        return !succeeded(mlrt_render_tiles(contender->tree, &subject->camera, &options, &ids, NULL, NULL));
+    struct shade_job job = shade_job_of(subject->peer, rgba);
+    options.outputs = MLRT_OUTPUT_TRIANGLE;
+    return !succeeded(mlrt_render_tiles(contender->tree, &subject->camera, &options, NULL, shade_tile_of_ids, &job));
 }
 
-// Lets the contenders take turns, after a turn each that does not count.
+// The time that counts: of one thread its own.
+static double clock_of(const struct contender *contender)
+{
+    return contender->options.pool ? seconds_now() : thread_seconds_now();
+}
+
+/*
+ * Lets the contenders take turns, after a turn each that does not count. If all turns would take longer than TURNS_LIMIT
+ * seconds by the first, there are fewer runs, but at least three.
+ */
+#define TURNS_LIMIT 15.0
+
 static int time_frames(struct subject *subject, struct contender *contenders, size_t count)
 {
     size_t run_count = subject->settings->runs;
     double *seconds = malloc(count * run_count * sizeof *seconds);
+    const double begin = seconds_now();
     int failed = !seconds;
     if (failed) fprintf(stderr, "not enough memory for %zu times\n", count * run_count);
-    for (size_t turn = 0; turn < (run_count + 1) * count && !failed; turn++) {
-        size_t run = turn / count, i = turn % count;
-        double start = seconds_now();
+    for (size_t i = 0; i < count && !failed; i++) failed = render_frame(subject, &contenders[i]);
+    while (run_count > 3 && (double)run_count * (seconds_now() - begin) > TURNS_LIMIT) run_count--;
+    for (size_t turn = 0; turn < run_count * count && !failed; turn++) {
+        const size_t run = turn / count, i = turn % count;
+        const double start = clock_of(&contenders[i]);
         failed = render_frame(subject, &contenders[i]);
-        if (run > 0) seconds[i * run_count + run - 1] = seconds_now() - start;
+        seconds[i * run_count + run] = clock_of(&contenders[i]) - start;
     }
     for (size_t i = 0; i < count && !failed; i++) contenders[i].seconds = median(seconds + i * run_count, run_count);
     free(seconds);
@@ -564,19 +590,22 @@ static int measure_sweep(struct subject *subject)
     return 0;
 }
 
+// Embree takes part with one thread.
 static int measure_methods(struct subject *subject)
 {
     for (int column = 0; column < SHADING_COUNT * THREADING_COUNT; column++) {
-        int shading = column / THREADING_COUNT, threading = column % THREADING_COUNT;
+        const int shading = column / THREADING_COUNT, threading = column % THREADING_COUNT;
+        const size_t count = threading == ONE_THREAD && have_peer() ? LENGTH(methods) : FIRST_PEER;
         struct contender contenders[LENGTH(methods)];
-        for (size_t i = 0; i < LENGTH(methods); i++) {
+        for (size_t i = 0; i < count; i++) {
             mlrt_trace_options options = options_for(subject, methods[i].method);
             options.shortcuts_off = methods[i].shortcuts_off;
             options.pool = threading == ALL_THREADS ? subject->pool : NULL;
-            contenders[i] = (struct contender){subject->tree, options, shading == SHADED, 0};
+            contenders[i] =
+                (struct contender){i == TILE ? subject->boxes : subject->tree, options, shading == SHADED, 0};
         }
-        if (time_frames(subject, contenders, LENGTH(contenders))) return 1;
-        for (size_t i = 0; i < LENGTH(methods); i++) {
+        if (time_frames(subject, contenders, count)) return 1;
+        for (size_t i = 0; i < count; i++) {
             subject->results->frame_seconds[shading][threading][i] = contenders[i].seconds;
         }
     }
@@ -597,6 +626,14 @@ static int check_setting(struct subject *subject, const mlrt_trace_options *sett
     return 0;
 }
 
+// Method tile from the camera and for points.
+static int check_boxes(struct subject *subject)
+{
+    const mlrt_trace_options options = {.struct_size = sizeof options};
+    return !succeeded(check_hits(subject, subject->boxes, &options)) ||
+           !succeeded(check_shadows(subject, subject->boxes, &options));
+}
+
 static int check_answers(struct subject *subject)
 {
     static const int32_t all_methods[] = {MLRT_METHOD_RAY, MLRT_METHOD_PACKET2, MLRT_METHOD_PACKET4,
@@ -612,7 +649,7 @@ static int check_answers(struct subject *subject)
             if (check_setting(subject, &setting)) return 1;
         }
     }
-    return 0;
+    return check_boxes(subject);
 }
 
 static int describe_tree(struct subject *subject)
@@ -828,7 +865,20 @@ static void print_method_row(const struct results *results, const char *label, s
     print_label(label);
     for (int column = 0; column < SHADING_COUNT * THREADING_COUNT; column++) {
         const double *seconds = results->frame_seconds[column / THREADING_COUNT][column % THREADING_COUNT];
-        print_cell(divisor < 0 ? 1 : 2, (divisor < 0 ? 1 : seconds[divisor]) / seconds[method]);
+        const int is_measured = seconds[method] > 0;
+        print_cell(divisor < 0 ? 1 : 2, is_measured ? (divisor < 0 ? 1 : seconds[divisor]) / seconds[method] : NAN);
+    }
+    putchar('\n');
+}
+
+// How many times as fast method tile is as Embree, by one thread.
+static void print_peer_ratio(const struct results *results, const char *label, size_t peer)
+{
+    print_label(label);
+    for (int shading = 0; shading < SHADING_COUNT; shading++) {
+        const double *seconds = results->frame_seconds[shading][ONE_THREAD];
+        print_cell(2, seconds[peer] / seconds[TILE]);
+        print_cell(2, NAN);
     }
     putchar('\n');
 }
@@ -861,10 +911,16 @@ static void print_methods(const struct settings *settings, const struct results 
         print_title("Frames per second", &results[i]);
         print_head(columns);
         for (size_t k = 0; k < LENGTH(methods); k++) print_method_row(&results[i], methods[k].title, k, -1);
-        for (size_t k = FIRST_MULTILEVEL; k < LENGTH(methods); k++) {
+        for (size_t k = FIRST_MULTILEVEL; k <= TILE; k++) {
             for (int divisor = PACKET4; divisor >= PACKET2; divisor--) {
                 snprintf(label, sizeof label, "ratio: %s / %s", methods[k].title, methods[divisor].title);
                 print_method_row(&results[i], label, k, divisor);
+            }
+        }
+        if (have_peer()) {
+            for (size_t k = FIRST_PEER; k < LENGTH(methods); k++) {
+                snprintf(label, sizeof label, "ratio: tile / %s", methods[k].title);
+                print_peer_ratio(&results[i], label, k);
             }
         }
         print_published_methods(results[i].published);
@@ -951,7 +1007,9 @@ static const struct table {
      "is bold.",
      ON_PAPER_TREE, measure_sweep, print_sweep},
     {"Frames per second",
-     "The paper's table 1. The tree is the kd-tree of preset `tuned`. The shader is a dot product with the "
+     "The paper's table 1. The tree is the kd-tree of preset `tuned`; method tile goes through the boxes of "
+     "mlrt_build_tree, with the widest instruction set, and Embree through its own hierarchy, in its fastest way. The "
+     "shader is a dot product with the "
      "triangle's normal, "
      "stored as 8-bit RGBA; without it, the numbers of the triangles hit are stored.",
      ON_DEFAULT_TREE, measure_methods, print_methods},
@@ -959,7 +1017,7 @@ static const struct table {
      "Pictures compared with those of method `ray` in plain C, by a hash over ids and the bits of t, u and v of all "
      "hits, and over the answers of all shadow rays: each method, instruction set, one thread and several, several "
      "tile "
-     "sizes and culling tests, and what was counted for other tables, on the trees of both presets.",
+     "sizes and culling tests, and what was counted for other tables, on the trees of both presets; and method tile.",
      ON_DEFAULT_TREE | ON_PAPER_TREE, check_answers, print_check},
     {"Building", "By one thread. The kd-tree of each scene is built once with each preset.",
      ON_DEFAULT_TREE | ON_PAPER_TREE, describe_tree, print_builds},
@@ -1004,24 +1062,18 @@ static void print_tables(const struct settings *settings, const struct results *
 
 /* ---- from the start to the end ------------------------------------------------------------------------------- */
 
-// For people who wait; a log needs no such lines.
-static void say(const char *scene, const char *what)
-{
-    if (isatty(STDERR_FILENO)) fprintf(stderr, "%s: %s ...\n", scene, what);
-}
-
 static int measure_preset(struct subject *subject, size_t preset)
 {
     const char *name = subject->results->name;
     const struct tree_settings build = {.kind = presets[preset].kind};
     double seconds;
-    say(name, "building a tree");
+    show_work("%s: building a tree ...", name);
     subject->preset = preset;
     if (build_tree(&subject->scene, &build, &subject->tree, &seconds)) return 1;
     if (subject->results->check.hit_hash == 0 && find_reference(subject)) return 1; // 0: not found yet
     for (size_t i = 0; i < LENGTH(tables); i++) {
         if (!is_wanted(subject->settings, i) || !(tables[i].trees >> preset & 1)) continue;
-        say(name, tables[i].title);
+        show_work("%s: %s ...", name, tables[i].title);
         if (tables[i].measure(subject)) return 1;
     }
     return 0;
@@ -1052,7 +1104,7 @@ static int load_subject(struct subject *subject, const char *word)
     char path[PATH_SIZE], specification[2 * PATH_SIZE], *name = subject->results->name;
     int is_file;
     if (name_scene(word, path, name, &is_file)) return 1;
-    say(name, "loading");
+    show_work("%s: loading ...", name);
     if (load_scene(path, &subject->scene)) return 1;
     snprintf(specification, sizeof specification, "%.*s:%s/view1", PATH_SIZE, settings->views ? settings->views : "",
              name);
@@ -1071,15 +1123,22 @@ static int measure_scene(const struct settings *settings, mlrt_pool *pool, const
     subject.pool = pool;
     subject.results = results;
     int failed = load_subject(&subject, word);
-    subject.shading.scene = &subject.scene;
-    subject.shading.camera = &subject.camera;
-    subject.shading.rgba = subject.picture.rgba;
+    const double start = seconds_now();
+    const struct tree_settings boxes = {.kind = TREE_DEFAULT};
+    double seconds;
+    failed = failed || build_tree(&subject.scene, &boxes, &subject.boxes, &seconds);
+    if (!failed) subject.peer = open_peer_frame(&subject.scene, &subject.camera);
+    failed = failed || !subject.peer;
     for (size_t preset = 0; preset < LENGTH(presets) && !failed; preset++) {
         if (!(trees_needed(settings) >> preset & 1)) continue;
         failed = measure_preset(&subject, preset);
         mlrt_destroy_tree(subject.tree);
         subject.tree = NULL;
     }
+    clear_work();
+    tell("%s: measured for %.1f s", results->name, seconds_now() - start);
+    close_peer_frame(subject.peer);
+    mlrt_destroy_tree(subject.boxes);
     free_picture(&subject.picture);
     free_scene(&subject.scene);
     return failed;
@@ -1115,11 +1174,11 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
          0, 0},
         {OPTION_TEXT, "--views", &s->views, "FILE.json", "views of mesh files: view1 of the scene named like the file",
          0, 0},
-        {OPTION_COUNT, "--size", &s->size, "N", "pixels along each side of the picture (default: 1024)", 4, 8192},
+        {OPTION_COUNT, "--size", &s->size, "N", "pixels along each side, a multiple of 64 (default: 1024)", 64, 8192},
         {OPTION_SET, "--only", &s->tables, "1,2,3,4,5,6,7", "the tables to make, a list (default: all)", 0, 0},
         {OPTION_COUNT, "--runs", &s->runs, "N", "times are medians of this many runs (default: 5)", 1, 1000},
         {OPTION_COUNT, "--threads", &s->threads, "N", "threads of what is not measured with one (default: 2)", 1,
-         MAXIMUM_WORKERS},
+         1024},
         {OPTION_HEADING, 0, 0, 0, "Tile sizes, where they are not what is varied:", 0, 0},
         {OPTION_POWER_OF_TWO, "--its", &s->tiles.initial_tile_size, "N", "initial tile size in pixels, a power of two",
          4, 1024},
@@ -1136,6 +1195,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         mistake = "--sf: either 4 or 16";
     if (s->tiles.initial_tile_size && s->tiles.minimum_tile_size > s->tiles.initial_tile_size)
         mistake = "--mts: larger than --its";
+    if (s->size % 64) mistake = "--size: a multiple of 64, so that tiles are whole";
     if (mistake) fprintf(stderr, "%s\n", mistake);
     *exit_code = 2;
     return !mistake;
@@ -1146,6 +1206,7 @@ int main(int argc, char **argv)
     struct settings settings = {.size = 1024, .runs = 5, .threads = 2, .tables = (1u << LENGTH(tables)) - 1};
     int exit_code;
     if (!read_settings(&settings, argc, argv, &exit_code)) return exit_code;
+    setvbuf(stdout, NULL, _IOLBF, 0);
     mlrt_pool *pool;
     int32_t status = mlrt_create_pool(settings.threads, &pool);
     if (status != MLRT_OK) {

@@ -238,7 +238,7 @@ typedef void (*mlrt_free_callback)(void *user, void *block, size_t size, size_t 
 enum {
     MLRT_LOG_ERROR = 0,   /* the reason why a call fails */
     MLRT_LOG_WARNING = 1, /* something was left out */
-    MLRT_LOG_INFO = 2     /* a tree was built, its size and time; or the host stopped a build */
+    MLRT_LOG_INFO = 2     /* a tree was built, its size and time; or the host stopped a call */
 };
 
 /* Receives one line (UTF-8, no newline, 255 bytes at most). `message` is valid until the function returns. */
@@ -594,7 +594,8 @@ enum {
  * have is MLRT_ERROR_UNSUPPORTED.
  *
  * Method tile has kernels for all of them, but counts (mlrt_trace_options.counters) in plain C. Whichever is asked for,
- * the methods of the kd-tree use SSE2 where the build has it, and method ray is plain C.
+ * the methods of the kd-tree use AVX2 where the machine has it and this is at least asked for (packet2 and calls with
+ * counters do not), else SSE2 where the build has it, and method ray is plain C.
  */
 enum {
     MLRT_ISA_AUTO = 0,   /* the best that this machine has */
@@ -623,7 +624,8 @@ enum {
 enum {
     MLRT_SHORTCUT_WHOLE_TILES = 1, /* a tile that one triangle provably covers, nearer than all else, is done at once */
     MLRT_SHORTCUT_ENTRY_LISTS = 2, /* packets start at a list of leaves, not at the one node above them all */
-    MLRT_SHORTCUT_SHARED_SETUPS = 4 /* terms of a triangle and an origin are kept for the packets that follow */
+    MLRT_SHORTCUT_SHARED_SETUPS = 4 /* terms of a triangle and an origin are kept for the packets that follow; so does
+                                       method packet4 */
 };
 
 /* Results that a tile callback receives: mlrt_trace_options.outputs */
@@ -699,7 +701,7 @@ typedef struct mlrt_trace_options {
     uint32_t shortcuts_off;     /* MLRT_SHORTCUT_* or-ed together: shortcuts of multilevel to do without */
     uint32_t mask;              /* rays see the meshes whose mask has a bit in common with it; 0 = all bits */
     mlrt_pool *pool;            /* whose threads trace; NULL = the calling thread alone */
-    mlrt_counters *counters;    /* NULL = nothing is counted, at no cost (but kernels of the kd-tree always count) */
+    mlrt_counters *counters;    /* NULL = nothing is counted. With counters, narrower kernels run (MLRT_ISA_*) */
     const mlrt_host *host;      /* NULL = malloc, and no messages. mlrt_trace_ray does not use it */
     const struct mlrt_light *lights; /* mlrt_render_tiles with MLRT_QUERY_CLOSEST: lights whose shadows `occluded`
                                         receives; NULL = none. Must be NULL in all other calls */
@@ -717,7 +719,8 @@ typedef struct mlrt_array {
 
 /*
  * The arrays that receive results. MLRT_QUERY_CLOSEST writes the first six, and with lights also the last;
- * MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL.
+ * MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL, and one must be given, unless
+ * there are no rays, or the call has a callback or counters.
  *
  * `mesh`, `triangle` and `facing` tell hits from misses. `t` does not: the t of a hit farther away than the greatest
  * float rounds to inf, which is that of a miss, and a very small one rounds to 0, though 0 < t.

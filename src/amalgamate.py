@@ -28,7 +28,10 @@ Kernel = collections.namedtuple("Kernel", "name file condition target counting")
 LAYERS = ["base", "simd", "exact", "scene", "rays", "bvh", "job", "hits", "mlrta", "trace", "run", "api"]
 
 # As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
-KDTREE = Kernel("kdtree", "mlrta/kernels.c", None, None, False)
+KDTREES = [
+    Kernel("kdtree", "mlrta/kernels.c", None, None, False),
+    Kernel("kdtree_avx2", "mlrta/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
+]
 KERNELS = [
     Kernel("counting", "trace/scalar.c", None, None, True),
     Kernel("scalar", "trace/scalar.c", "!MLRT_HAVE_SSE", None, False),
@@ -466,7 +469,7 @@ def amalgamate():
     for folder in LAYERS:
         for file in sorted(os.listdir(os.path.join(SOURCE, folder))):
             path = f"{folder}/{file}"
-            kernel = KDTREE if path == KDTREE.file else None
+            kernel = next((kernel for kernel in KDTREES if kernel.file == path), None)
             if not file.endswith(".c") or path in kernel_files:
                 continue
             is_own = (lambda path: uses_words(path) or path.endswith(COUNTING)) if kernel else lambda path: False

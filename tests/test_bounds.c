@@ -22,6 +22,7 @@
 
 #include "rays/camera.c"
 #include "mlrta/view_beam.c"
+#include "mlrta/entry_point.c"
 #include "scene/clip.c"
 #include "mlrta/ray.c"
 
@@ -47,7 +48,9 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define v_div   remembering_divide
 #define f4_div  remembering_divide_four
 #define KERNELS bounds_kernels_kdtree
+#define PICTURE mlrt_plain_picture
 #include "mlrta/kernels.h"
+#undef PICTURE
 #undef KERNELS
 #define KERNELS   bounds_kernels
 #define axis_code bundle_axis_code /* ray_group.h has one too */
@@ -768,7 +771,7 @@ static double attack_group_plane(const float *input)
     packet.has_apex = 1;
     packet.apex[0] = input[1];
     set_group_axis(&packet, 1, 0, input[2], input[2], &axis);
-    const struct distance_interval t = plane_distances(&axis, input[0]);
+    const struct distance_interval t = plane_distances(&axis, input[0], 0);
     find_plane_distance(input[0], input[1], input[2]);
     if (is_normal(truth)) return place_in(truth, t.lo, t.hi);
     const int negative = mpf_sgn(truth) < 0;
@@ -875,7 +878,7 @@ static double attack_beam_slope(const float *input)
     if (input[2] == 0 || input[5] == 0 || x == 0 || r == 0) return -1;
     const double slope = input[5] * (1.0 / input[2]);
     mlrt_set_slope(&beam, 0, 1, slope, slope);
-    const struct distance_interval q = offset_range(&beam, 0, 1, x, x);
+    const struct offset_interval q = offset_range(&beam, 0, 1, x, x);
     find_plane_distance(input[0], input[1], input[2]);
     mpf_set_d(scratch[0], input[5]);
     mpf_mul(truth, truth, scratch[0]);
@@ -996,7 +999,9 @@ static void load_corner(const float *input, struct corner_terms *terms)
     memcpy(beam.origin_lo, input + 9, sizeof beam.origin_lo);
     beam.main_axis = 2;
     for (int j = 0; j < 2; ++j) beam.slope_lo[2][j] = beam.slope_hi[2][j] = input[12 + j];
-    set_corner_terms(&triangle, &beam, terms);
+    struct corner_directions corners;
+    set_corner_directions(&beam, &corners);
+    set_corner_terms(&triangle, &beam, &corners, terms);
     load_exactly(input, (const double[3]){input[12], input[13], 1});
 }
 
@@ -1007,7 +1012,7 @@ static double attack_cover_edge(const float *input)
     load_corner(input, &terms);
     for (int i = 0; i < 3; ++i) {
         find_edge(i, truth);
-        worst = fmax(worst, error_over(truth, terms.value[i][0], terms.bound[i][0]));
+        worst = fmax(worst, error_over(truth, terms.value[i][0], terms.bound[i]));
     }
     return worst;
 }
@@ -1017,7 +1022,7 @@ static double attack_cover_d_and_n(const float *input)
     struct corner_terms terms;
     load_corner(input, &terms);
     find_d_and_n(truth, other_truth);
-    const double d = error_over(truth, terms.value[3][0], terms.bound[3][0]);
+    const double d = error_over(truth, terms.value[3][0], terms.bound[3]);
     return fmax(d, error_over(other_truth, terms.distance, terms.distance_bound));
 }
 

@@ -41,42 +41,70 @@ struct sample {
     uint32_t added;
 };
 
+/* Options of the first version ended with the counters. */
+#define FIRST_SIZE (offsetof(mlrt_trace_options, counters) + sizeof(mlrt_counters *))
+
+static int32_t take(const void *given, mlrt_trace_options *own)
+{
+    return mlrt_take_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", 0, given, own);
+}
+
 static void what_is_not_given_is_0(void **state)
 {
     (void)state;
-    const uint32_t given[2] = {8, 5};
-    struct sample own = {1, 2, 3};
-    assert_int_equal(mlrt_take_struct(given, 8, &own, sizeof own), MLRT_OK);
+    mlrt_trace_options given, own;
+    memset(&given, 0xFF, sizeof given);
+    memset(&own, 0xFF, sizeof own);
+    memset(&given, 0, FIRST_SIZE);
+    given.struct_size = FIRST_SIZE;
+    given.outputs = 5;
+    assert_int_equal(take(&given, &own), MLRT_OK);
     assert_int_equal(own.struct_size, sizeof own);
-    assert_int_equal(own.old, 5);
-    assert_int_equal(own.added, 0);
+    assert_int_equal(own.outputs, 5);
+    assert_null(own.host);
+    assert_null(own.lights);
+    assert_int_equal(own.light_count, 0);
 }
 
 static void what_is_not_known_must_be_0(void **state)
 {
     (void)state;
-    uint32_t given[5] = {20, 5, 6, 0, 0};
-    struct sample own;
-    assert_int_equal(mlrt_take_struct(given, 8, &own, sizeof own), MLRT_OK);
-    assert_int_equal(own.added, 6);
-    for (int i = 3; i < 5; i++) {
-        given[i] = 1u << 31;
-        assert_int_equal(mlrt_take_struct(given, 8, &own, sizeof own), MLRT_ERROR_STRUCT_SIZE);
-        given[i] = 0;
+    NEWER(mlrt_trace_options) given;
+    mlrt_trace_options own;
+    memset(&given, 0, sizeof given);
+    given.own.struct_size = sizeof given;
+    given.own.outputs = 6;
+    assert_int_equal(take(&given, &own), MLRT_OK);
+    assert_int_equal(own.outputs, 6);
+    assert_int_equal(own.struct_size, sizeof own);
+    for (int i = 0; i < 4; i++) {
+        given.more[i] = 1u << 31;
+        assert_int_equal(take(&given, &own), MLRT_ERROR_STRUCT_SIZE);
+        given.more[i] = 0;
     }
 }
 
 static void sizes_that_no_version_has(void **state)
 {
     (void)state;
-    static const uint32_t wrong[] = {0, 1, 4, 7, 9, 10, 11, 13, sizeof(struct sample) + 260, 0xFFFFFFFFu};
-    uint32_t given[128] = {0};
-    struct sample own;
+    static const uint32_t wrong[] = {0,
+                                     1,
+                                     4,
+                                     FIRST_SIZE - 4,
+                                     FIRST_SIZE - 1,
+                                     FIRST_SIZE + 1,
+                                     FIRST_SIZE + 2,
+                                     sizeof(mlrt_trace_options) + 260,
+                                     0xFFFFFFFFu};
+    uint32_t given[256] = {0};
+    mlrt_trace_options own;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         given[0] = wrong[i];
-        assert_int_equal(mlrt_take_struct(given, 8, &own, sizeof own), MLRT_ERROR_STRUCT_SIZE);
-        assert_int_equal(mlrt_check_result_size(given, 8, sizeof own), MLRT_ERROR_STRUCT_SIZE);
+        assert_int_equal(take(given, &own), MLRT_ERROR_STRUCT_SIZE);
+        assert_int_equal(mlrt_check_result_size(MLRT_STRUCT_TRACE_OPTIONS, "options", given), MLRT_ERROR_STRUCT_SIZE);
     }
+    given[0] = sizeof(mlrt_trace_options) + 256;
+    assert_int_equal(take(given, &own), MLRT_OK);
 }
 
 static void results_are_as_long_as_the_callers_struct(void **state)

@@ -439,7 +439,7 @@ static void messages_are_emptied(void **state)
         .struct_size = sizeof options, .preset = 99, .message = message, .message_size = sizeof message};
     mlrt_tree *tree;
     assert_int_equal(mlrt_build_tree(&scene->mesh, 1, &options, &tree), MLRT_ERROR_ARGUMENT);
-    assert_string_equal(message, "options.preset ");
+    assert_string_equal(message, "options.preset:");
     options.preset = MLRT_TREE_DEFAULT;
     strcpy(message, "stale");
     assert_int_equal(mlrt_build_tree(&scene->mesh, 1, &options, &tree), MLRT_OK);
@@ -448,7 +448,7 @@ static void messages_are_emptied(void **state)
     const mlrt_load_options load = {
         .struct_size = sizeof load, .flags = 99, .message = strcpy(message, "stale"), .message_size = sizeof message};
     assert_int_equal(mlrt_load_tree(message, sizeof message, &load, &tree), MLRT_ERROR_ARGUMENT);
-    assert_string_equal(message, "");
+    assert_string_equal(message, "options.flags: ");
 }
 
 /* ---- progress ------------------------------------------------------------------------------------------------------

@@ -691,13 +691,22 @@ static void occluded_at_each_stride(void **state)
     free_layout(&layout);
 }
 
-static void no_output_at_all_is_allowed(void **state)
+/* A call that would write nothing is a mistake, unless it counts, or there are no rays. */
+static void no_output_at_all(void **state)
 {
     (void)state;
     struct layout layout;
     make_layout(&layout);
     mlrt_rays rays = public_rays(&layout.list);
     mlrt_hits hits = {.struct_size = sizeof hits};
+    mlrt_counters counters = {.struct_size = sizeof counters};
+    const mlrt_trace_options any = {.struct_size = sizeof any, .query = MLRT_QUERY_ANY};
+    const mlrt_trace_options counting = {.struct_size = sizeof counting, .counters = &counters};
+    assert_int_equal(mlrt_trace_packet(layout.fixture.tree, &rays, NULL, &hits), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_trace_packet(layout.fixture.tree, &rays, &any, &hits), MLRT_ERROR_ARGUMENT);
+    assert_int_equal(mlrt_trace_packet(layout.fixture.tree, &rays, &counting, &hits), MLRT_OK);
+    assert_int_equal(counters.ray_count, rays.count);
+    rays.count = 0;
     assert_int_equal(mlrt_trace_packet(layout.fixture.tree, &rays, NULL, &hits), MLRT_OK);
     free_layout(&layout);
 }
@@ -839,7 +848,7 @@ int main(void)
         cmocka_unit_test(ranges_and_skips_in_coherent_packets),
         cmocka_unit_test(each_output_alone_at_each_stride),
         cmocka_unit_test(occluded_at_each_stride),
-        cmocka_unit_test(no_output_at_all_is_allowed),
+        cmocka_unit_test(no_output_at_all),
         cmocka_unit_test(inputs_are_not_read_beyond_their_ends),
         cmocka_unit_test(missing_arrays_mean_no_limits),
         cmocka_unit_test(a_t_max_of_zero_in_an_array_is_literal),

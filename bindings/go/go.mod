@@ -1,3 +1,3 @@
-module mlrt
+module github.com/libmlrt/libmlrt/bindings/go
 
 go 1.21

@@ -3,6 +3,7 @@
 package mlrt_test
 
 import (
+	"context"
 	"encoding/binary"
 	"errors"
 	"fmt"
@@ -12,10 +13,14 @@ import (
 	"runtime"
 	"strings"
 	"sync"
+	"sync/atomic"
 	"testing"
+	"unsafe"
 
-	"mlrt"
+	mlrt "github.com/libmlrt/libmlrt/bindings/go"
 )
+
+var ctx = context.Background()
 
 type draw uint32
 
@@ -43,26 +48,47 @@ func hash(hits *mlrt.Hits) uint64 {
 }
 
 // The scene of bindings/c/scene.h.
-func scene() (meshes []mlrt.Mesh, origins, directions [][3]float32) {
-	d := draw(1)
-	for _, id := range []uint32{7, 3} {
-		mesh := mlrt.Mesh{ID: id, Vertices: make([][3]float32, 100), Triangles: make([][3]uint32, 150)}
-		for i := range mesh.Vertices {
-			mesh.Vertices[i] = d.point(256)
+type scene struct {
+	vertices            [2][][3]float32
+	triangles           [2][][3]uint32
+	origins, directions [][3]float32
+}
+
+func newScene() *scene {
+	d, s := draw(1), &scene{}
+	for m := range s.vertices {
+		for i := 0; i < 100; i++ {
+			s.vertices[m] = append(s.vertices[m], d.point(256))
 		}
-		for i := range mesh.Triangles {
-			mesh.Triangles[i] = [3]uint32{d.number() % 100, d.number() % 100, d.number() % 100}
+		for i := 0; i < 150; i++ {
+			s.triangles[m] = append(s.triangles[m], [3]uint32{d.number() % 100, d.number() % 100, d.number() % 100})
 		}
-		meshes = append(meshes, mesh)
 	}
 	for i := 0; i < 1000; i++ {
-		origins = append(origins, d.point(256))
-		directions = append(directions, d.point(2048))
+		s.origins = append(s.origins, d.point(256))
+		s.directions = append(s.directions, d.point(2048))
 		for k := 0; k < 3 && i%4 == 3; k++ {
-			directions[i][k] = meshes[0].Vertices[i%100][k] - origins[i][k]
+			s.directions[i][k] = s.vertices[0][i%100][k] - s.origins[i][k]
 		}
 	}
-	return meshes, origins, directions
+	return s
+}
+
+func (s *scene) meshes() []mlrt.Mesh {
+	meshes := []mlrt.Mesh{mlrt.NewMesh(s.vertices[0], s.triangles[0]), mlrt.NewMesh(s.vertices[1], s.triangles[1])}
+	meshes[0].ID, meshes[1].ID = 7, 3
+	return meshes
+}
+
+func (s *scene) rays() mlrt.Rays { return mlrt.NewRays(s.origins, s.directions) }
+
+// Two triangles, one behind the other, seen along z.
+var walls = [][3]float32{{-9, -9, 5}, {9, -9, 5}, {0, 9, 5}, {-9, -9, 8}, {9, -9, 8}, {0, 9, 8}}
+
+func build(t *testing.T, meshes ...mlrt.Mesh) *mlrt.Tree {
+	tree := must(mlrt.Build(ctx, meshes, nil))
+	t.Cleanup(func() { tree.Close() })
+	return tree
 }
 
 func must[T any](value T, err error) T {
@@ -72,14 +98,28 @@ func must[T any](value T, err error) T {
 	return value
 }
 
+func equal[T any](t *testing.T, found, expected T) {
+	t.Helper()
+	if !reflect.DeepEqual(found, expected) {
+		t.Errorf("%v, expected %v", found, expected)
+	}
+}
+
+// status requires an error whose text has these words.
+func status(t *testing.T, err error, expected mlrt.Status, words string) {
+	t.Helper()
+	if !errors.Is(err, expected) || !strings.Contains(err.Error(), words) {
+		t.Errorf("error %v, expected %v with %q", err, expected, words)
+	}
+}
+
 func TestTheSameAnswers(t *testing.T) {
-	meshes, origins, directions := scene()
-	tree, pool := must(mlrt.NewTree(meshes...)), must(mlrt.NewPool(2))
-	defer tree.Close()
+	s := newScene()
+	tree, pool := build(t, s.meshes()...), must(mlrt.NewPool(2))
 	defer pool.Close()
-	hits := must(tree.Trace(origins, directions, nil))
-	occluded := must(tree.Occluded(origins, directions, pool))
-	for i, yes := range occluded {
+	hits := must(tree.Trace(ctx, s.rays(), nil))
+	options := &mlrt.TraceOptions{Pool: pool}
+	for i, yes := range must(tree.Occluded(ctx, s.rays(), options)) {
 		if yes != (hits.Mesh[i] != mlrt.None) {
 			t.Fatalf("ray %d: any hit is not the closest hit", i)
 		}
@@ -89,9 +129,7 @@ func TestTheSameAnswers(t *testing.T) {
 		group.Add(1)
 		go func() {
 			defer group.Done()
-			if !reflect.DeepEqual(must(tree.Trace(origins, directions, pool)), hits) {
-				t.Error("a pool changes the answers")
-			}
+			equal(t, must(tree.Trace(ctx, s.rays(), options)), hits)
 		}()
 	}
 	group.Wait()
@@ -99,30 +137,394 @@ func TestTheSameAnswers(t *testing.T) {
 }
 
 func TestErrorsSayWhatIsWrong(t *testing.T) {
-	wrong := mlrt.Mesh{Vertices: make([][3]float32, 3), Triangles: [][3]uint32{{0, 1, 2}, {0, 1, 3}}}
-	var e *mlrt.Error
-	_, err := mlrt.NewTree(wrong)
-	if !errors.As(err, &e) || e.Status != mlrt.ErrorIndexRange || !strings.Contains(err.Error(), "triangle 1: vertex index 3") {
+	_, err := mlrt.Build(ctx, []mlrt.Mesh{mlrt.NewMesh(walls, [][3]uint32{{0, 1, 2}, {0, 1, 6}})}, nil)
+	status(t, err, mlrt.IndexRange, "triangle 1: vertex index 6")
+	_, err = mlrt.NewPool(5000)
+	status(t, err, mlrt.Argument, "thread_count: 5000")
+	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
+	_, err = tree.Trace(ctx, mlrt.NewRays(make([][3]float32, 2), make([][3]float32, 1)), nil)
+	status(t, err, mlrt.Argument, "rays.Origins: 2 elements, where 1")
+	rays := mlrt.NewRays(make([][3]float32, 2), make([][3]float32, 2))
+	status(t, tree.TraceInto(ctx, rays, nil, mlrt.HitArrays{T: mlrt.Slice(make([]float32, 1))}), mlrt.Argument, "hits.T")
+	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{InitialTileSize: 5})
+	status(t, err, mlrt.Argument, "initial_tile_size: 5")
+	_, err = tree.Trace(ctx, rays, &mlrt.TraceOptions{Method: mlrt.Packet2})
+	status(t, err, mlrt.Unsupported, "")
+	_, err = tree.RenderHits(ctx, mlrt.Camera{Width: 1, Height: 1}, nil)
+	status(t, err, mlrt.BadCamera, "")
+	_, err = tree.RenderHits(ctx, mlrt.Camera{Width: -1, Height: 1}, nil)
+	status(t, err, mlrt.BadCamera, "")
+	_, err = tree.RenderHits(ctx, mlrt.Camera{}, nil)
+	status(t, err, mlrt.BadCamera, "no pixels")
+	_, err = mlrt.Load([]byte("no tree"), nil)
+	status(t, err, mlrt.BadData, "")
+	equal(t, must(build(t).Trace(ctx, mlrt.NewRays(walls[:1], walls[:1]), nil)).Mesh, []uint32{mlrt.None})
+	equal(t, len(must(tree.Trace(ctx, mlrt.Rays{}, nil)).T), 0)
+	equal(t, len(must(tree.AllHits(ctx, mlrt.Rays{}, nil, 2)).Total), 0)
+	major, minor, patch := mlrt.Version()
+	equal(t, [3]int{major, minor, patch}, [3]int{0, 1, 0})
+	if !mlrt.CanUse(mlrt.Scalar) || mlrt.CanUse(mlrt.AVX512) && !mlrt.CanUse(mlrt.SSE) {
+		t.Error("instruction sets")
+	}
+}
+
+func TestHowATreeIsBuiltChangesNoAnswer(t *testing.T) {
+	s := newScene()
+	hits := must(build(t, s.meshes()...).Trace(ctx, s.rays(), nil))
+	pool := must(mlrt.NewPool(2))
+	defer pool.Close()
+	var levels []mlrt.Level
+	host := mlrt.Host{Log: func(level mlrt.Level, message string) { levels = append(levels, level) }}
+	options := &mlrt.TreeOptions{
+		Preset: mlrt.BestTree, TraversalCost: 2, IntersectionCost: 0.5, MemoryLimit: 1 << 24, Pool: pool, Host: host,
+	}
+	tree := must(mlrt.Build(ctx, s.meshes(), options))
+	defer tree.Close()
+	equal(t, must(tree.Trace(ctx, s.rays(), nil)), hits)
+	equal(t, must(tree.Info()).Structure, mlrt.Boxes)
+	if must(mlrt.EstimateTree(s.meshes(), options)).MemorySize == 0 {
+		t.Error("no estimate")
+	}
+	_, err := mlrt.Build(ctx, s.meshes(), &mlrt.TreeOptions{MemoryLimit: 100, Host: host})
+	status(t, err, mlrt.OutOfMemory, "")
+	// Some triangles have no area; then the tree is there; then the second is not.
+	equal(t, levels, []mlrt.Level{mlrt.LogWarning, mlrt.LogInfo, mlrt.LogError})
+
+	kd := &mlrt.KdTreeOptions{
+		Preset: mlrt.TunedKdTree, TraversalCost: 1, IntersectionCost: 2, MemoryLimit: 1 << 24, MaxReferences: 100000,
+		MaxDepth: 5, RulesOff: mlrt.Coplanar | mlrt.Retraction, Host: host,
+	}
+	kdTree := must(mlrt.BuildKdTree(ctx, s.meshes(), kd))
+	defer kdTree.Close()
+	info := must(kdTree.Info())
+	equal(t, []int{int(info.Structure), info.Depth, int(info.Triangles)}, []int{int(mlrt.KdTree), 5, 300})
+	if must(mlrt.EstimateKdTree(s.meshes(), kd)).PeakMemorySize == 0 {
+		t.Error("no estimate")
+	}
+	for _, method := range []mlrt.Method{mlrt.DefaultMethod, mlrt.RayMethod, mlrt.Packet2, mlrt.Packet4, mlrt.Multilevel} {
+		counters := &mlrt.Counters{}
+		options := &mlrt.TraceOptions{
+			Method: method, ISA: mlrt.Scalar, Culling: mlrt.DirectCulling, CullingCheck: true, InitialTileSize: 16,
+			MinimumTileSize: 8, SplitFactor: 4, ShortcutsOff: mlrt.WholeTiles | mlrt.EntryLists, Counters: counters,
+		}
+		equal(t, must(kdTree.Trace(ctx, s.rays(), options)), hits)
+		equal(t, counters.Counts().Rays, 1000)
+	}
+}
+
+func TestArraysOfAnyShape(t *testing.T) {
+	type vertex struct{ normal, position [3]float32 }
+	s := newScene()
+	tree := build(t, s.meshes()...)
+	hits := must(tree.Trace(ctx, s.rays(), nil))
+
+	// Meshes of structs, and of 16-bit indices with a fourth one.
+	type quad struct {
+		triangle [3]uint16
+		fourth   uint16
+	}
+	vertices, quads := make([]vertex, 100), make([]quad, 150)
+	for i, position := range s.vertices[0] {
+		vertices[i] = vertex{[3]float32{9, 9, 9}, position}
+	}
+	for i, triangle := range s.triangles[0] {
+		quads[i] = quad{[3]uint16{uint16(triangle[0]), uint16(triangle[1]), uint16(triangle[2])}, 999}
+	}
+	meshes := s.meshes()
+	meshes[0] = mlrt.Mesh{
+		ID:             7,
+		Vertices:       mlrt.Field(vertices, func(v *vertex) *[3]float32 { return &v.position }),
+		ShortTriangles: mlrt.Field(quads, func(q *quad) *[3]uint16 { return &q.triangle }),
+	}
+	equal(t, must(mlrt.HashGeometry(meshes)), must(mlrt.HashGeometry(s.meshes())))
+	equal(t, must(build(t, meshes...).Trace(ctx, s.rays(), nil)), hits)
+
+	// Hits as structs.
+	records := make([]mlrt.Hit, 1000)
+	rays := s.rays()
+	rays.RowLength = 100
+	if err := tree.TraceInto(ctx, rays, nil, mlrt.Records(records)); err != nil {
+		t.Fatal(err)
+	}
+	for i, r := range records {
+		equal(t, r, mlrt.Hit{hits.T[i], hits.U[i], hits.V[i], hits.Mesh[i], hits.Triangle[i], hits.Facing[i]})
+	}
+
+	// One origin and one limit for all; four rays from each origin.
+	limits, origins := make([]float32, 1000), make([][3]float32, 1000)
+	for i := range limits {
+		limits[i], origins[i] = 0.5, s.origins[5]
+	}
+	all := mlrt.Rays{Origins: mlrt.All(s.origins[5]), Directions: mlrt.Slice(s.directions), TMax: mlrt.All[float32](0.5)}
+	written := mlrt.Rays{Origins: mlrt.Slice(origins), Directions: mlrt.Slice(s.directions), TMax: mlrt.Slice(limits)}
+	equal(t, must(tree.Trace(ctx, all, nil)), must(tree.Trace(ctx, written, nil)))
+	var every [][3]float32
+	for i := range origins {
+		if i%4 == 0 {
+			every = append(every, s.origins[i])
+		}
+		origins[i] = s.origins[i/4*4]
+	}
+	bundles := mlrt.NewRays(every, s.directions)
+	bundles.RaysPerOrigin = 4
+	equal(t, must(tree.Trace(ctx, bundles, nil)), must(tree.Trace(ctx, mlrt.NewRays(origins, s.directions), nil)))
+	bundles.RaysPerOrigin = 3
+	_, err := tree.Trace(ctx, bundles, nil)
+	status(t, err, mlrt.Argument, "RaysPerOrigin")
+
+	defer func() {
+		if recover() == nil {
+			t.Error("structs with pointers, which C must not see")
+		}
+	}()
+	type named struct {
+		name     string
+		position [3]float32
+	}
+	mlrt.Field(make([]named, 1), func(n *named) *[3]float32 { return &n.position })
+}
+
+func TestLimitsSkipsAndMasks(t *testing.T) {
+	tree := build(t, mlrt.Mesh{ID: 4, Vertices: mlrt.Slice(walls)})
+	origins, directions := make([][3]float32, 4), [][3]float32{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}}
+	inf, none := float32(math.Inf(1)), [2]uint32{mlrt.None, mlrt.None}
+	rays := mlrt.NewRays(origins, directions)
+	rays.TMin, rays.TMax = mlrt.Slice([]float32{0, 5, 0, 0}), mlrt.Slice([]float32{inf, inf, 4.5, 9})
+	rays.Skip = mlrt.Slice([][2]uint32{none, none, none, {4, 0}})
+	equal(t, must(tree.Trace(ctx, rays, nil)).Triangle, []uint32{0, 1, mlrt.None, 1})
+
+	triangle := func(change func(*mlrt.Ray)) uint32 {
+		ray := mlrt.NewRay([3]float32{}, [3]float32{0, 0, 1})
+		change(&ray)
+		hit := must(tree.TraceRay(ray, nil))
+		equal(t, must(tree.OccludedRay(ray, nil)), hit.IsHit())
+		return hit.Triangle
+	}
+	equal(t, triangle(func(ray *mlrt.Ray) {}), 0)
+	equal(t, triangle(func(ray *mlrt.Ray) { ray.TMin = 5 }), 1)
+	equal(t, triangle(func(ray *mlrt.Ray) { ray.TMax = 4.5 }), mlrt.None)
+	equal(t, triangle(func(ray *mlrt.Ray) { ray.TMax = 0 }), mlrt.None)
+	equal(t, triangle(func(ray *mlrt.Ray) { ray.Skip = &[2]uint32{4, 0} }), 1)
+	equal(t, triangle(func(ray *mlrt.Ray) { ray.Skip, ray.TMin = &[2]uint32{4, 1}, 5 }), mlrt.None)
+
+	front, back := mlrt.NewMesh(walls, [][3]uint32{{0, 1, 2}}), mlrt.NewMesh(walls, [][3]uint32{{3, 4, 5}})
+	front.Mask, back.Mask = 1, 2
+	tree = build(t, front, back)
+	rays = mlrt.NewRays(origins, directions)
+	equal(t, must(tree.Trace(ctx, rays, &mlrt.TraceOptions{Mask: 2})).Mesh, []uint32{1, 1, 1, 1})
+	rays.Mask = mlrt.Slice([]uint32{0, 1, 2, 4})
+	equal(t, must(tree.Trace(ctx, rays, nil)).Mesh, []uint32{0, 0, 1, mlrt.None})
+}
+
+func TestPictures(t *testing.T) {
+	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
+	camera := mlrt.LookAt([3]float32{0.5, 0, 0}, [3]float32{0, 0, 5}, [3]float32{0, 1, 0}, 60, 64, 64)
+	camera.Crop = [4]int{8, 8, 48, 40}
+	columns, rows := camera.Size()
+	origins, directions, err := camera.Rays()
+	if err != nil {
+		t.Fatal(err)
+	}
+	picture := must(tree.RenderHits(ctx, camera, nil))
+	equal(t, picture, must(tree.Trace(ctx, mlrt.NewRays(origins, directions), nil)))
+
+	// The first light is in front of the wall, the second behind it.
+	pool := must(mlrt.NewPool(2))
+	defer pool.Close()
+	options := &mlrt.TraceOptions{
+		Pool: pool, InitialTileSize: 16,
+		Lights:  []mlrt.Light{{Position: [3]float32{0, 0, 1}}, {Kind: mlrt.DirectionalLight, Position: [3]float32{0, 0, 1}}},
+		Outputs: mlrt.OutputT | mlrt.OutputUV | mlrt.OutputIDs | mlrt.OutputFacing | mlrt.OutputOccluded,
+	}
+	var seen atomic.Int64
+	shadow := func(pixel int) uint8 {
+		if picture.Facing[pixel] != 0 {
+			return 2
+		}
+		return 0
+	}
+	frame := make([]uint8, 64*rows)
+	arrays := mlrt.HitArrays{Occluded: mlrt.Slice(frame).Rows(64)}
+	err = tree.Render(ctx, camera, options, &arrays, func(tile *mlrt.Tile) error {
+		for i := 0; i < tile.Width*tile.Height; i++ {
+			p := (tile.Y-8+i/tile.Width)*columns + tile.X - 8 + i%tile.Width
+			if tile.T[i] != picture.T[p] || tile.U[i] != picture.U[p] || tile.V[i] != picture.V[p] ||
+				tile.MeshID[i] != picture.Mesh[p] || tile.Triangle[i] != picture.Triangle[p] ||
+				tile.Facing[i] != picture.Facing[p] || tile.Occluded[i] != shadow(p) || tile.Worker > 1 {
+				t.Error("pixel", p)
+			}
+		}
+		seen.Add(int64(tile.Width * tile.Height))
+		return nil
+	})
+	equal(t, err, nil)
+	equal(t, seen.Load(), int64(columns*rows))
+	for i := 0; i < 64*rows; i++ {
+		expected := uint8(0)
+		if i%64 < columns {
+			expected = shadow(i/64*columns + i%64)
+		}
+		equal(t, frame[i], expected)
+	}
+
+	camera.Parallel, camera.Direction, camera.TMin, camera.TMax = true, [3]float32{0, 0, 1}, 6, 9
+	hit := make([]uint8, columns*rows)
+	arrays = mlrt.HitArrays{Occluded: mlrt.Slice(hit)}
+	equal(t, tree.Render(ctx, camera, &mlrt.TraceOptions{Query: mlrt.AnyHit}, &arrays, nil), nil)
+	for _, yes := range hit {
+		equal(t, yes, 1)
+	}
+
+	stop := errors.New("enough")
+	err = tree.Render(ctx, camera, &mlrt.TraceOptions{Outputs: mlrt.OutputT}, nil, func(*mlrt.Tile) error { return stop })
+	status(t, err, mlrt.Cancelled, "enough")
+	if !errors.Is(err, stop) {
 		t.Error(err)
 	}
-	if _, err = mlrt.NewPool(5000); !errors.As(err, &e) || e.Status != mlrt.ErrorArgument {
-		t.Error(err)
+	defer func() { equal(t, recover(), any("in a callback")) }()
+	tree.Render(ctx, camera, &mlrt.TraceOptions{Outputs: mlrt.OutputT}, nil, func(*mlrt.Tile) error { panic("in a callback") })
+}
+
+func TestPointsAndShadows(t *testing.T) {
+	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
+	ray := mlrt.NewRay([3]float32{}, [3]float32{0, 0, 1})
+	hit := must(tree.TraceRay(ray, nil))
+	point := must(tree.OffsetPoint(hit.Mesh, hit.Triangle, hit.U, hit.V, int(-hit.Facing)))
+	if point[2] >= 5 || point[2] < 4.99 {
+		t.Error(point)
 	}
-	if _, err = must(mlrt.NewTree()).Trace(make([][3]float32, 1), nil, nil); !errors.As(err, &e) {
-		t.Error(err)
+	_, err := tree.OffsetPoint(0, 2, 0, 0, 1)
+	status(t, err, mlrt.Argument, "")
+	front := mlrt.Light{Position: [3]float32{0, 0, 1}}
+	behind := mlrt.Light{Kind: mlrt.DirectionalLight, Position: [3]float32{0, 0, 1}}
+	shadow := must(tree.ShadowRay(ray, hit, front))
+	equal(t, shadow.Origin, front.Position)
+	equal(t, *shadow.Skip, [2]uint32{0, 0})
+	equal(t, must(tree.OccludedRay(*shadow, nil)), false)
+	equal(t, must(tree.ShadowRay(ray, hit, behind)), nil)
+
+	none := [2]uint32{mlrt.None, mlrt.None}
+	points := mlrt.Points{
+		Positions: mlrt.Slice([][3]float32{point, {0, 0, 6}, {0, 0, 5}}),
+		Skip:      mlrt.Slice([][2]uint32{none, none, {0, 0}}), RowLength: 3,
+	}
+	equal(t, must(tree.OccludedPoints(ctx, points, front, nil)), []bool{false, true, false})
+	equal(t, must(tree.OccludedPoints(ctx, mlrt.Points{Positions: mlrt.All(point)}, behind, nil)), []bool{true})
+}
+
+func TestAllHits(t *testing.T) {
+	tree := build(t, mlrt.Mesh{Vertices: mlrt.Slice(walls)})
+	rays := mlrt.Rays{Origins: mlrt.Slice([][3]float32{{}, {0, 0, 6}, {0, 50, 0}}), Directions: mlrt.Slice([][3]float32{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}})}
+	lists := must(tree.AllHits(ctx, rays, nil, 2))
+	equal(t, lists.Triangle, []uint32{0, 1, 1, mlrt.None, mlrt.None, mlrt.None})
+	equal(t, lists.T[:3], []float32{5, 8, 2})
+	equal(t, [][]uint32{lists.Total, lists.CrossingTotal}, [][]uint32{{2, 1, 0}, {2, 1, 0}})
+	equal(t, lists.Crossing, []uint8{1, 1, 1, 0, 0, 0})
+	equal(t, must(tree.AllHits(ctx, rays, nil, 0)).Total, lists.Total)
+}
+
+func TestSavedTrees(t *testing.T) {
+	s := newScene()
+	tree := build(t, s.meshes()...)
+	hits := must(tree.Trace(ctx, s.rays(), nil))
+	bytes := must(tree.Save())
+	geometry := must(mlrt.HashGeometry(s.meshes()))
+	logged := 0
+	options := &mlrt.LoadOptions{GeometryHash: 1, MemoryLimit: 1 << 24, Log: func(mlrt.Level, string) { logged++ }}
+	_, err := mlrt.Load(bytes, options)
+	status(t, err, mlrt.BadData, "")
+	equal(t, logged, 1)
+	options.GeometryHash = geometry
+	copied := must(mlrt.Load(bytes, options))
+	defer copied.Close()
+	equal(t, must(copied.Trace(ctx, s.rays(), nil)), hits)
+
+	space := make([]byte, len(bytes)+64)
+	at := (64 - uintptr(unsafe.Pointer(&space[0]))%64) % 64
+	aligned := space[at : at+uintptr(len(bytes))]
+	copy(aligned, bytes)
+	inPlace := must(mlrt.LoadInPlace(aligned, nil))
+	runtime.GC()
+	equal(t, must(inPlace.Trace(ctx, s.rays(), nil)), hits)
+	if must(inPlace.Info()).MemorySize > must(copied.Info()).MemorySize/10 {
+		t.Error("copied")
+	}
+	inPlace.Close()
+}
+
+func TestProgressAndContext(t *testing.T) {
+	s := newScene()
+	last := 0.
+	host := mlrt.Host{Progress: func(fraction float64) {
+		if fraction < last {
+			t.Error("back from", last, "to", fraction)
+		}
+		last = fraction
+	}}
+	tree := must(mlrt.Build(ctx, s.meshes(), &mlrt.TreeOptions{Host: host}))
+	defer tree.Close()
+	equal(t, last, 1)
+	last = 0
+	must(tree.Trace(ctx, s.rays(), &mlrt.TraceOptions{Host: host}))
+	equal(t, last, 1)
+
+	cancelled, cancel := context.WithCancel(ctx)
+	many := mlrt.Rays{Origins: mlrt.All(s.origins[0]), Directions: mlrt.Slice(make([][3]float32, 4000000))}
+	directions := make([][3]float32, 4000000)
+	for i := range directions {
+		directions[i] = [3]float32{0.5, 0.25, 0.125}
+	}
+	many.Directions = mlrt.Slice(directions)
+	calls := 0
+	options := &mlrt.TraceOptions{Method: mlrt.RayMethod, Host: mlrt.Host{Progress: func(fraction float64) {
+		calls++
+		cancel()
+	}}}
+	_, err := tree.Trace(cancelled, many, options)
+	status(t, err, mlrt.Cancelled, "context canceled")
+	if !errors.Is(err, context.Canceled) || calls == 0 {
+		t.Error(err, calls)
+	}
+	_, err = mlrt.Build(cancelled, s.meshes(), nil)
+	status(t, err, mlrt.Cancelled, "context canceled")
+}
+
+func TestPoolsOfGoroutines(t *testing.T) {
+	s := newScene()
+	tree := build(t, s.meshes()...)
+	hits := must(tree.Trace(ctx, s.rays(), nil))
+	camera := mlrt.LookAt([3]float32{}, [3]float32{0, 0, 1}, [3]float32{0, 1, 0}, 60, 64, 64)
+	for _, pool := range []*mlrt.Pool{
+		must(mlrt.NewGoroutinePool(4)),
+		must(mlrt.NewExecutorPool(4, func(job func()) { job() })),
+		must(mlrt.NewExecutorPool(4, func(job func()) {})), // jobs that get lost
+	} {
+		options := &mlrt.TraceOptions{Pool: pool, InitialTileSize: 16, Outputs: mlrt.OutputT}
+		for i := 0; i < 20; i++ {
+			equal(t, must(tree.Trace(ctx, s.rays(), options)), hits)
+		}
+		// Within a job: no goroutine waits for one that waits for it.
+		equal(t, tree.Render(ctx, camera, options, nil, func(*mlrt.Tile) error {
+			equal(t, must(tree.Trace(ctx, s.rays(), options)), hits)
+			return nil
+		}), nil)
+		pool.Close()
 	}
 }
 
 func TestClosedMeansClosed(t *testing.T) {
-	meshes, origins, directions := scene()
-	tree, pool := must(mlrt.NewTree(meshes...)), must(mlrt.NewPool(2))
+	s := newScene()
+	tree, pool := must(mlrt.Build(ctx, s.meshes(), nil)), must(mlrt.NewPool(2))
 	pool.Close()
-	if _, err := tree.Trace(origins, directions, pool); err != mlrt.ErrClosed {
+	if _, err := tree.Trace(ctx, s.rays(), &mlrt.TraceOptions{Pool: pool}); err != mlrt.ErrClosed {
 		t.Error(err)
 	}
 	tree.Close()
 	tree.Close()
-	if _, err := tree.Trace(origins, directions, nil); err != mlrt.ErrClosed {
+	if _, err := tree.Trace(ctx, s.rays(), nil); err != mlrt.ErrClosed {
+		t.Error(err)
+	}
+	if _, err := tree.Info(); err != mlrt.ErrClosed {
 		t.Error(err)
 	}
 	tree, pool = nil, nil

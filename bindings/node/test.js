@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The scene of bindings/c/scene.h: prints the hash of the answers, and checks errors and closing.
+// The scene of bindings/c/scene.h: prints the hash of the answers, and tests each part of the interface.
 'use strict';
 const assert = require('node:assert');
-const koffi = require('koffi');
-const { test } = require('node:test');
-const mlrt = require('./mlrt.js');
+const { after, describe, test } = require('node:test');
+const mlrt = require('mlrt');
+const { koffi, types } = require('mlrt/native.js');
 
 let state = 1;
 function draw() {
@@ -13,19 +13,21 @@ function draw() {
 }
 const coordinates = (count, divisor) => Float32Array.from({ length: count }, () => (draw() - 2048) / divisor);
 
+const COUNT = 1000;
 const meshes = [7, 3].map((id) => ({
     id,
     vertices: coordinates(300, 256),
     indices: Uint32Array.from({ length: 450 }, () => draw() % 100),
 }));
-const origins = new Float32Array(3000), directions = new Float32Array(3000);
-for (let i = 0; i < 1000; i++) {
+const origins = new Float32Array(3 * COUNT), directions = new Float32Array(3 * COUNT);
+for (let i = 0; i < COUNT; i++) {
     origins.set(coordinates(3, 256), 3 * i);
     directions.set(coordinates(3, 2048), 3 * i);
     for (let k = 0; k < 3 && i % 4 === 3; k++) {
         directions[3 * i + k] = meshes[0].vertices[3 * (i % 100) + k] - origins[3 * i + k];
     }
 }
+const rays = { origins, directions };
 
 function hash({ t, u, v, mesh, triangle, facing }) {
     const words = new Uint32Array(6 * t.length), floats = new Float32Array(words.buffer);
@@ -38,47 +40,339 @@ function hash({ t, u, v, mesh, triangle, facing }) {
     return sum.toString(16).padStart(16, '0');
 }
 
-test('the same answers', async () => {
-    const tree = new mlrt.Tree(...meshes), pool = new mlrt.Pool(2);
-    const hits = tree.trace(origins, directions);
-    assert.deepStrictEqual(tree.trace(origins, directions, { pool }), hits);
-    assert.deepStrictEqual([...tree.occluded(origins, directions, { pool })],
-                           [...hits.mesh].map((mesh) => Number(mesh !== mlrt.NONE)));
-    const later = Promise.all([1, 2, 3].map(() => tree.traceAsync(origins, directions, { pool })));
-    assert.throws(() => tree.close(), /in use/);
-    for (const same of await later) assert.deepStrictEqual(same, hits);
-    tree.close();
-    pool.close();
+// One triangle at z = 5, and a mesh that takes a while to build.
+const triangle = { vertices: Float32Array.of(0, 0, 5, 1, 0, 5, 0, 1, 5) };
+const down = { origin: [0.25, 0.25, 0], direction: [0, 0, 1] };
+const large = { vertices: coordinates(900000, 64) };
+const camera = mlrt.lookAt({ eye: [0, 0, -30], target: [0, 0, 0], width: 40, height: 30 });
+
+const tree = mlrt.Tree.buildSync(meshes), pool = new mlrt.Pool(2), one = mlrt.Tree.buildSync(triangle);
+const hits = tree.traceSync(rays);
+after(() => {
+    for (const object of [tree, pool, one]) object.close();
+});
+
+describe('build', () => {
+    test('the same answers from each builder, preset and option, from promises too', async () => {
+        const made = [
+            mlrt.Tree.buildSync(meshes, { preset: 'fast' }), await mlrt.Tree.build(meshes, { preset: 'best', pool }),
+            mlrt.Tree.buildKdtreeSync(meshes, { preset: 'tuned', maxDepth: 5, rulesOff: mlrt.RULE.RETRACTION }),
+            await mlrt.Tree.buildKdtree(meshes, { traversalCost: 2, intersectionCost: 1, maxReferences: 100000 }),
+        ];
+        for (const other of made) {
+            assert.deepStrictEqual(other.traceSync(rays), hits);
+            other.close();
+        }
+    });
+
+    test('every option together', () => {
+        const lines = [], onLog = (level, text) => lines.push(text), both = { traversalCost: 2, intersectionCost: 0.5, memoryLimit: 1e9, onLog };
+        const boxes = mlrt.Tree.buildSync(meshes, { preset: 'best', pool, ...both });
+        const kdtree = mlrt.Tree.buildKdtreeSync(meshes, { preset: 'tuned', maxReferences: 1e6, maxDepth: 20, rulesOff: mlrt.RULE.COPLANAR, ...both });
+        const loaded = mlrt.Tree.loadSync(boxes.saveSync(), { memoryLimit: 10n ** 9n, onLog });
+        for (const same of [boxes, kdtree, loaded]) assert.deepStrictEqual(same.traceSync(rays), hits);
+        assert.ok(lines.length >= 2);
+        assert.throws(() => mlrt.Tree.buildSync(meshes, { traversalCost: -1 }), { status: mlrt.STATUS.ARGUMENT });
+    });
+
+    test('infos', () => {
+        const info = tree.info();
+        assert.strictEqual(info.triangleCount, 300);
+        assert.strictEqual(info.structure, 'bvh');
+        assert.strictEqual(typeof info.treeHash, 'bigint');
+        assert.ok(info.memorySize > 300 * 36 && info.boundsMin[0] < info.boundsMax[0]);
+        const kdtree = mlrt.Tree.buildKdtreeSync(meshes, { maxDepth: 3 });
+        assert.strictEqual(kdtree.info().structure, 'kdtree');
+        assert.ok(kdtree.info().depth <= 3);
+    });
+
+    test('meshes with strides, 2-byte indices, without indices', () => {
+        const [{ vertices, indices }] = meshes;
+        const wide = new Float32Array(500);
+        for (let i = 0; i < 100; i++) wide.set(vertices.subarray(3 * i, 3 * i + 3), 5 * i);
+        const quads = new Uint16Array(600);
+        for (let i = 0; i < 150; i++) quads.set(indices.subarray(3 * i, 3 * i + 3), 4 * i);
+        const corners = Float32Array.from({ length: 1350 }, (_, i) => vertices[3 * indices[Math.floor(i / 3)] + i % 3]);
+        const expected = mlrt.Tree.buildSync({ vertices, indices }).traceSync(rays);
+        for (const same of [{ vertices: wide, vertexStride: 20, indices: quads, triangleStride: 8 }, { vertices: corners }]) {
+            assert.strictEqual(mlrt.hashGeometry(same), mlrt.hashGeometry({ vertices, indices }));
+            assert.deepStrictEqual(mlrt.Tree.buildSync(same).traceSync(rays), expected);
+        }
+    });
+
+    test('estimates, limits', () => {
+        const { memorySize, peakMemorySize } = mlrt.estimateTree(meshes);
+        assert.ok(memorySize > 0 && peakMemorySize >= memorySize);
+        assert.ok(mlrt.estimateKdtree(meshes).memorySize > 0);
+        assert.throws(() => mlrt.Tree.buildSync(meshes, { memoryLimit: 1000 }), { status: mlrt.STATUS.OUT_OF_MEMORY, code: 'OUT_OF_MEMORY' });
+    });
+
+    test('progress, cancel, log', async () => {
+        const fractions = [], lines = [];
+        const built = await mlrt.Tree.build(large, { onProgress: (f) => fractions.push(f), onLog: (...line) => lines.push(line) });
+        built.close();
+        assert.ok(fractions.length > 0 && fractions.at(-1) === 1, `${fractions}`);
+        assert.deepStrictEqual([...fractions].sort((a, b) => a - b), fractions);
+        assert.ok(lines.some(([level, text]) => level === 'info' && /triangles/.test(text)), `${lines}`);
+        const stop = new AbortController();
+        const build = mlrt.Tree.build(large, { signal: stop.signal, pool });
+        setTimeout(() => stop.abort(), 20);
+        await assert.rejects(build, { name: 'AbortError' });
+        await assert.rejects(mlrt.Tree.build(large, { signal: stop.signal }), { name: 'AbortError' });
+        await assert.rejects(mlrt.Tree.build(large, { onProgress: () => { throw new Error('enough'); } }), /enough/);
+        assert.throws(() => mlrt.Tree.buildSync(triangle, { onProgress: () => {} }), /promise/);
+    });
+});
+
+describe('save and load', () => {
+    test('the same tree', async () => {
+        const data = tree.saveSync(), geometryHash = mlrt.hashGeometry(meshes);
+        assert.deepStrictEqual(await tree.save(), data);
+        for (const same of [mlrt.Tree.loadSync(data, { geometryHash }), await mlrt.Tree.load(data), mlrt.Tree.loadSync(data, { inPlace: true })]) {
+            assert.strictEqual(same.info().treeHash, tree.info().treeHash);
+            assert.deepStrictEqual(same.traceSync(rays), hits);
+            same.close();
+        }
+        assert.throws(() => mlrt.Tree.loadSync(data, { geometryHash: 1n }), { status: mlrt.STATUS.DATA });
+        data[data.length - 1] ^= 1;
+        await assert.rejects(mlrt.Tree.load(data), { status: mlrt.STATUS.DATA });
+    });
+});
+
+describe('trace', () => {
+    test('options', async () => {
+        const kdtree = mlrt.Tree.buildKdtreeSync(meshes);
+        const { avx512, avx2 } = mlrt.capabilities();
+        for (const options of [{ method: 'ray' }, { method: 'tile', isa: 'scalar' }, { isa: avx512 ? 'avx512' : avx2 ? 'avx2' : 'auto' }, { pool }]) {
+            assert.deepStrictEqual(await tree.trace(rays, options), hits);
+        }
+        const paper = { method: 'multilevel', culling: 'direct', cullingCheck: true, initialTileSize: 64, minimumTileSize: 8, splitFactor: 4 };
+        for (const options of [{ method: 'packet2' }, { method: 'packet4' }, { ...paper, shortcutsOff: mlrt.SHORTCUT.WHOLE_TILES }]) {
+            assert.deepStrictEqual(kdtree.traceSync(rays, options), hits);
+        }
+        assert.throws(() => tree.traceSync(rays, { method: 'packet2' }), { status: mlrt.STATUS.UNSUPPORTED });
+        assert.throws(() => tree.traceSync(rays, { method: 'fastest' }), /options.method: fastest is not one of/);
+        await assert.rejects(tree.trace(rays, { initialTileSize: 5 }), { status: mlrt.STATUS.ARGUMENT });
+    });
+
+    test('occluded', async () => {
+        const expected = Uint8Array.from(hits.mesh, (mesh) => Number(mesh !== mlrt.NONE));
+        assert.deepStrictEqual(tree.occludedSync(rays), expected);
+        assert.deepStrictEqual(await tree.occluded(rays, { pool }), expected);
+        const into = { occluded: new Uint8Array(COUNT) };
+        assert.strictEqual(tree.occludedSync(rays, { into }), into.occluded);
+    });
+
+    test('t ranges, skip, masks', () => {
+        const tMax = hits.t.map((t, i) => i % 2 ? t * 1.001 : t * 0.999);
+        const near = tree.traceSync({ ...rays, tMax });
+        for (let i = 0; i < COUNT; i++) assert.strictEqual(near.mesh[i], i % 2 ? hits.mesh[i] : mlrt.NONE);
+        assert.ok(one.traceSync({ origins: [0.25, 0.25, 0], directions: Float32Array.of(0, 0, 1), tMin: 5 }).mesh[0] === mlrt.NONE);
+        const skip = new Uint32Array(2 * COUNT);
+        hits.mesh.forEach((mesh, i) => skip.set([mesh, hits.triangle[i]], 2 * i));
+        const behind = tree.traceSync({ ...rays, skip });
+        assert.ok(behind.t.every((t, i) => t >= hits.t[i]) && behind.t.some((t, i) => t > hits.t[i]));
+        const masked = mlrt.Tree.buildSync([{ ...meshes[0], mask: 1 }, { ...meshes[1], mask: 2 }]);
+        assert.ok(masked.traceSync(rays, { mask: 2 }).mesh.every((mesh) => mesh === 3 || mesh === mlrt.NONE));
+        const mask = Uint32Array.from({ length: COUNT }, (_, i) => 1 + i % 2);
+        const seen = masked.traceSync({ ...rays, mask });
+        assert.ok(seen.mesh.every((mesh, i) => mesh === mlrt.NONE || mesh === (i % 2 ? 3 : 7)));
+    });
+
+    test('one element for all, strides, rays per origin', () => {
+        const all = tree.traceSync({ origins: [0, 0, 0], directions, tMin: 0.5, tMax: 100 });
+        const written = {
+            origins: new Float32Array(3 * COUNT), directions, tMin: new Float32Array(COUNT).fill(0.5), tMax: new Float32Array(COUNT).fill(100),
+        };
+        assert.deepStrictEqual(tree.traceSync(written), all);
+        const fan = { origins: origins.slice(0, 600), directions, raysPerOrigin: 5 };
+        const repeated = Float32Array.from({ length: 3 * COUNT }, (_, i) => origins[3 * Math.floor(i / 15) + i % 3]);
+        assert.deepStrictEqual(tree.traceSync(fan), tree.traceSync({ origins: repeated, directions }));
+        const both = new Float32Array(6 * COUNT); // origin and direction side by side
+        for (let i = 0; i < COUNT; i++) {
+            both.set(origins.subarray(3 * i, 3 * i + 3), 6 * i);
+            both.set(directions.subarray(3 * i, 3 * i + 3), 6 * i + 3);
+        }
+        const strided = { origins: { data: both, stride: 24 }, directions: { data: both.subarray(3), stride: 24 }, count: COUNT };
+        assert.deepStrictEqual(tree.traceSync(strided), hits);
+        const records = new Float32Array(2 * COUNT);
+        tree.traceSync(rays, { into: { t: { data: records, stride: 8 } } });
+        assert.deepStrictEqual(records.filter((_, i) => i % 2 === 0), hits.t);
+        assert.ok(records.every((x, i) => i % 2 === 0 || x === 0));
+        assert.deepStrictEqual(Object.keys(tree.traceSync(rays, { outputs: ['triangle'] })), ['triangle']);
+        assert.throws(() => tree.traceSync({ ...strided, count: COUNT + 1 }), RangeError);
+        assert.throws(() => tree.traceSync({ ...rays, origins: origins.subarray(3) }), /rays.origins: 2997 numbers, but 3000/);
+        assert.throws(() => tree.traceSync(rays, { into: { t: new Float32Array(COUNT - 1) } }), /into.t/);
+        assert.throws(() => tree.traceSync(rays, { outputs: ['occluded'] }), /outputs: occluded/);
+    });
+
+    test('single rays', () => {
+        const hit = one.traceRay(down);
+        assert.deepStrictEqual(hit, { t: 5, u: 0.25, v: 0.25, mesh: 0, triangle: 0, facing: 1 });
+        assert.strictEqual(one.traceRay({ ...down, tMax: 4 }).mesh, mlrt.NONE);
+        assert.strictEqual(one.traceRay({ ...down, tMin: 5 }).mesh, mlrt.NONE);
+        assert.strictEqual(one.traceRay({ ...down, skip: { mesh: 0, triangle: 0 } }).triangle, mlrt.NONE);
+        assert.strictEqual(one.occludedRay(down), true);
+        assert.strictEqual(one.occludedRay({ ...down, direction: [0, 0, -1] }), false);
+        for (let i = 0; i < 50; i++) {
+            const { t, triangle: number } = tree.traceRay({ origin: origins.subarray(3 * i, 3 * i + 3), direction: directions.subarray(3 * i, 3 * i + 3) });
+            assert.deepStrictEqual([t, number], [hits.t[i], hits.triangle[i]]);
+        }
+        assert.throws(() => one.traceRay(down, { method: 'multilevel' }), { status: mlrt.STATUS.UNSUPPORTED });
+    });
+
+    test('all hits', async () => {
+        const lists = await tree.allHits(rays, { capacity: 4, pool });
+        assert.deepStrictEqual(tree.allHitsSync(rays, { capacity: 4 }), lists);
+        for (let i = 0; i < COUNT; i++) {
+            assert.strictEqual(lists.t[4 * i], hits.t[i]);
+            assert.strictEqual(lists.triangle[4 * i], hits.triangle[i]);
+            assert.ok(lists.crossingTotal[i] <= lists.total[i]);
+        }
+        assert.deepStrictEqual(tree.allHitsSync(rays), { total: lists.total, crossingTotal: lists.crossingTotal });
+        assert.deepStrictEqual(Object.keys(tree.allHitsSync(rays, { capacity: 1, outputs: ['crossing'] })), ['crossing']);
+    });
+
+    test('counters', () => {
+        const counters = new mlrt.Counters();
+        tree.traceSync(rays, { counters });
+        tree.traceSync(rays, { counters });
+        assert.strictEqual(counters.rayCount, 2 * COUNT);
+        assert.ok(counters.triangleTestCount > 0);
+    });
+
+    test('progress and cancel', async () => {
+        const many = 2000000, far = new Float32Array(3 * many).map((_, i) => directions[i % (3 * COUNT)]);
+        const job = { origins: [0, 0, 0], directions: far };
+        const fractions = [];
+        await tree.occluded(job, { onProgress: (f) => fractions.push(f), method: 'ray' });
+        assert.ok(fractions.length > 0 && fractions.at(-1) === 1, `${fractions}`);
+        const stop = new AbortController();
+        const call = tree.trace(job, { signal: stop.signal, method: 'ray', pool });
+        assert.throws(() => tree.close(), /in use/);
+        setTimeout(() => stop.abort(new Error('not wanted')), 10);
+        await assert.rejects(call, /not wanted/);
+    });
+});
+
+describe('pictures', () => {
+    const lights = [{ kind: 'point', position: [0, 10, -30] }, { kind: 'directional', position: [0, 1, -1] }];
+
+    test('the rays of a camera', async () => {
+        const written = mlrt.cameraRays(camera);
+        assert.strictEqual(written.rowLength, 40);
+        const frame = await tree.render(camera, { pool });
+        assert.deepStrictEqual(tree.renderSync(camera), frame);
+        assert.deepStrictEqual(tree.traceSync(written), frame);
+        assert.ok(frame.mesh.some((mesh) => mesh !== mlrt.NONE));
+        const any = tree.renderSync(camera, { query: 'any' });
+        assert.deepStrictEqual(any, { occluded: Uint8Array.from(frame.mesh, (mesh) => Number(mesh !== mlrt.NONE)) });
+        const crop = { x: 8, y: 4, width: 16, height: 12 };
+        const part = tree.renderSync({ ...camera, crop }, { outputs: ['t'] });
+        for (let i = 0; i < 192; i++) assert.strictEqual(part.t[i], frame.t[(4 + Math.floor(i / 16)) * 40 + 8 + i % 16]);
+        const rows = new Float32Array(16 * 100); // a part of a larger picture
+        tree.renderSync({ ...camera, crop }, { into: { t: { data: rows, rowStride: 400 } } });
+        for (let i = 0; i < 192; i++) assert.strictEqual(rows[100 * Math.floor(i / 16) + i % 16], part.t[i]);
+        const parallel = { width: 4, height: 4, projection: 'parallel', direction: [0, 0, 1], d00: [-1, -1, 0], dx: [0.5, 0, 0], dy: [0, 0.5, 0] };
+        assert.strictEqual(one.renderSync(parallel).t[2 * 4 + 2], 5);
+        assert.strictEqual(one.renderSync({ ...parallel, tMax: 4 }).facing[10], 0);
+        assert.strictEqual(one.renderSync({ ...parallel, tMin: 5 }).facing[10], 0);
+        assert.throws(() => tree.renderSync({ ...camera, width: 0 }), { status: mlrt.STATUS.CAMERA });
+    });
+
+    test('lights, as the shadow rays say', async () => {
+        const frame = await tree.render(camera, { lights, pool });
+        const { origins: o, directions: d } = mlrt.cameraRays(camera);
+        let lit = 0;
+        for (let i = 0; i < 1200; i++) {
+            if (frame.mesh[i] === mlrt.NONE) continue;
+            const ray = { origin: o.subarray(3 * i, 3 * i + 3), direction: d.subarray(3 * i, 3 * i + 3) };
+            lights.forEach((light, k) => {
+                const shadow = tree.shadowRay(ray, { mesh: frame.mesh[i], triangle: frame.triangle[i] }, light);
+                const dark = shadow === null || tree.occludedRay(shadow);
+                assert.strictEqual(frame.occluded[i] >> k & 1, Number(dark));
+                lit += !dark;
+            });
+        }
+        assert.ok(lit > 0);
+        assert.throws(() => tree.shadowRay(down, { mesh: 99, triangle: 0 }, lights[0]), { status: mlrt.STATUS.ARGUMENT });
+    });
+
+    test('tiles', async () => {
+        const frame = tree.renderSync(camera, { lights }), pixels = { triangle: new Uint32Array(1200), occluded: new Uint8Array(1200) };
+        const onTile = (tile) => {
+            assert.strictEqual(tile.t, undefined);
+            for (let j = 0; j < tile.height; j++) {
+                for (const [name, pixel] of Object.entries(pixels)) {
+                    pixel.set(tile[name].subarray(j * tile.width, (j + 1) * tile.width), (tile.y + j) * 40 + tile.x);
+                }
+            }
+        };
+        const options = { lights, outputs: ['triangle', 'occluded'], initialTileSize: 16 };
+        assert.deepStrictEqual(await tree.render(camera, { ...options, onTile, pool }), {});
+        assert.deepStrictEqual(pixels, { triangle: frame.triangle, occluded: frame.occluded });
+        await assert.rejects(tree.render(camera, { ...options, onTile: () => false }), { status: mlrt.STATUS.CANCELLED });
+        await assert.rejects(tree.render(camera, { ...options, pool, onTile: () => { throw new Error('enough'); } }), /enough/);
+    });
+
+    test('points off the surface', async () => {
+        const hit = one.traceRay(down), point = one.offsetPoint(hit, -hit.facing);
+        assert.ok(point[2] < 5 && point[2] > 4.99);
+        assert.throws(() => one.offsetPoint({ ...hit, triangle: 1 }, 1), { status: mlrt.STATUS.ARGUMENT });
+        const positions = Float32Array.of(...point, 0.25, 0.25, 6), light = { kind: 'point', position: [0.25, 0.25, 0] };
+        assert.deepStrictEqual([...await one.occludedPoints({ positions }, light, { pool })], [0, 1]);
+        assert.deepStrictEqual([...one.occludedPointsSync({ positions, skip: [0, 0], rowLength: 2 }, light)], [0, 0]);
+        const sky = { kind: 'directional', position: [0, 0, 1] };
+        assert.deepStrictEqual([...one.occludedPointsSync({ positions }, sky)], [1, 0]);
+    });
+});
+
+describe('errors', () => {
+    test('say what is wrong, on the thread of the call', async () => {
+        const wrong = { vertices: new Float32Array(9), indices: Uint32Array.of(0, 1, 2, 0, 1, 3) };
+        const named = { name: 'MlrtError', status: mlrt.STATUS.INDEX_RANGE, code: 'INDEX_RANGE', message: /index 3/ };
+        assert.throws(() => mlrt.Tree.buildSync(wrong), named);
+        // Many at a time, each with a message of its own.
+        await Promise.all([3, 40, 500, 6000].map((index) => assert.rejects(
+            mlrt.Tree.build({ vertices: new Float32Array(9), indices: Uint32Array.of(0, 1, index) }), new RegExp(`index ${index}\\b`))));
+        assert.throws(() => new mlrt.Pool(5000), (e) => e instanceof mlrt.MlrtError && e.status === mlrt.STATUS.ARGUMENT && e.message !== '');
+        assert.throws(() => mlrt.Tree.buildSync({ vertices: [0, 0, 0] }), TypeError);
+        assert.throws(() => mlrt.Tree.buildSync({ vertices: new Float32Array(4) }), /meshes\[0\].vertices: 4 numbers/);
+        assert.throws(() => new mlrt.Tree(), TypeError);
+        assert.throws(() => tree.traceSync({ origins: [0, 0, 0], directions: [0, 0, 1] }), /rays.count/);
+        assert.strictEqual(mlrt.statusString(3), new mlrt.MlrtError(3).message);
+    });
+
+    test('an empty tree', () => {
+        const empty = mlrt.Tree.buildSync([]);
+        assert.deepStrictEqual([...empty.traceSync({ origins: [0, 0, 0], directions: Float32Array.of(0, 0, 1) }).mesh], [mlrt.NONE]);
+        assert.strictEqual(empty.traceSync({ origins: new Float32Array(0), directions: new Float32Array(0) }).t.length, 0);
+    });
+
+    test('closed means closed', async () => {
+        const closed = mlrt.Tree.buildSync(meshes), ended = new mlrt.Pool(2);
+        ended.close();
+        assert.throws(() => closed.traceSync(rays, { pool: ended }), /closed/);
+        closed[Symbol.dispose ?? 'close']();
+        closed.close();
+        assert.throws(() => closed.traceSync(rays), /closed/);
+        await assert.rejects(closed.trace(rays), /closed/);
+        for (let i = 0; i < 100; i++) {
+            const forgotten = mlrt.Tree.buildSync(meshes);
+            if (i % 2) forgotten.close();
+        }
+        global.gc?.(); // frees the others, and those not again
+        await new Promise(setImmediate);
+    });
+});
+
+test('the common scene', () => {
+    assert.match(mlrt.version(), /^\d+\.\d+\.\d+$/);
     console.log(hash(hits));
 });
 
-test('errors say what is wrong', () => {
-    const wrong = { vertices: new Float32Array(9), indices: Uint32Array.of(0, 1, 2, 0, 1, 3) };
-    assert.throws(() => new mlrt.Tree(wrong), (e) => e.status === 3 && /triangle 1: vertex index 3/.test(e.message));
-    assert.throws(() => new mlrt.Pool(5000), (e) => e instanceof mlrt.MlrtError && e.status === 1);
-    assert.throws(() => new mlrt.Tree({ vertices: [0, 0, 0], indices: new Uint32Array(3) }), TypeError);
-    const empty = new mlrt.Tree();
-    assert.throws(() => empty.trace(new Float32Array(3), new Float32Array(6)), RangeError);
-    assert.deepStrictEqual([...empty.trace(new Float32Array(3), Float32Array.of(0, 0, 1)).mesh], [mlrt.NONE]);
-});
-
-test('closed means closed', async () => {
-    const tree = new mlrt.Tree(...meshes), pool = new mlrt.Pool(2);
-    pool.close();
-    assert.throws(() => tree.trace(origins, directions, { pool }), /closed/);
-    tree.close();
-    tree.close();
-    assert.throws(() => tree.trace(origins, directions), /closed/);
-    for (let i = 0; i < 100; i++) {
-        const forgotten = new mlrt.Tree(...meshes);
-        if (i % 2) forgotten.close();
-    }
-    global.gc(); // frees the others, and those not again
-    await new Promise(setImmediate);
-});
-
 // For a C compiler to look at.
-for (const [name, type] of Object.entries(mlrt.types)) {
+for (const [name, type] of Object.entries(types)) {
     console.log(`layout ${name} sizeof ${koffi.sizeof(type)}`);
     for (const field of Object.keys(koffi.type(type).members)) {
         console.log(`layout ${name} ${field} ${koffi.offsetof(type, field)}`);

@@ -17,6 +17,8 @@ import json
 import sys
 import timeit
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -185,7 +187,7 @@ class Open3d:
         return np.asarray(np.isfinite(result["t_hit"].numpy()))
 
 
-PEERS = {"embreex": Embreex, "open3d": Open3d}
+PEERS: dict[str, Any] = {"embreex": Embreex, "open3d": Open3d}
 
 
 # ---- measuring ---------------------------------------------------------------------------------------------------------
@@ -204,7 +206,8 @@ def take_turns(contestants: dict[str, Question], rounds: int) -> dict[str, float
 
 
 def measure_arrays(scene: Scene, peers: list[str], options: argparse.Namespace) -> Iterator[Row]:
-    contestants: dict[str, Any] = {"mlrt": Mlrt(scene), **{name: PEERS[name](scene) for name in peers}}
+    contestants: dict[str, Any] = {"mlrt": Mlrt(scene)}
+    contestants.update((name, PEERS[name](scene)) for name in peers)
     for kind, rays in (("coherent", coherent_rays(scene, options.rays)), ("random", random_rays(scene, options.rays))):
         hits = {name: one.hit(one.questions(*rays, 1)["all"]()) for name, one in contestants.items()}
         for name in peers:
@@ -230,7 +233,7 @@ def measure_drop_in(scene: Scene, options: argparse.Namespace) -> Iterator[Row]:
     for title, arguments in METHODS.items():
         method = title.split(",")[0]
         asked: dict[str, Question] = {
-            name: (lambda one=one: getattr(one, method)(*rays, **arguments)) for name, one in contestants.items()
+            name: partial(getattr(one, method), *rays, **arguments) for name, one in contestants.items()
         }
         seconds = take_turns(asked, options.rounds)
         yield Row(scene.name, "coherent", title, 1, {name: len(rays[0]) / s / 1e6 for name, s in seconds.items()})
@@ -261,7 +264,13 @@ def calls(tree: mlrt.Tree, count: int) -> dict[str, Question]:
     wide = np.zeros((count, 8), np.float32)
     wide[:, :3] = origins
     doubles, out = origins.astype(np.float64), tree.trace(origins, directions)
-    return {
+    one = origins[0].tolist(), directions[0].tolist()
+    of_one: dict[str, Question] = {
+        "`trace_ray(origin, direction)`": lambda: tree.trace_ray(*one),
+        "the same, of arrays `origins[0]`, `directions[0]`": lambda: tree.trace_ray(origins[0], directions[0]),
+        "`occluded_ray(origin, direction)`": lambda: tree.occluded_ray(*one),
+    }
+    of_all: dict[str, Question] = {
         "`trace(origins, directions)`": lambda: tree.trace(origins, directions),
         "the same, `outputs=(\"t\", \"triangle\")`": lambda: tree.trace(origins, directions, outputs=("t", "triangle")),
         "the same, `outputs=\"triangle\"`": lambda: tree.trace(origins, directions, outputs="triangle"),
@@ -272,6 +281,7 @@ def calls(tree: mlrt.Tree, count: int) -> dict[str, Question]:
         "`hits(origins, directions, 0)`": lambda: tree.hits(origins, directions, 0),
         "`contains(origins)` (all outside)": lambda: tree.contains(origins),
     }
+    return of_one | of_all if count == 1 else of_all
 
 
 def peer_calls(scene: Scene, peers: list[str], count: int) -> dict[str, Question]:
@@ -279,7 +289,7 @@ def peer_calls(scene: Scene, peers: list[str], count: int) -> dict[str, Question
     found = {}
     for name in peers:
         questions = PEERS[name](scene).questions(origins, directions, 1)
-        for question in ("triangle", "all"):
+        for question in ("triangle", "all", "any"):
             if question in questions:
                 found[f"{name}, {question}"] = questions[question]
     return found
@@ -309,7 +319,50 @@ def print_calls(peers: list[str]) -> None:
     few, many = (calls(tree, count) | peer_calls(scene, peers, count) for count in (1, 256))
     print("\nMicroseconds per call, a tree of one box, the best of many\n\n| call | 1 ray | 256 rays |\n| --- | ---: | ---: |")
     for call, ask in few.items():
-        print(f"| {call} | {microseconds(ask):.1f} | {microseconds(many[call]):.0f} |", flush=True)
+        several = f"{microseconds(many[call]):.0f}" if call in many else ""
+        print(f"| {call} | {microseconds(ask):.1f} | {several} |", flush=True)
+
+
+def print_distributed(found: list[Scene], options: argparse.Namespace) -> None:
+    """Random rays and a picture over one and two worker processes, each with one thread; in turn, the median."""
+    dask: Any = importlib.import_module("dask.distributed")
+    distributed: Any = importlib.import_module("mlrt.distributed")
+    array: Any = importlib.import_module("dask.array")
+    print("\nMray/s over Dask, from rays that the workers have to triangles and t that they keep\n")
+    print("| scene | rays | one process without Dask | 1 worker | 2 workers | 2 over 1 |\n| --- | --- | ---: | ---: | ---: | ---: |")
+    with ExitStack() as stack:
+        workers = {"processes": True, "threads_per_worker": 1, "dashboard_address": None}
+        clusters = [stack.enter_context(dask.LocalCluster(n_workers=count, **workers)) for count in (1, 2)]
+        clients = [stack.enter_context(dask.Client(cluster, set_as_default=False)) for cluster in clusters]
+        for scene in found:
+            tree = mlrt.Tree(scene.vertices, scene.faces)
+            rays = random_rays(scene, options.rays)
+            size = int(len(rays[0]) ** 0.5)
+            target = scene.view["look"] if "look" in scene.view else np.add(scene.view["eye"], scene.view["dir"])
+            camera = mlrt.Camera.look_at(scene.view["eye"], target, size, size, scene.view["vfov"], scene.view["up"])
+            asks: dict[str, dict[str, Question]] = {"random": {"alone": lambda: tree.trace(*rays, outputs=("triangle", "t"))}}
+            asks["picture"] = {"alone": lambda: tree.render(camera, outputs=("triangle", "t"))}
+            for client in clients:
+                cluster_scene = stack.enter_context(distributed.Scene(tree, client=client))
+                piece = max(len(rays[0]) // 16, 1)
+                lying = [client.persist(array.from_array(one, chunks=(piece, 3))) for one in rays]
+                client.gather(client.compute([one.sum() for one in lying]))
+                name = str(len(client.scheduler_info()["workers"]))
+
+                def trace(client: Any = client, scene: Any = cluster_scene, lying: Any = lying, piece: int = piece) -> None:
+                    with client.as_current():
+                        dask.wait(scene.trace(*lying, outputs=("triangle", "t"), rays_per_piece=piece).t)
+
+                def render(client: Any = client, scene: Any = cluster_scene, piece: int = piece) -> None:
+                    with client.as_current():
+                        dask.wait(scene.render(camera, outputs=("triangle", "t"), rays_per_piece=piece).t)
+
+                asks["random"][name], asks["picture"][name] = trace, render
+            for kind, contestants in asks.items():
+                seconds = take_turns(contestants, options.rounds)
+                speeds = [len(rays[0]) / seconds[name] / 1e6 for name in ("alone", "1", "2")]
+                cells = " | ".join(f"{speed:.1f}" for speed in speeds)
+                print(f"| {scene.name} | {kind} | {cells} | {speeds[2] / speeds[1]:.2f} |", flush=True)
 
 
 def visits(tree: mlrt.Tree, any_hit: bool, origins: np.ndarray, directions: np.ndarray) -> tuple[float, float]:
@@ -348,7 +401,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--rays", type=int, default=1 << 20, help="how many; rounded down to a square (default: %(default)s)")
     parser.add_argument("--threads", type=lambda text: [int(one) for one in text.split(",")], default=[1], metavar="1,2")
     parser.add_argument("--rounds", type=int, default=7, help="turns that each takes (default: %(default)s)")
-    parser.add_argument("--only", choices=("arrays", "trimesh", "calls", "counts"), help="one of the tables")
+    parser.add_argument("--only", choices=("arrays", "trimesh", "calls", "counts", "distributed"), help="one of the tables")
     parser.add_argument("--csv", metavar="FILE", help="write the speeds there as well")
     return parser.parse_args()
 
@@ -374,6 +427,8 @@ def main() -> None:
         print_calls(peers)
     if options.only in (None, "counts"):
         print_counts(found)
+    if options.only in (None, "distributed") and installed("distributed") is not None:
+        print_distributed(found, options)
     if options.csv:
         write_csv(options.csv, rows)
 

@@ -42,7 +42,7 @@ static int load_any_scene(const char *word, const char *views, struct subject *s
     return make_sphere((uint32_t)level, NULL, &subject->scene);
 }
 
-static int make_normals(struct subject *subject)
+int make_normals(struct subject *subject)
 {
     const struct scene *scene = &subject->scene;
     subject->normals = allocate(scene->triangle_count + 1, sizeof *subject->normals);

@@ -120,6 +120,9 @@ int set_size(struct subject *subject, uint32_t size);
 
 void free_subject(struct subject *subject);
 
+/* Makes the table of normals of the subject's scene. Returns 0, or 1 after saying on stderr that memory is out. */
+int make_normals(struct subject *subject);
+
 static inline mlrt_light light_of(const struct subject *subject)
 {
     const float *p = subject->light;

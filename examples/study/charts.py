@@ -4,8 +4,9 @@
 
     charts.py DATA OUTPUT
 
-reads DATA/methods.csv, DATA/stability.csv and DATA/stages.csv, those of them that exist, as `accuracy --csv` prints them,
-and writes OUTPUT/accuracy-speed.png, -stability.png and -stages.png.
+reads DATA/methods.csv, DATA/stability.csv and DATA/stages.csv as `accuracy --csv` prints them, DATA/price.csv as `bench
+--csv --against` prints it, and DATA/pays.csv as `pays --csv` prints it, those of them that exist, and writes
+OUTPUT/accuracy-summary.png, -speed.png, -stability.png, -stages.png, -price.png, and OUTPUT/depth-pays.png.
 
 An axis of wrong decisions is logarithmic and ends in a grey band for "none among the rays asked". Within the band
 a method has a place of its own, so that lines and marks do not hide each other; the place means nothing else.
@@ -38,10 +39,14 @@ METHODS = {
     "wald2004": Style("Wald 2004, float", PURPLE, "^", True, 7),
     "pluecker": Style("Plücker, float", GREEN, "v", True, 7),
     "woop2013": Style("Woop et al. 2013 (watertight), float", SKY, "P", True, 8),
+    "mt_boxes": Style("Möller–Trumbore, float, over mlrt's boxes", ORANGE, "D", False, 7),
+    "tinybvh": Style("tinybvh 1.6, 1 ray", GREEN, "X", True, 8),
     "embree_fast": Style("Embree 3 fast, 1 ray", BLACK, "o", True, 7),
     "embree_fast16": Style("Embree 3 fast, 16 rays", BLACK, "o", False, 7),
     "embree_robust": Style("Embree 3 robust, 1 ray", GREY, "s", True, 7),
     "embree_robust16": Style("Embree 3 robust, 16 rays", GREY, "s", False, 7),
+    "guess_tile": Style("mlrt without exactness, tiles", RED, "p", False, 9),
+    "guess_tile_camera": Style("mlrt without exactness, from the camera", RED, "p", True, 9),
     "mlrt_ray": Style("mlrt, 1 ray", BLUE, "o", False, 9),
     "mlrt_packet2": Style("mlrt, 2×2 packets", BLUE, "s", False, 9),
     "mlrt_packet4": Style("mlrt, 4×4 packets", BLUE, "D", True, 8),
@@ -115,6 +120,87 @@ def finish(figure, path):
     print(path)
 
 
+# ---- in ten seconds ---------------------------------------------------------------------------------------------------
+
+# The scene, and what a point is called: of several ways to call a library, the fastest counts.
+SUMMARY_SCENE = "office"
+SUMMARY = [
+    ("mlrt", ["mlrt_tile_camera", "mlrt_tile"], BLUE, "*", 20),
+    ("mlrt without exactness", ["guess_tile_camera", "guess_tile"], SKY, "*", 16),
+    ("Embree, fast", ["embree_fast", "embree_fast16"], BLACK, "o", 10),
+    ("Embree, robust", ["embree_robust", "embree_robust16"], GREY, "s", 10),
+    ("tinybvh", ["tinybvh"], GREEN, "X", 11),
+    ("textbook: Möller–Trumbore", ["mt_boxes"], ORANGE, "D", 9),
+    ("the paper's method, exact", ["mlrt_camera", "mlrt_multilevel"], PURPLE, "^", 11),
+]
+
+
+def draw_summary(rows, path):
+    """Speed of a picture's rays against wrong answers to rays aimed at edges, one panel."""
+    def rows_of(generator, members):
+        return [r for r in rows if r["scene"] == SUMMARY_SCENE and r["generator"] == generator and r["method"] in members]
+
+    edge_rays = [int(r["rays"]) for r in rows if r["scene"] == SUMMARY_SCENE and r["generator"] == "edge"]
+    axis = WrongAxis(edge_rays)
+    figure, axes = plt.subplots(figsize=(8.6, 4.9))
+    axis.dress(axes, vertical=False)
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    for title, members, colour, mark, size in SUMMARY:
+        pictures, edges = rows_of("camera", members), rows_of("edge", members)
+        if not pictures or not edges:
+            continue
+        x = axis.place(max(float(r["wrong_per_million"]) for r in edges))
+        y = max(float(r["mrays"]) for r in pictures)
+        axes.plot(x, y, mark, color=colour, markersize=size, zorder=3)
+        right = x < 3
+        axes.annotate(title, (x, y), xytext=(14 if right else -12, 0), textcoords="offset points", fontsize=10.5,
+                      ha="left" if right else "right", va="center", color=colour)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low / 1.3, high * 1.3)
+    axes.set_ylabel("million rays per second, a picture")
+    axes.set_xlabel("wrong answers per million rays aimed at edges")
+    axes.set_title(f"Faster is up, more exact is left ({SUMMARY_SCENE}, one thread; grey: not one wrong answer)", fontsize=11)
+    figure.tight_layout()
+    finish(figure, path)
+
+
+# ---- the price of exactness ------------------------------------------------------------------------------------------
+
+
+def draw_price(rows, path):
+    """Time of the library over time of its build without exactness, a mark for each kind of rays and scene."""
+    kinds, scenes = in_order(rows, "kind"), in_order(rows, "scene")
+    kinds = [kind for kind in kinds if kind != "lit-frame"]  # a difference of two measurements
+    marks = "osD^v<>PX*hp"
+    colours = [BLUE, ORANGE, GREEN, PURPLE, SKY, RED, BLACK, GREY]
+    figure, axes = plt.subplots(figsize=(13, 5))
+    axes.axhline(1, color="#888888", linewidth=1)
+    axes.axhspan(1, 1.08, color="#e8f2e8", zorder=0)
+    for s, scene in enumerate(scenes):
+        for k, kind in enumerate(kinds):
+            for row in rows:
+                if row["scene"] != scene or row["kind"] != kind or float(row["mrays"]) <= 0:
+                    continue
+                ratio = float(row["old_mrays"]) / float(row["mrays"])
+                axes.plot(k + (s - (len(scenes) - 1) / 2) * 0.08, ratio, marks[s % len(marks)], color=colours[s % len(colours)],
+                          markersize=6)
+    axes.set_xticks(range(len(kinds)), kinds)
+    axes.set_ylabel("time, exact / guessing")
+    axes.grid(True, axis="y", color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    handles = [Line2D([], [], linestyle="", marker=marks[s % len(marks)], color=colours[s % len(colours)], label=scene)
+               for s, scene in enumerate(scenes)]
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    axes.set_title("The price of exactness: time of each kind of rays over that of a build that guesses (band: up to 8 %)", fontsize=11)
+    figure.tight_layout()
+    finish(figure, path)
+
+
 # ---- speed against wrong decisions -----------------------------------------------------------------------------------
 
 
@@ -170,6 +256,8 @@ LINES = [
     Line("mlrt, all five methods", ["mlrt_ray", "mlrt_packet2", "mlrt_packet4", "mlrt_multilevel", "mlrt_tile"], BLUE, "-", 3.0, None),
     Line("Möller–Trumbore, double", ["mt_double"], RED, "-", 1.5, "s"),
     Line("Woop et al. 2013 (watertight), float", ["woop2013"], SKY, "-", 1.5, "P"),
+    Line("tinybvh 1.6", ["tinybvh"], GREEN, "--", 1.5, "X"),
+    Line("mlrt without exactness", ["guess_tile"], RED, "--", 1.5, "p"),
     Line("Embree 3 robust, 1 and 16 rays", ["embree_robust", "embree_robust16"], GREY, "-", 1.5, "s"),
     Line("Embree 3 fast, 1 and 16 rays", ["embree_fast", "embree_fast16"], BLACK, "--", 1.5, "o"),
     Line("Plücker, float", ["pluecker"], GREEN, "-", 1.5, "v"),
@@ -302,15 +390,72 @@ def draw_stages(rows, path):
     finish(figure, path)
 
 
+# ---- which structure pays --------------------------------------------------------------------------------------------
+
+PAYS = {"none": ("a loop over all triangles", "#f0e442"), "fast": ("MLRT_TREE_FAST", SKY), "default": ("MLRT_TREE_DEFAULT", BLUE),
+        "best": ("MLRT_TREE_BEST", PURPLE), "kdtree": ("the paper's kd-tree", GREEN)}
+
+
+PAYS_MESHES = (("scanned surfaces (spheres; below 20 triangles sheets)", ("sheet", "sphere")),
+               ("rooms", ("room", "doubled", "office", "building")))
+PAYS_RAYS = (("picture_ns", "rays of pictures"), ("single_ns", "random rays, a call for each"))
+PAYS_TOLERANCE = 1.05  # structures that take no more than this times the least are as good: the first in the list counts
+
+
+def draw_pays(rows, path):
+    """For each number of triangles and of rays, the structure whose time to build and trace is least."""
+    rows = [r for r in rows if r["structure"] in PAYS]
+    names = list(PAYS)
+    figure, grid = plt.subplots(2, 2, figsize=(13, 8.4), sharex=True)
+    exponents = [e / 20 for e in range(0, 181)]
+    for i, (mesh_title, scenes) in enumerate(PAYS_MESHES):
+        of_meshes = [r for r in rows if r["scene"] in scenes]
+        counts = sorted({int(r["triangles"]) for r in of_meshes})
+        logs = [math.log10(count) for count in counts]
+        for axes, (column, ray_title) in zip(grid[i], PAYS_RAYS):
+            image, regret = [], []
+            for count in counts:
+                of_count = {r["structure"]: r for r in of_meshes if int(r["triangles"]) == count}
+                line, loss = [], []
+                for exponent in exponents:
+                    times = {n: float(r["build_seconds"]) + 1e-9 * 10 ** exponent * float(r[column]) for n, r in of_count.items()}
+                    least = min(times.values())
+                    line.append(next(k for k, n in enumerate(names) if n in times and times[n] <= PAYS_TOLERANCE * least))
+                    loss.append(times["default"] / least)
+                image.append(line)
+                regret.append(loss)
+            edges = [logs[0] - 0.2] + [(a + b) / 2 for a, b in zip(logs, logs[1:])] + [logs[-1] + 0.2]
+            steps = [e - 0.025 for e in exponents] + [exponents[-1] + 0.025]
+            colours = matplotlib.colors.ListedColormap([PAYS[n][1] for n in names])
+            axes.pcolormesh(steps, edges, image, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5)
+            lines = axes.contour(exponents, logs, regret, levels=[1.25, 2], colors="black", linewidths=[0.8, 1.5])
+            axes.clabel(lines, fmt={1.25: "1.25", 2: "2"}, fontsize=8)
+            axes.set_yticks(range(0, 8), ["1" if e == 0 else f"$10^{e}$" for e in range(0, 8)])
+            axes.set_ylim(edges[0], edges[-1])
+            axes.set_xticks(range(0, 10), ["1" if e == 0 else f"$10^{e}$" for e in range(0, 10)])
+            axes.set_title(f"{mesh_title}: {ray_title}", fontsize=10.5)
+    for row in grid:
+        row[0].set_ylabel("triangles")
+    for axes in grid[1]:
+        axes.set_xlabel("rays")
+    handles = [Line2D([], [], linestyle="", marker="s", markersize=10, color=colour, label=title) for title, colour in PAYS.values()]
+    handles.append(Line2D([], [], color="black", label="the default takes so many times as long"))
+    figure.legend(handles=handles, loc="lower center", ncol=6, frameon=False)
+    figure.suptitle("What to build: least time for building and tracing together, one thread", fontsize=12)
+    figure.tight_layout(rect=(0, 0.05, 1, 0.99))
+    finish(figure, path)
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     data, output = sys.argv[1:]
-    for name, draw, chart in (("methods", draw_speed, "speed"), ("stability", draw_stability, "stability"),
-                              ("stages", draw_stages, "stages")):
+    for name, draw, chart in (("methods", draw_summary, "accuracy-summary"), ("methods", draw_speed, "accuracy-speed"),
+                              ("stability", draw_stability, "accuracy-stability"), ("stages", draw_stages, "accuracy-stages"),
+                              ("price", draw_price, "accuracy-price"), ("pays", draw_pays, "depth-pays")):
         rows = read(os.path.join(data, name + ".csv"))
         if rows:
-            draw(rows, os.path.join(output, f"accuracy-{chart}.png"))
+            draw(rows, os.path.join(output, chart + ".png"))
 
 
 if __name__ == "__main__":

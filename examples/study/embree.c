@@ -96,7 +96,7 @@ static void start_context(struct RTCIntersectContext *context, const struct ray_
     context->flags = rays->row_length ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
 }
 
-static void trace_singly(RTCScene scene, const struct ray_set *rays, uint32_t *triangles)
+static void trace_singly(RTCScene scene, const struct ray_set *rays, const struct answers *answers)
 {
     struct RTCIntersectContext context;
     start_context(&context, rays);
@@ -111,7 +111,8 @@ static void trace_singly(RTCScene scene, const struct ray_set *rays, uint32_t *t
         query.hit.primID = RTC_INVALID_GEOMETRY_ID;
         query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(scene, &context, &query);
-        triangles[i] = query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? MLRT_NONE : query.hit.primID;
+        answers->triangles[i] = query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? MLRT_NONE : query.hit.primID;
+        if (answers->t) answers->t[i] = query.ray.tfar;
     }
 }
 
@@ -131,7 +132,7 @@ static int packet_members(const struct ray_set *rays, size_t number, size_t memb
     return count;
 }
 
-static void trace_packets(RTCScene scene, const struct ray_set *rays, uint32_t *triangles)
+static void trace_packets(RTCScene scene, const struct ray_set *rays, const struct answers *answers)
 {
     struct RTCIntersectContext context;
     start_context(&context, rays);
@@ -155,7 +156,8 @@ static void trace_packets(RTCScene scene, const struct ray_set *rays, uint32_t *
         rtcIntersect16(valid, scene, &context, &query);
         for (int lane = 0; lane < count; lane++) {
             int miss = query.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID;
-            triangles[members[lane]] = miss ? MLRT_NONE : query.hit.primID[lane];
+            answers->triangles[members[lane]] = miss ? MLRT_NONE : query.hit.primID[lane];
+            if (answers->t) answers->t[members[lane]] = query.ray.tfar[lane];
         }
     }
 }
@@ -170,27 +172,28 @@ static int is_valid(const struct ray_set *rays, size_t i)
     return 1;
 }
 
-static void trace_valid(RTCScene scene, const struct ray_set *rays, uint32_t *triangles)
+static void trace_valid(RTCScene scene, const struct ray_set *rays, const struct answers *answers)
 {
     for (size_t i = 0; i < rays->count; i++) {
         const struct ray_set one = {.count = 1, .origins = rays->origins + i, .directions = rays->directions + i};
-        triangles[i] = MLRT_NONE;
-        if (is_valid(rays, i)) trace_singly(scene, &one, triangles + i);
+        const struct answers its = {answers->triangles + i, answers->t ? answers->t + i : NULL};
+        *its.triangles = MLRT_NONE;
+        if (is_valid(rays, i)) trace_singly(scene, &one, &its);
     }
 }
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
     const struct embree *embree = run->state;
     unsigned int saved = _mm_getcsr();
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     if (run->largest > LARGEST_VALID)
-        trace_valid(embree->scene, rays, triangles);
+        trace_valid(embree->scene, rays, answers);
     else if (run->method->variant & PACKETS)
-        trace_packets(embree->scene, rays, triangles);
+        trace_packets(embree->scene, rays, answers);
     else
-        trace_singly(embree->scene, rays, triangles);
+        trace_singly(embree->scene, rays, answers);
     _mm_setcsr(saved);
 }
 

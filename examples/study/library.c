@@ -22,7 +22,7 @@ static const mlrt_tree *tree_of(const struct method_run *run)
     return subject_tree(run->subject, run->method->variant);
 }
 
-static void trace_arrays(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace_arrays(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
     const mlrt_trace_options options = {.struct_size = sizeof options, .method = run->method->variant};
     const mlrt_rays input = {.struct_size = sizeof input,
@@ -30,14 +30,16 @@ static void trace_arrays(const struct method_run *run, const struct ray_set *ray
                              .count = rays->count,
                              .origins = {rays->origins, 0},
                              .directions = {rays->directions, 0}};
-    const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
+    const mlrt_hits output = {
+        .struct_size = sizeof output, .triangle = {answers->triangles, 0, 0}, .t = {answers->t, 0, 0}};
     check(run, mlrt_trace_packet(tree_of(run), &input, &options, &output));
 }
 
-static void trace_camera(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace_camera(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
     const mlrt_trace_options options = {.struct_size = sizeof options, .method = run->method->variant};
-    const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
+    const mlrt_hits output = {
+        .struct_size = sizeof output, .triangle = {answers->triangles, 0, 0}, .t = {answers->t, 0, 0}};
     check(run, mlrt_render_tiles(tree_of(run), &rays->camera, &options, &output, NULL, NULL));
 }
 

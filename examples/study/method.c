@@ -5,7 +5,8 @@
 #include <string.h>
 
 static const struct method *const parts[] = {moeller_trumbore_methods, projection_methods, pluecker_methods,
-                                             watertight_methods,       embree_methods,     library_methods};
+                                             watertight_methods,       box_walk_methods,   embree_methods,
+                                             tinybvh_methods,          guess_methods,      library_methods};
 
 // NULL behind the last one.
 static const struct method *method_or_end(size_t i)

@@ -4,7 +4,7 @@
  *
  * Methods of others are of two kinds. Triangle tests from the literature share one traversal of the library's kd-tree
  * (traversal.h), so that such methods differ in the test alone; traversal and tests are plain C, one ray at a time. A
- * library (Embree) has a structure of its own. The methods of this library are called through its public interface.
+ * library (Embree, tinybvh) has a structure of its own. The methods of this library are called through its public interface.
  */
 #ifndef METHOD_H
 #define METHOD_H
@@ -12,6 +12,12 @@
 #include "generator.h"
 
 struct method_run;
+
+/* Where answers go: an element for each ray. */
+struct answers {
+    uint32_t *triangles; // MLRT_NONE for a miss
+    float *t;            // of the hit, as the method gives it; NULL = not wanted
+};
 
 struct method {
     const char *name;  // on the command line and in CSV files
@@ -23,8 +29,8 @@ struct method {
     /* Prepares run->state. Returns 0, or 1 after a message on stderr. NULL = nothing to prepare. */
     int (*create)(struct method_run *run);
 
-    /* Finds the triangle that each ray hits, MLRT_NONE for a miss. Called in the default floating-point environment. */
-    void (*trace)(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles);
+    /* Finds what each ray hits. Called in the default floating-point environment. */
+    void (*trace)(const struct method_run *run, const struct ray_set *rays, const struct answers *answers);
 
     void (*destroy)(struct method_run *run); // NULL = nothing to free
 };
@@ -37,7 +43,10 @@ struct method_run {
     float largest; // magnitude of a component of an origin or direction among the rays that come next
 };
 
-/* All methods, in the order in which results are listed. Embree's are missing where it was not there to build with. */
+/*
+ * All methods, in the order in which results are listed. Those of Embree and tinybvh are missing where they
+ * were not there to build with.
+ */
 size_t method_count(void);
 const struct method *method_at(size_t i);
 
@@ -49,7 +58,10 @@ extern const struct method moeller_trumbore_methods[];
 extern const struct method watertight_methods[];
 extern const struct method pluecker_methods[];
 extern const struct method projection_methods[];
+extern const struct method box_walk_methods[];
 extern const struct method embree_methods[];
+extern const struct method tinybvh_methods[];
+extern const struct method guess_methods[];
 extern const struct method library_methods[];
 
 #endif

@@ -104,19 +104,19 @@ MLRT_INLINE int test_double(const void *table, const struct mlrt_triangle *trian
     return 1;
 }
 
-static void trace_plain(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace_plain(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
-    walk_all(run, rays, NULL, test_plain, triangles);
+    walk_all(run, rays, NULL, test_plain, answers);
 }
 
-static void trace_epsilon(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace_epsilon(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
-    walk_all(run, rays, NULL, test_epsilon, triangles);
+    walk_all(run, rays, NULL, test_epsilon, answers);
 }
 
-static void trace_double(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace_double(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
-    walk_all(run, rays, NULL, test_double, triangles);
+    walk_all(run, rays, NULL, test_double, answers);
 }
 
 const struct method moeller_trumbore_methods[] = {

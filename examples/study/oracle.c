@@ -48,7 +48,7 @@ static void create_oracle(struct subject *subject)
     free(triangles);
 }
 
-void ask_oracle(struct subject *subject, const struct ray_set *rays, uint32_t *triangles)
+void ask_oracle_for_t(struct subject *subject, const struct ray_set *rays, uint32_t *triangles, float *t)
 {
     if (!subject->oracle) create_oracle(subject);
     for (size_t i = 0; i < rays->count; i++) {
@@ -56,7 +56,13 @@ void ask_oracle(struct subject *subject, const struct ray_set *rays, uint32_t *t
         struct reference_hit hit;
         reference_trace(subject->oracle, &ray, &hit);
         triangles[i] = hit.triangle;
+        if (t) t[i] = hit.t;
     }
+}
+
+void ask_oracle(struct subject *subject, const struct ray_set *rays, uint32_t *triangles)
+{
+    ask_oracle_for_t(subject, rays, triangles, NULL);
 }
 
 /*
@@ -101,6 +107,28 @@ struct verdict judge_answers(const struct subject *subject, const struct ray_set
         if (accused && printed++ < PRINTED_COUNT) print_accusation(accused, &ray, right[i], answers[i]);
     }
     return verdict;
+}
+
+static int is_hit(const struct subject *subject, const struct reference_ray *ray, uint32_t number)
+{
+    const struct reference_triangle triangle = triangle_of(&subject->scene, number);
+    struct reference_scene *scene = reference_create(&triangle, 1);
+    struct reference_hit hit;
+    reference_trace_plain(scene, ray, &hit);
+    reference_destroy(scene);
+    return hit.triangle == number;
+}
+
+enum error_kind sort_answer(const struct subject *subject, const struct ray_set *rays, size_t i, uint32_t right,
+                            float right_t, uint32_t answer, float t)
+{
+    const struct reference_ray ray = ray_of(rays, i);
+    if (answer == right) return right == MLRT_NONE || t == right_t ? RIGHT : ROUNDED_T;
+    if (answer == MLRT_NONE) return HOLE;
+    if (right == MLRT_NONE) return GHOST;
+    if (!is_hit(subject, &ray, answer)) return WRONG_TRIANGLE;
+    if (!is_tie(subject, &ray, right, answer)) return WRONG_ORDER;
+    return t == right_t ? RIGHT : ROUNDED_T;
 }
 
 void destroy_oracle(struct subject *subject)

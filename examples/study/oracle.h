@@ -24,6 +24,20 @@ double wrong_per_million(const struct verdict *verdict);
 /* Writes the right triangle of each ray, MLRT_NONE for a miss. The first call for a subject takes longer. */
 void ask_oracle(struct subject *subject, const struct ray_set *rays, uint32_t *triangles);
 
+/* The same, and t of each hit, correctly rounded. */
+void ask_oracle_for_t(struct subject *subject, const struct ray_set *rays, uint32_t *triangles, float *t);
+
+/* What an answer can be. */
+enum error_kind { RIGHT, HOLE, GHOST, WRONG_TRIANGLE, WRONG_ORDER, ROUNDED_T, ERROR_KIND_COUNT };
+
+/*
+ * Sorts the answer to ray i: WRONG_ORDER is a triangle that the ray hits behind the nearest, WRONG_TRIANGLE one that it
+ * does not hit; ROUNDED_T the right triangle, or one at the same distance, with another t than the correctly rounded
+ * one.
+ */
+enum error_kind sort_answer(const struct subject *subject, const struct ray_set *rays, size_t i, uint32_t right,
+                            float right_t, uint32_t answer, float t);
+
 /*
  * Compares answers with the right ones. With `accused` not NULL, each answer that differs from the right one (a tie,
  * too) is printed on stderr with its ray in hexadecimal, the first few of them, as what `accused` said.

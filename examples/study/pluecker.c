@@ -43,9 +43,9 @@ MLRT_INLINE int test_pluecker(const void *table, const struct mlrt_triangle *tri
     return 1;
 }
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
-    walk_all(run, rays, NULL, test_pluecker, triangles);
+    walk_all(run, rays, NULL, test_pluecker, answers);
 }
 
 const struct method pluecker_methods[] = {

@@ -94,9 +94,9 @@ MLRT_INLINE int test_projection(const void *table, const struct mlrt_triangle *t
     return 1;
 }
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
-    walk_all(run, rays, NULL, test_projection, triangles);
+    walk_all(run, rays, NULL, test_projection, answers);
 }
 
 const struct method projection_methods[] = {

@@ -79,7 +79,7 @@ MLRT_INLINE int reach_box(const struct mlrt_box *box, const struct study_ray *ra
 }
 
 MLRT_INLINE uint32_t walk(const struct mlrt_tree *tree, const void *table, triangle_test test,
-                          const struct study_ray *ray)
+                          const struct study_ray *ray, double *hit_t)
 {
     struct {
         uint32_t node;
@@ -90,6 +90,7 @@ MLRT_INLINE uint32_t walk(const struct mlrt_tree *tree, const void *table, trian
     double nearest_t = INFINITY, behind = INFINITY, reciprocal[3];
     struct stretch part;
     for (int k = 0; k < 3; k++) reciprocal[k] = ray->direction[k] == 0 ? 0 : 1.0 / ray->direction[k];
+    *hit_t = INFINITY;
     if (!reach_box(&tree->bounds, ray, reciprocal, &part)) return MLRT_NONE;
 
     for (;;) {
@@ -129,7 +130,10 @@ MLRT_INLINE uint32_t walk(const struct mlrt_tree *tree, const void *table, trian
             behind = t + t * BEHIND_SLACK;
         }
         do {
-            if (pending_count == 0) return nearest;
+            if (pending_count == 0) {
+                *hit_t = nearest_t;
+                return nearest;
+            }
             pending_count--;
             node = stack[pending_count].node;
             part = stack[pending_count].part;
@@ -140,7 +144,7 @@ MLRT_INLINE uint32_t walk(const struct mlrt_tree *tree, const void *table, trian
 
 /* Traces all rays. `prepare` may be NULL. Callers pass functions known to the compiler, so that they are inlined. */
 MLRT_INLINE void walk_all(const struct method_run *run, const struct ray_set *rays, ray_preparation prepare,
-                          triangle_test test, uint32_t *triangles)
+                          triangle_test test, const struct answers *answers)
 {
     for (size_t i = 0; i < rays->count; i++) {
         struct study_ray ray;
@@ -149,7 +153,9 @@ MLRT_INLINE void walk_all(const struct method_run *run, const struct ray_set *ra
             ray.direction[k] = rays->directions[i][k];
         }
         if (prepare) prepare(&ray);
-        triangles[i] = walk(run->subject->kdtree, run->state, test, &ray);
+        double t;
+        answers->triangles[i] = walk(run->subject->kdtree, run->state, test, &ray, &t);
+        if (answers->t) answers->t[i] = (float)t;
     }
 }
 

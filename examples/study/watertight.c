@@ -64,9 +64,9 @@ MLRT_INLINE int test_watertight(const void *table, const struct mlrt_triangle *t
     return 1;
 }
 
-static void trace(const struct method_run *run, const struct ray_set *rays, uint32_t *triangles)
+static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
-    walk_all(run, rays, prepare, test_watertight, triangles);
+    walk_all(run, rays, prepare, test_watertight, answers);
 }
 
 const struct method watertight_methods[] = {

@@ -3,6 +3,7 @@
  * The exported functions about the library itself: version, capabilities, sizes of structs, texts of status codes, the
  * last message.
  */
+#include "base/forms.h"
 #include "base/message.h"
 #include "mlrt.h"
 #include "run/dispatch.h"
@@ -34,28 +35,5 @@ MLRT_API uint64_t mlrt_capabilities(void)
 
 MLRT_API void mlrt_struct_sizes(uint32_t *sizes, uint32_t count)
 {
-    static const uint16_t known[MLRT_STRUCT_COUNT] = {
-        [MLRT_STRUCT_HOST] = sizeof(mlrt_host),
-        [MLRT_STRUCT_MESH] = sizeof(mlrt_mesh),
-        [MLRT_STRUCT_TREE_OPTIONS] = sizeof(mlrt_tree_options),
-        [MLRT_STRUCT_TREE_INFO] = sizeof(mlrt_tree_info),
-        [MLRT_STRUCT_MEMORY_ESTIMATE] = sizeof(mlrt_memory_estimate),
-        [MLRT_STRUCT_LOAD_OPTIONS] = sizeof(mlrt_load_options),
-        [MLRT_STRUCT_POOL_OPTIONS] = sizeof(mlrt_pool_options),
-        [MLRT_STRUCT_COUNTERS] = sizeof(mlrt_counters),
-        [MLRT_STRUCT_TRACE_OPTIONS] = sizeof(mlrt_trace_options),
-        [MLRT_STRUCT_ARRAY] = sizeof(mlrt_array),
-        [MLRT_STRUCT_HITS] = sizeof(mlrt_hits),
-        [MLRT_STRUCT_CONST_ARRAY] = sizeof(mlrt_const_array),
-        [MLRT_STRUCT_RAYS] = sizeof(mlrt_rays),
-        [MLRT_STRUCT_RAY] = sizeof(mlrt_ray),
-        [MLRT_STRUCT_HIT] = sizeof(mlrt_hit),
-        [MLRT_STRUCT_HIT_LISTS] = sizeof(mlrt_hit_lists),
-        [MLRT_STRUCT_CAMERA] = sizeof(mlrt_camera),
-        [MLRT_STRUCT_TILE] = sizeof(mlrt_tile),
-        [MLRT_STRUCT_LIGHT] = sizeof(mlrt_light),
-        [MLRT_STRUCT_POINTS] = sizeof(mlrt_points),
-        [MLRT_STRUCT_KDTREE_OPTIONS] = sizeof(mlrt_kdtree_options),
-    };
-    for (uint32_t i = 0; sizes && i < count; ++i) sizes[i] = i < MLRT_STRUCT_COUNT ? known[i] : 0;
+    for (uint32_t i = 0; sizes && i < count; ++i) sizes[i] = i < MLRT_STRUCT_COUNT ? mlrt_forms[i].own_size : 0;
 }

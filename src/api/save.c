@@ -53,7 +53,6 @@
 
 #include "base/hash.h"
 #include "base/host.h"
-#include "base/message.h"
 #include "base/structs.h"
 #include "bvh/check.h"
 #include "bvh/node.h"
@@ -179,12 +178,12 @@ static uint64_t hash_tree_geometry(const struct mlrt_tree *tree)
     return mlrt_finish_hash(&hash);
 }
 
-static int32_t add_triangles(const mlrt_mesh *mesh, struct mlrt_hash *hash)
+static int32_t add_triangles(const mlrt_mesh *mesh, size_t position, struct mlrt_hash *hash)
 {
     struct mlrt_triangle triangle;
-    uint64_t index;
     for (size_t i = 0; i < mesh->triangle_count; ++i) {
-        if (!mlrt_copy_triangle(mesh, i, &triangle, &index)) return MLRT_ERROR_INDEX_RANGE;
+        const int32_t status = mlrt_copy_triangle(mesh, position, i, &triangle);
+        if (status != MLRT_OK) return status;
         mlrt_add_words(hash, &triangle, 9);
     }
     return MLRT_OK;
@@ -204,20 +203,20 @@ static void add_meshes(const mlrt_mesh *meshes, uint32_t mesh_count, struct mlrt
 
 MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, uint64_t *hash)
 {
-    if (!hash) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (!hash) return mlrt_fail_null("hash");
     *hash = 0;
     struct mlrt_hash state;
     uint32_t triangle_count;
     int32_t status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    if (status != MLRT_OK) return status;
     mlrt_start_hash(&state);
     add_meshes(meshes, (uint32_t)mesh_count, &state);
     for (size_t i = 0; i < mesh_count && status == MLRT_OK; ++i) {
         const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
-        status = add_triangles(&mesh, &state);
+        status = add_triangles(&mesh, i, &state);
     }
     if (status == MLRT_OK) *hash = mlrt_finish_hash(&state);
-    return mlrt_note_status(status);
+    return status;
 }
 
 /* ---- saving ---- */
@@ -256,15 +255,21 @@ static void write_file(const struct mlrt_tree *tree, struct header *header, unsi
 
 MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capacity, size_t *size)
 {
-    if (!size) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
-    *size = 0;
-    if (!tree) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (size) *size = 0;
+    if (!tree || !size) return mlrt_fail_null("tree size", tree);
     struct header header;
+    char given[MLRT_DIGITS], needed[MLRT_DIGITS];
     make_header(tree, &header);
-    if (header.size > SIZE_MAX) return mlrt_note_status(MLRT_ERROR_TOO_LARGE);
+    const char *file_size = mlrt_write_digits(header.size, needed);
+    if (header.size > SIZE_MAX) {
+        return mlrt_fail(MLRT_ERROR_TOO_LARGE, "tree: its %s bytes are more than this process can address", file_size);
+    }
     *size = (size_t)header.size;
     if (!buffer) return MLRT_OK;
-    if (capacity < header.size) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (capacity < header.size) {
+        return mlrt_fail(MLRT_ERROR_ARGUMENT, "capacity: %s is less than the %s bytes of the tree",
+                         mlrt_write_digits(capacity, given), file_size);
+    }
     write_file(tree, &header, buffer);
     return MLRT_OK;
 }
@@ -434,49 +439,48 @@ static MLRT_NOINLINE int32_t take_file(const unsigned char *data, size_t size, u
     return MLRT_OK;
 }
 
-/* Checks options and host. Options of another version are converted to this one. */
 static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_options *options, struct mlrt_voice *voice)
 {
-    memset(options, 0, sizeof *options);
     memset(voice, 0, sizeof *voice);
-    if (given) {
-        const int32_t status =
-            mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_load_options, host), options, sizeof *options);
-        if (status != MLRT_OK) return status;
-    }
+    int32_t status = mlrt_copy_struct(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, given, options);
+    if (status != MLRT_OK) return status;
     voice->message = options->message;
     voice->message_size = options->message_size;
     mlrt_begin_message(voice);
-    if (options->flags & ~(uint32_t)MLRT_LOAD_IN_PLACE) return MLRT_ERROR_ARGUMENT;
-    return mlrt_take_host(options->host, &voice->host);
+    status = mlrt_take_host("options.host", options->host, &voice->host);
+    return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, options) : status;
+}
+
+static int32_t load(const void *data, size_t size, const mlrt_load_options *options, const mlrt_host *host,
+                    mlrt_tree **tree)
+{
+    const struct mlrt_memory memory = mlrt_host_memory(host, options->memory_limit);
+    struct mlrt_tree *made = mlrt_allocate_tree(&memory);
+    const char *wrong = NULL;
+    int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
+    if (made) {
+        made->borrowed = options->flags & MLRT_LOAD_IN_PLACE && (uintptr_t)data % SECTION_ALIGNMENT == 0;
+        const uint64_t environment = mlrt_enter_fp_environment();
+        status = take_file(data, size, options->geometry_hash, made, &wrong);
+        mlrt_leave_fp_environment(environment);
+    }
+    if (status == MLRT_OK) {
+        *tree = made;
+        return status;
+    }
+    mlrt_destroy_tree(made);
+    return status == MLRT_ERROR_DATA ? mlrt_fail(status, "data: %s", wrong) : mlrt_note_status(status);
 }
 
 MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree)
 {
-    if (!tree) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
-    *tree = NULL;
-    if (!data) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (tree) *tree = NULL;
+    if (!data || !tree) return mlrt_fail_null("data tree", data);
     mlrt_load_options own;
     struct mlrt_voice voice;
     int32_t status = take_load_options(options, &own, &voice);
-    if (status != MLRT_OK) return mlrt_note_status(status);
-    const struct mlrt_memory memory = mlrt_host_memory(&voice.host, own.memory_limit);
-    struct mlrt_tree *made = mlrt_allocate_tree(&memory);
-    const char *wrong = NULL;
-    status = MLRT_ERROR_OUT_OF_MEMORY;
-    if (made) {
-        made->borrowed = own.flags & MLRT_LOAD_IN_PLACE && (uintptr_t)data % SECTION_ALIGNMENT == 0;
-        const uint64_t environment = mlrt_enter_fp_environment();
-        status = take_file(data, size, own.geometry_hash, made, &wrong);
-        mlrt_leave_fp_environment(environment);
-    }
-    if (status != MLRT_OK) {
-        mlrt_explain(&voice, "%s", status == MLRT_ERROR_DATA ? wrong : mlrt_status_string(status));
-        mlrt_destroy_tree(made);
-        return mlrt_note_status(status);
-    }
-    *tree = made;
-    return MLRT_OK;
+    if (status == MLRT_OK) status = load(data, size, &own, &voice.host, tree);
+    return mlrt_end_call(&voice, status);
 }
 
 void mlrt_return_arrays(struct mlrt_tree *tree)

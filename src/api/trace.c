@@ -7,11 +7,9 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "api/arguments.h"
 #include "base/counters.h"
 #include "base/host.h"
-#include "base/message.h"
-#include "base/run_options.h"
-#include "base/structs.h"
 #include "exact/nearest.h"
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
@@ -23,15 +21,13 @@
 #include "run/run_job.h"
 #include "run/trace_ray.h"
 
-#define FIRST_COUNTERS_SIZE MLRT_SIZE_UP_TO(mlrt_counters, exact_order_count)
-
 /* Sides of tiles, in pixels. */
 #define DEFAULT_INITIAL_TILE        128 /* cameras */
 #define DEFAULT_INITIAL_TILE_RAYS   32  /* cameras, method ray: a render stops sooner with small tiles */
 #define DEFAULT_TILE_ROWS           64  /* arrays with rows, tile method: a square of tiles */
 #define DEFAULT_TILE_LIST           256 /* lists, which are four wide, tile method */
 #define DEFAULT_INITIAL_TILE_ARRAYS 32  /* arrays, kd-tree: a beam needs a pass over its rays, so there is one level */
-#define DEFAULT_MINIMUM_TILE        16
+#define DEFAULT_MINIMUM_TILE        32
 #define DEFAULT_SPLIT_FACTOR        16
 
 static int is_power_of_two(uint32_t n)
@@ -39,20 +35,32 @@ static int is_power_of_two(uint32_t n)
     return n != 0 && (n & (n - 1)) == 0;
 }
 
-/* Returns `standard` if nothing was given, `given` if it is a power of two in lo .. hi, and 0 otherwise. */
-static uint32_t resolve_size(uint32_t given, uint32_t standard, uint32_t lo, uint32_t hi)
+/* Sets *size to `given`, or to `standard` if that is 0. A power of two from 4 to `most` is right. Returns a status. */
+static int32_t resolve_size(const char *field, uint32_t given, uint32_t standard, uint32_t most, uint32_t *size)
 {
-    if (given == 0) return standard;
-    return is_power_of_two(given) && given >= lo && given <= hi ? given : 0;
+    *size = given ? given : standard;
+    if (given == 0 || (is_power_of_two(given) && given >= 4 && given <= most)) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.%s: %lu is not a power of two from 4 to %lu", field,
+                     (unsigned long)given, (unsigned long)most);
 }
 
-/* Returns the method with the default resolved, or MLRT_METHOD_DEFAULT if it needs the other structure. */
-static int32_t resolve_method(int32_t method, const struct mlrt_tree *tree)
+/* Sets *method to `given` with the default resolved. Returns a status: it must be one of the tree's structure. */
+static int32_t resolve_method(int32_t given, const struct mlrt_tree *tree, int32_t *method)
 {
     const int is_bvh = tree->structure == MLRT_STRUCTURE_BVH;
-    if (method == MLRT_METHOD_DEFAULT) return is_bvh ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
-    if (method == MLRT_METHOD_RAY) return method;
-    return (method == MLRT_METHOD_TILE) == is_bvh ? method : MLRT_METHOD_DEFAULT;
+    *method = given ? given : is_bvh ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
+    if (*method == MLRT_METHOD_RAY || (*method == MLRT_METHOD_TILE) == is_bvh) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.method: %ld is for %s, and the tree is %s", (long)given,
+                     is_bvh ? "kd-trees" : "boxes", is_bvh ? "one of boxes" : "a kd-tree");
+}
+
+/* Sets *kernels to those of an instruction set. Returns a status. */
+static int32_t choose_kernels(int32_t isa, int32_t method, int counting, const struct mlrt_kernels **kernels)
+{
+    *kernels = mlrt_select_kernels(isa, method, counting);
+    if (*kernels) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.isa: %ld is not in this build, or not on this machine",
+                     (long)isa);
 }
 
 /* The default side of the tiles that threads claim. */
@@ -65,151 +73,38 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
     return job->source.width <= 4 ? DEFAULT_TILE_LIST : DEFAULT_TILE_ROWS;
 }
 
-/* The checked arguments of a call besides the tree. Structs of other versions are converted to this one. */
-struct call {
-    mlrt_trace_options options;
-    struct mlrt_run_options run;
-};
-
-static int32_t take_options(const mlrt_trace_options *given, struct call *call)
-{
-    memset(call, 0, sizeof *call);
-    if (given) {
-        const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &call->options,
-                                                sizeof call->options);
-        if (status != MLRT_OK) return status;
-    }
-    const mlrt_counters *counters = call->options.counters;
-    call->run.pool = call->options.pool;
-    call->run.counters = call->options.counters;
-    if (counters && mlrt_check_result_size(counters, FIRST_COUNTERS_SIZE, sizeof *counters) != MLRT_OK) {
-        return MLRT_ERROR_STRUCT_SIZE;
-    }
-    if (counters && counters->reserved != 0) return MLRT_ERROR_ARGUMENT;
-    return mlrt_take_host(call->options.host, &call->run.host);
-}
-
-/* Checks options that do not depend on the rays. Lights are an error: take_lights removes those of pictures before. */
-static int32_t check_options(const mlrt_trace_options *options)
-{
-    if (options->query != MLRT_QUERY_CLOSEST && options->query != MLRT_QUERY_ANY) return MLRT_ERROR_ARGUMENT;
-    if (options->method < MLRT_METHOD_DEFAULT || options->method > MLRT_METHOD_TILE) return MLRT_ERROR_ARGUMENT;
-    if (options->isa < MLRT_ISA_AUTO || options->isa > MLRT_ISA_AVX512) return MLRT_ERROR_ARGUMENT;
-    if (options->culling != MLRT_CULLING_INVERSE && options->culling != MLRT_CULLING_DIRECT) return MLRT_ERROR_ARGUMENT;
-    if (options->lights || options->light_count || options->reserved) return MLRT_ERROR_ARGUMENT;
-    if (options->culling_check > 1 || options->shortcuts_off & ~7u || options->outputs & ~63u)
-        return MLRT_ERROR_ARGUMENT;
-    if (options->split_factor != 0 && options->split_factor != 4 && options->split_factor != 16) {
-        return MLRT_ERROR_ARGUMENT;
-    }
-    return MLRT_OK;
-}
-
 /*
  * Checks the options, and sets the fields of a job that follow from them and the tree. The job's source is set
  * already.
  */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
-    const int32_t status = check_options(options);
+    int32_t status = mlrt_check_options(options);
+    if (status == MLRT_OK) status = resolve_method(options->method, tree, &job->method);
     if (status != MLRT_OK) return status;
     job->tree = tree;
     job->trace_segment = mlrt_trace_segment;
     job->any = options->query == MLRT_QUERY_ANY;
-    job->method = resolve_method(options->method, tree);
-    if (job->method == MLRT_METHOD_DEFAULT) return MLRT_ERROR_UNSUPPORTED;
     job->culling = options->culling;
     job->culling_check = options->culling_check != 0;
     const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;
     job->whole_tiles = (shortcuts & MLRT_SHORTCUT_WHOLE_TILES) != 0;
     job->entry_lists = (shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) != 0;
-    job->shared_setups = (shortcuts & MLRT_SHORTCUT_SHARED_SETUPS) != 0;
-    job->initial_tile_size = resolve_size(options->initial_tile_size, standard_initial_tile(job), 4, 1024);
+    job->shared_setups = job->method != MLRT_METHOD_PACKET2 && !(options->shortcuts_off & MLRT_SHORTCUT_SHARED_SETUPS);
+    status = resolve_size("initial_tile_size", options->initial_tile_size, standard_initial_tile(job), 1024,
+                          &job->initial_tile_size);
+    if (status != MLRT_OK) return status;
     uint32_t standard_minimum =
         job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_MINIMUM_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
     if (standard_minimum > job->initial_tile_size) standard_minimum = job->initial_tile_size;
-    job->minimum_tile_size = resolve_size(options->minimum_tile_size, standard_minimum, 4, job->initial_tile_size);
-    if (!job->initial_tile_size || !job->minimum_tile_size) return MLRT_ERROR_ARGUMENT;
+    status = resolve_size("minimum_tile_size", options->minimum_tile_size, standard_minimum, job->initial_tile_size,
+                          &job->minimum_tile_size);
+    if (status != MLRT_OK) return status;
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
     job->split_divisor = split_factor == 4 ? 2 : 4;
     job->outputs = options->outputs;
     mlrt_set_masks(tree, options->mask, job->method == MLRT_METHOD_TILE, &job->source);
-    job->kernels = mlrt_select_kernels(options->isa, job->method, options->counters != NULL);
-    return job->kernels ? MLRT_OK : MLRT_ERROR_UNSUPPORTED;
-}
-
-/* The channels that a call may write. */
-static uint32_t channels_of(const struct mlrt_job *job)
-{
-    return job->any ? MLRT_CHANNELS_OCCLUDED : MLRT_CHANNELS_CLOSEST;
-}
-
-static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
-                                             const mlrt_hits *hits, struct mlrt_job *job)
-{
-    int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
-    if (status == MLRT_OK && !rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
-    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
-    if (status == MLRT_OK) status = mlrt_make_sink(hits, channels_of(job), job->source.width, 1, &job->frame);
-    job->has_frame = 1;
-    return status;
-}
-
-static int32_t take_rays(const mlrt_rays *given, mlrt_rays *rays)
-{
-    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_rays, skip), rays, sizeof *rays);
-}
-
-static int32_t take_hits(const mlrt_hits *given, mlrt_hits *hits)
-{
-    const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_hits, occluded), hits, sizeof *hits);
-    return status == MLRT_OK && hits->reserved != 0 ? MLRT_ERROR_ARGUMENT : status;
-}
-
-/* ---- checks whose failures the host's log explains ---- */
-
-/* Result arrays need an element for each result: MLRT_STRIDE_ALL is an error. */
-static int32_t check_results(const mlrt_array *const *arrays, const char *const *names, int count,
-                             const struct call *call)
-{
-    for (int i = 0; i < count; ++i) {
-        if (!arrays[i]->data || arrays[i]->stride != MLRT_STRIDE_ALL) continue;
-        const struct mlrt_voice voice = {.host = call->run.host};
-        mlrt_explain(&voice, "%s: MLRT_STRIDE_ALL in an array with an element for each result", names[i]);
-        return MLRT_ERROR_ARGUMENT;
-    }
-    return MLRT_OK;
-}
-
-static int32_t check_hits(const mlrt_hits *hits, const struct call *call)
-{
-    const mlrt_array *const arrays[] = {&hits->t,        &hits->u,      &hits->v,       &hits->mesh,
-                                        &hits->triangle, &hits->facing, &hits->occluded};
-    static const char *const names[] = {"hits.t",        "hits.u",      "hits.v",       "hits.mesh",
-                                        "hits.triangle", "hits.facing", "hits.occluded"};
-    return check_results(arrays, names, 7, call);
-}
-
-static int32_t check_lists(const mlrt_hit_lists *lists, const struct call *call)
-{
-    const mlrt_array *const arrays[] = {&lists->t,        &lists->u,        &lists->v,
-                                        &lists->mesh,     &lists->triangle, &lists->facing,
-                                        &lists->crossing, &lists->total,    &lists->crossing_total};
-    static const char *const names[] = {"lists.t",        "lists.u",        "lists.v",
-                                        "lists.mesh",     "lists.triangle", "lists.facing",
-                                        "lists.crossing", "lists.total",    "lists.crossing_total"};
-    return check_results(arrays, names, 9, call);
-}
-
-/* The count of rays must be a multiple of rays_per_origin. */
-static int32_t check_groups(const mlrt_rays *rays, const struct call *call)
-{
-    if (rays->reserved != 0) return MLRT_ERROR_ARGUMENT;
-    if (rays->rays_per_origin == 0 || rays->count % rays->rays_per_origin == 0) return MLRT_OK;
-    const struct mlrt_voice voice = {.host = call->run.host};
-    mlrt_explain(&voice, "rays.rays_per_origin: %lu does not divide count %.0f", (unsigned long)rays->rays_per_origin,
-                 (double)rays->count);
-    return MLRT_ERROR_ARGUMENT;
+    return choose_kernels(options->isa, job->method, options->counters != NULL, &job->kernels);
 }
 
 /* All words of a part of a struct, or-ed together. `size` is a multiple of 4. */
@@ -274,11 +169,13 @@ static int are_simple_hits(const mlrt_hits *hits, int any)
 {
     if (hits->struct_size != sizeof *hits || hits->reserved) return 0;
     if (!any) {
-        return !hits->occluded.data && is_simple_result(&hits->t, 4) && is_simple_result(&hits->u, 4) &&
+        const int has_results = hits->t.data || hits->u.data || hits->v.data || hits->mesh.data ||
+                                hits->triangle.data || hits->facing.data;
+        return has_results && !hits->occluded.data && is_simple_result(&hits->t, 4) && is_simple_result(&hits->u, 4) &&
                is_simple_result(&hits->v, 4) && is_simple_result(&hits->mesh, 4) &&
                is_simple_result(&hits->triangle, 4) && is_simple_result(&hits->facing, 4);
     }
-    return !hits->t.data && !hits->u.data && !hits->v.data && !hits->mesh.data && !hits->triangle.data &&
+    return hits->occluded.data && !hits->t.data && !hits->u.data && !hits->v.data && !hits->mesh.data && !hits->triangle.data &&
            !hits->facing.data && is_simple_result(&hits->occluded, 1);
 }
 
@@ -338,10 +235,20 @@ MLRT_INLINE int take_plain_options(const mlrt_trace_options *options, struct mlr
 
 /* ---- rays ---- */
 
+static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
+                                             const mlrt_hits *hits, struct mlrt_job *job)
+{
+    mlrt_make_ray_source(tree, rays, &job->source);
+    if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
+    mlrt_make_sink(hits, job->source.width, 1, &job->frame);
+    job->has_frame = 1;
+    return resolve_options(tree, &call->options, job);
+}
+
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
-    if (!tree || !rays || !hits) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (!tree || !rays || !hits) return mlrt_fail_null("tree rays hits", tree, rays);
     struct mlrt_lone_ray lone;
     if (tree->structure == MLRT_STRUCTURE_BVH && are_simple_rays(rays) && take_plain_options(options, &lone) &&
         are_simple_hits(hits, lone.any)) {
@@ -352,18 +259,20 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     }
     mlrt_rays own_rays;
     mlrt_hits own_hits;
-    struct call call;
-    int32_t status = take_rays(rays, &own_rays);
-    if (status == MLRT_OK) status = take_hits(hits, &own_hits);
-    if (status == MLRT_OK) status = take_options(options, &call);
-    if (status == MLRT_OK) status = check_groups(&own_rays, &call);
-    if (status == MLRT_OK) status = check_hits(&own_hits, &call);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    struct mlrt_call call;
+    int32_t status = mlrt_take_options(options, &call);
+    if (status == MLRT_OK) status = mlrt_take_rays(rays, &own_rays);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HITS, "hits", 0, hits, &own_hits);
+    if (status == MLRT_OK) {
+        status = mlrt_check_hits("hits", &own_hits, &call.options, 0, !own_rays.count || call.run.counters);
+    }
+    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_packet_job(tree, &own_rays, &call, &own_hits, &job);
     mlrt_leave_fp_environment(environment);
-    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
+    if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
+    return mlrt_end_traced(&call, status);
 }
 
 static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
@@ -409,11 +318,11 @@ static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const m
 static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray *ray,
                                            const mlrt_trace_options *options, struct mlrt_lone_ray *lone, mlrt_hit *hit)
 {
-    struct call call;
+    struct mlrt_call call;
     struct mlrt_job job = {.callback = NULL};
-    int32_t status = take_options(options, &call);
+    int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    if (status != MLRT_OK) return status;
     if (call.options.method != MLRT_METHOD_DEFAULT && call.options.method != MLRT_METHOD_RAY) {
         return trace_as_list(tree, ray, &call.options, job.any, hit);
     }
@@ -431,9 +340,6 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     return MLRT_OK;
 }
 
-#define FIRST_RAY_SIZE MLRT_SIZE_UP_TO(mlrt_ray, skip_triangle)
-#define FIRST_HIT_SIZE MLRT_SIZE_UP_TO(mlrt_hit, occluded)
-
 /* As mlrt_trace_ray, for structs of other versions. Fields of the hit that the query does not set keep their values. */
 static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const mlrt_ray *ray,
                                                  const mlrt_trace_options *options, mlrt_hit *hit)
@@ -441,14 +347,11 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
     mlrt_ray own_ray;
     mlrt_hit own_hit;
     mlrt_trace_options own_options;
-    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
-    if (status == MLRT_OK) status = mlrt_check_result_size(hit, FIRST_HIT_SIZE, sizeof own_hit);
-    if (status == MLRT_OK && options) {
-        status =
-            mlrt_take_struct(options, MLRT_SIZE_UP_TO(mlrt_trace_options, counters), &own_options, sizeof own_options);
-    }
-    if (status != MLRT_OK) return mlrt_note_status(status);
-    memcpy(&own_hit, hit, FIRST_HIT_SIZE);
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_RAY, "ray", 0, ray, &own_ray);
+    if (status == MLRT_OK) status = mlrt_check_result_size(MLRT_STRUCT_HIT, "hit", hit);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", 0, options, &own_options);
+    if (status != MLRT_OK) return status;
+    memcpy(&own_hit, hit, mlrt_forms[MLRT_STRUCT_HIT].first_size);
     own_hit.struct_size = sizeof own_hit;
     status = mlrt_trace_ray(tree, &own_ray, options ? &own_options : NULL, &own_hit);
     if (status == MLRT_OK) mlrt_give_struct(&own_hit, sizeof own_hit, hit);
@@ -459,9 +362,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
                                 mlrt_hit *hit)
 {
     struct mlrt_lone_ray lone;
-    if (MLRT_UNLIKELY(!tree)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
-    if (MLRT_UNLIKELY(!ray)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
-    if (MLRT_UNLIKELY(!hit)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (MLRT_UNLIKELY(!tree || !ray || !hit)) return mlrt_fail_null("tree ray hit", tree, ray);
     if (MLRT_UNLIKELY(ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit)) {
         return trace_versioned_ray(tree, ray, options, hit);
     }
@@ -470,7 +371,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     lone.mask = MLRT_MASK_ALL;
     lone.skip = MLRT_NONE;
     if (MLRT_UNLIKELY(ray->flags)) {
-        if (ray->flags != MLRT_RAY_SKIP) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+        if (ray->flags != MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
         lone.skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
     }
     if (options) {
@@ -495,48 +396,31 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     return MLRT_OK;
 }
 
-static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct call *call,
+static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
                                            struct mlrt_job *job)
 {
-    const int32_t status = mlrt_make_ray_source(tree, rays, &job->source);
-    return status == MLRT_OK ? resolve_options(tree, &call->options, job) : status;
+    mlrt_make_ray_source(tree, rays, &job->source);
+    return resolve_options(tree, &call->options, job);
 }
 
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                      const mlrt_hit_lists *lists)
 {
-    if (!tree || !rays || !lists) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (!tree || !rays || !lists) return mlrt_fail_null("tree rays lists", tree, rays);
     mlrt_rays own_rays;
     mlrt_hit_lists own_lists;
-    struct call call;
-    int32_t status = take_rays(rays, &own_rays);
-    if (status == MLRT_OK) {
-        status = mlrt_take_struct(lists, MLRT_SIZE_UP_TO(mlrt_hit_lists, crossing_total), &own_lists, sizeof own_lists);
-    }
-    if (status == MLRT_OK) status = take_options(options, &call);
-    if (status == MLRT_OK) status = check_groups(&own_rays, &call);
-    if (status == MLRT_OK) status = check_lists(&own_lists, &call);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    struct mlrt_call call;
+    int32_t status = mlrt_take_options(options, &call);
+    if (status == MLRT_OK) status = mlrt_take_rays(rays, &own_rays);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HIT_LISTS, "lists", 0, lists, &own_lists);
+    if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !own_rays.count || call.run.counters);
+    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_list_job(tree, &own_rays, &call, &job);
     mlrt_leave_fp_environment(environment);
-    return mlrt_note_status(status == MLRT_OK ? mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run) : status);
-}
-
-static int32_t take_camera(const mlrt_camera *given, mlrt_camera *camera)
-{
-    return mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_camera, t_max), camera, sizeof *camera);
-}
-
-/* Moves the lights of a picture out of its options. Returns 0 if they are invalid. */
-static int take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count)
-{
-    *lights = options->lights;
-    *count = options->light_count;
-    options->lights = NULL;
-    options->light_count = 0;
-    return (!*lights || options->query == MLRT_QUERY_CLOSEST) && *count <= MLRT_LIGHT_LIMIT && (*lights || !*count);
+    if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
+    return mlrt_end_traced(&call, status);
 }
 
 /* Makes a job for each light: as that of the picture, but for any hit, and without results of its own. */
@@ -547,37 +431,33 @@ static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const s
         mlrt_light light;
         const void *given = (const unsigned char *)lights + (size_t)i * lights->struct_size;
         /* Checked first: with another size, the light might reach beyond the array. */
-        if (((const mlrt_light *)given)->struct_size != lights->struct_size) return MLRT_ERROR_STRUCT_SIZE;
-        int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_light, position), &light, sizeof light);
+        int32_t status = mlrt_check_equal_sizes("options.lights[%lu]", i, lights, given);
+        if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "options.lights[%lu]", i, given, &light);
         if (status != MLRT_OK) return status;
         jobs[i] = *job;
         jobs[i].any = 1;
         jobs[i].has_frame = 0;
         jobs[i].callback = NULL;
         jobs[i].light_count = 0;
-        status = mlrt_set_light(&light, &jobs[i].source);
-        if (status != MLRT_OK) return status;
+        mlrt_set_light(&light, &jobs[i].source);
     }
     return MLRT_OK;
 }
 
-static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_camera *camera, const struct call *call,
-                                             const mlrt_hits *frame, struct mlrt_job *job,
+static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_camera *camera,
+                                             const struct mlrt_call *call, const mlrt_hits *frame, struct mlrt_job *job,
                                              struct mlrt_job light_jobs[MLRT_LIGHT_LIMIT])
 {
     mlrt_trace_options options = call->options;
     const mlrt_light *lights;
     uint32_t light_count;
     int32_t status = mlrt_make_view_source(camera, &job->source);
-    if (status == MLRT_OK && !take_lights(&options, &lights, &light_count)) status = MLRT_ERROR_ARGUMENT;
+    if (status == MLRT_OK) status = mlrt_take_lights(&options, &lights, &light_count);
     if (status == MLRT_OK) status = resolve_options(tree, &options, job);
     if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
     if (status != MLRT_OK) return status;
-    if (frame) {
-        status = mlrt_make_sink(frame, channels_of(job) | (light_count ? MLRT_CHANNELS_OCCLUDED : 0), job->source.width,
-                                0, &job->frame);
-        job->has_frame = !mlrt_sink_is_empty(&job->frame);
-    }
+    mlrt_make_sink(frame, job->source.width, 0, &job->frame);
+    job->has_frame = !mlrt_sink_is_empty(&job->frame);
     if (light_count && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
         job->lights = light_jobs;
         job->light_count = light_count;
@@ -589,28 +469,24 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
 MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
                                    const mlrt_hits *frame, mlrt_tile_callback callback, void *user)
 {
-    if (!tree || !camera || (!frame && !callback)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (!tree || !camera) return mlrt_fail_null("tree camera", tree);
     mlrt_camera own_camera;
     mlrt_hits own_frame;
-    struct call call;
-    int32_t status = take_camera(camera, &own_camera);
-    if (status == MLRT_OK && frame) status = take_hits(frame, &own_frame);
-    if (status == MLRT_OK) status = take_options(options, &call);
-    if (status == MLRT_OK && frame) status = check_hits(&own_frame, &call);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    struct mlrt_call call;
+    int32_t status = mlrt_take_options(options, &call);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_CAMERA, "camera", 0, camera, &own_camera);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_FORM_FRAME, "frame", 0, frame, &own_frame);
+    if (status == MLRT_OK) {
+        status = mlrt_check_hits("frame", &own_frame, &call.options, call.options.light_count != 0,
+                                 callback || call.run.counters);
+    }
+    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
     const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_render_job(tree, &own_camera, &call, frame ? &own_frame : NULL, &job, light_jobs);
+    status = make_render_job(tree, &own_camera, &call, &own_frame, &job, light_jobs);
     mlrt_leave_fp_environment(environment);
-    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
-}
-
-static int can_write_floats(const mlrt_array *array)
-{
-    return !array || !array->data ||
-           ((uintptr_t)array->data % 4 == 0 && array->stride % 4 == 0 && array->row_stride % 4 == 0 &&
-            (array->stride == 0 || array->stride >= 12) && array->stride <= MLRT_STRIDE_LIMIT &&
-            array->row_stride <= MLRT_STRIDE_LIMIT);
+    if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
+    return mlrt_end_traced(&call, status);
 }
 
 static float *vector_at(const mlrt_array *array, uint32_t width, uint32_t i, uint32_t j)
@@ -630,10 +506,10 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
         for (uint32_t i = 0; i < view.width; ++i) {
             float p[3];
             mlrt_view_point(&view, i, j, p);
-            if (origins && origins->data) {
+            if (origins->data) {
                 memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
             }
-            if (directions && directions->data) {
+            if (directions->data) {
                 memcpy(vector_at(directions, view.width, i, j), view.parallel ? camera->direction : p, sizeof p);
             }
         }
@@ -643,48 +519,62 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
 
 MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *origins, const mlrt_array *directions)
 {
-    if (!camera || !can_write_floats(origins) || !can_write_floats(directions))
-        return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    static const mlrt_array none;
+    const mlrt_array *const vectors[2] = {origins ? origins : &none, directions ? directions : &none};
     mlrt_camera own;
-    int32_t status = take_camera(camera, &own);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    if (!camera) return mlrt_fail_null("camera");
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_CAMERA, "camera", 0, camera, &own);
+    if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_VECTORS, "origins", 0, vectors[0]);
+    if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_VECTORS, "directions", 0, vectors[1]);
+    if (status != MLRT_OK) return status;
     const uint64_t environment = mlrt_enter_fp_environment();
-    status = write_camera_rays(&own, origins, directions);
+    status = write_camera_rays(&own, vectors[0], vectors[1]);
     mlrt_leave_fp_environment(environment);
-    return mlrt_note_status(status);
+    return status;
 }
 
 static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
-                                            const struct call *call, const mlrt_array *occluded, struct mlrt_job *job)
+                                            const struct mlrt_call *call, const mlrt_array *occluded,
+                                            struct mlrt_job *job)
 {
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
-    int32_t status = mlrt_make_light_source(tree, points, light, &job->source);
-    if (status == MLRT_OK) status = resolve_options(tree, &call->options, job);
-    if (status == MLRT_OK) status = mlrt_make_sink(&hits, MLRT_CHANNELS_OCCLUDED, job->source.width, 1, &job->frame);
+    mlrt_make_light_source(tree, points, light, &job->source);
+    mlrt_make_sink(&hits, job->source.width, 1, &job->frame);
     job->has_frame = 1;
-    return status;
+    return resolve_options(tree, &call->options, job);
 }
 
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                       const mlrt_trace_options *options, const mlrt_array *occluded)
 {
-    if (!tree || !points || !light || !occluded || !occluded->data) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (!tree || !points || !light || !occluded || !occluded->data) {
+        return mlrt_fail_null("tree points light occluded occluded.data", tree, points, light, occluded);
+    }
     mlrt_points own_points;
     mlrt_light own_light;
-    struct call call;
-    int32_t status = mlrt_take_struct(points, MLRT_SIZE_UP_TO(mlrt_points, skip), &own_points, sizeof own_points);
-    if (status == MLRT_OK) {
-        status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
-    }
-    if (status == MLRT_OK) status = take_options(options, &call);
-    if (status == MLRT_OK) status = check_results(&occluded, &(const char *){"occluded"}, 1, &call);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    struct mlrt_call call;
+    int32_t status = mlrt_take_options(options, &call);
+    if (status == MLRT_OK) status = mlrt_take_points(points, &own_points);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
+    if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
+    if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     call.options.query = MLRT_QUERY_ANY;
     struct mlrt_job job = {.callback = NULL};
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
     mlrt_leave_fp_environment(environment);
-    return mlrt_note_status(status == MLRT_OK ? mlrt_run_job(&job, &call.run) : status);
+    if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
+    return mlrt_end_traced(&call, status);
+}
+
+/* Sets *number to that of a triangle in the tree. Returns a status: there must be one. */
+static int32_t find_triangle(const mlrt_tree *tree, const char *path, uint32_t mesh, uint32_t triangle,
+                             uint32_t *number)
+{
+    *number = mlrt_triangle_number(tree, mesh, triangle);
+    if (*number != MLRT_NONE) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_ARGUMENT, "%s: there is no triangle %lu in a mesh with id %lu", path,
+                     (unsigned long)triangle, (unsigned long)mesh);
 }
 
 /* Sets the shadow ray from the hit of a ray to a light, and whether the light is on the ray's side of the surface. */
@@ -694,12 +584,12 @@ static MLRT_NOINLINE int32_t set_shadow_ray(const mlrt_tree *tree, const mlrt_ra
     struct mlrt_source source;
     struct mlrt_ray_segment segment, answer;
     int is_on_side = 0;
-    const int32_t status = mlrt_set_light(light, &source);
-    if (status != MLRT_OK) return status;
+    mlrt_set_light(light, &source);
     const struct mlrt_triangle *triangle = &tree->triangles[number];
     if (!mlrt_make_segment(ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &segment) ||
         !mlrt_triangle_is_finite(triangle) || !mlrt_hits_triangle(&segment, triangle, NULL)) {
-        return MLRT_ERROR_ARGUMENT;
+        return mlrt_fail(MLRT_ERROR_ARGUMENT, "hit.triangle: the ray does not hit triangle %lu of mesh %lu",
+                         (unsigned long)shadow->skip_triangle, (unsigned long)shadow->skip_mesh);
     }
     if (mlrt_make_shadow_ray(&source, triangle, &segment, &is_on_side, &answer)) {
         memcpy(shadow->origin, answer.origin, sizeof shadow->origin);
@@ -713,19 +603,19 @@ static MLRT_NOINLINE int32_t set_shadow_ray(const mlrt_tree *tree, const mlrt_ra
 MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_hit *hit,
                                  const mlrt_light *light, mlrt_ray *shadow, int32_t *faces)
 {
-    if (!tree || !ray || !hit || !light || !shadow || !faces) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (!tree || !ray || !hit || !light || !shadow || !faces) {
+        return mlrt_fail_null("tree ray hit light shadow faces", tree, ray, hit, light, shadow);
+    }
     mlrt_ray own_ray;
     mlrt_hit own_hit;
     mlrt_light own_light;
-    int32_t status = mlrt_take_struct(ray, FIRST_RAY_SIZE, &own_ray, sizeof own_ray);
-    if (status == MLRT_OK) status = mlrt_take_struct(hit, FIRST_HIT_SIZE, &own_hit, sizeof own_hit);
-    if (status == MLRT_OK) {
-        status = mlrt_take_struct(light, MLRT_SIZE_UP_TO(mlrt_light, position), &own_light, sizeof own_light);
-    }
-    if (status == MLRT_OK) status = mlrt_check_result_size(shadow, FIRST_RAY_SIZE, sizeof own_ray);
-    if (status != MLRT_OK) return mlrt_note_status(status);
-    const uint32_t number = mlrt_triangle_number(tree, own_hit.mesh, own_hit.triangle);
-    if (number == MLRT_NONE || own_ray.flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    uint32_t number;
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_RAY, "ray", 0, ray, &own_ray);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HIT, "hit", 0, hit, &own_hit);
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
+    if (status == MLRT_OK) status = mlrt_check_result_size(MLRT_STRUCT_RAY, "shadow", shadow);
+    if (status == MLRT_OK) status = find_triangle(tree, "hit.triangle", own_hit.mesh, own_hit.triangle, &number);
+    if (status != MLRT_OK) return status;
     mlrt_ray answer = {.struct_size = sizeof answer,
                        .flags = MLRT_RAY_SKIP,
                        .skip_mesh = own_hit.mesh,
@@ -733,19 +623,33 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
     const uint64_t environment = mlrt_enter_fp_environment();
     status = set_shadow_ray(tree, &own_ray, number, &own_light, &answer, faces);
     mlrt_leave_fp_environment(environment);
-    if (status != MLRT_OK) return mlrt_note_status(status);
+    if (status != MLRT_OK) return status;
     mlrt_give_struct(&answer, sizeof answer, shadow);
     return MLRT_OK;
+}
+
+static MLRT_NOINLINE int32_t find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int32_t side,
+                                               float point[3])
+{
+    if (mlrt_find_offset_point(triangle, u, v, side, point)) return MLRT_OK;
+    if (mlrt_triangle_is_finite(triangle) && mlrt_triangle_has_area(triangle)) {
+        return mlrt_fail(MLRT_ERROR_ARGUMENT, "point: it would leave the range of float");
+    }
+    return mlrt_fail(MLRT_ERROR_ARGUMENT, "triangle: it is not finite, or has no area");
 }
 
 MLRT_API int32_t mlrt_offset_point(const mlrt_tree *tree, uint32_t mesh, uint32_t triangle, float u, float v,
                                    int32_t side, float point[3])
 {
-    if (!tree || !point || (side != 1 && side != -1)) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
-    const uint32_t number = mlrt_triangle_number(tree, mesh, triangle);
-    if (number == MLRT_NONE) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
+    if (!tree || !point) return mlrt_fail_null("tree point", tree);
+    if (side != 1 && side != -1) return mlrt_fail(MLRT_ERROR_ARGUMENT, "side: %ld is not 1 or -1", (long)side);
+    uint32_t number;
+    int32_t status = find_triangle(tree, "triangle", mesh, triangle, &number);
+    if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_FLOAT, "u", 0, &u);
+    if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_FLOAT, "v", 0, &v);
+    if (status != MLRT_OK) return status;
     const uint64_t environment = mlrt_enter_fp_environment();
-    const int found = mlrt_find_offset_point(&tree->triangles[number], u, v, side, point);
+    status = find_offset_point(&tree->triangles[number], u, v, side, point);
     mlrt_leave_fp_environment(environment);
-    return mlrt_note_status(found ? MLRT_OK : MLRT_ERROR_ARGUMENT);
+    return status;
 }

@@ -6,7 +6,6 @@
 
 #include "api/save.h"
 #include "base/host.h"
-#include "base/message.h"
 #include "base/platform.h"
 #include "base/progress.h"
 #include "base/structs.h"
@@ -38,40 +37,19 @@ typedef char options_begin_alike[SAME_PLACE(preset) && SAME_PLACE(traversal_cost
                                      ? 1
                                      : -1];
 
-/* Returns the name of an option that is out of its range, or NULL. */
-static MLRT_NOINLINE const char *find_wrong_option(const struct call *call)
+/* Takes options. The caller's buffer and the host are known before fields are checked, and so can have the message. */
+static int32_t take_options(const void *given, uint32_t structure, struct call *call)
 {
-    const int is_kdtree = call->structure == MLRT_STRUCTURE_KDTREE;
-    const mlrt_tree_options *both = &call->options.tree;
-    const mlrt_kdtree_options *kdtree = &call->options.kdtree;
-    if (both->preset < 0 || both->preset > (is_kdtree ? MLRT_KDTREE_TUNED : MLRT_TREE_BEST)) return "preset";
-    if (!(both->traversal_cost >= 0 && both->traversal_cost <= 1e6f)) return "traversal_cost";
-    if (!(both->intersection_cost >= 0 && both->intersection_cost <= 1e6f)) return "intersection_cost";
-    if (is_kdtree && kdtree->max_depth > MLRT_DEPTH_LIMIT) return "max_depth";
-    if (is_kdtree && kdtree->rules_off & ~31u) return "rules_off";
-    return NULL;
-}
-
-static MLRT_NOINLINE int32_t take_options(const void *given, uint32_t structure, struct call *call)
-{
-    const size_t size = structure == MLRT_STRUCTURE_KDTREE ? sizeof call->options.kdtree : sizeof call->options.tree;
+    const int form = structure == MLRT_STRUCTURE_KDTREE ? MLRT_STRUCT_KDTREE_OPTIONS : MLRT_STRUCT_TREE_OPTIONS;
     memset(call, 0, sizeof *call);
     call->structure = structure;
-    if (given) {
-        const int32_t status = mlrt_take_struct(given, size, &call->options, size);
-        if (status != MLRT_OK) return status;
-    }
+    int32_t status = mlrt_copy_struct(form, "options", 0, given, &call->options);
+    if (status != MLRT_OK) return status;
     call->voice.message = call->options.tree.message;
     call->voice.message_size = call->options.tree.message_size;
     mlrt_begin_message(&call->voice);
-    const int32_t status = mlrt_take_host(call->options.tree.host, &call->voice.host);
-    if (status != MLRT_OK) return status;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    const char *wrong = find_wrong_option(call);
-    mlrt_leave_fp_environment(environment);
-    if (!wrong) return MLRT_OK;
-    mlrt_explain(&call->voice, "options.%s is out of its range", wrong);
-    return MLRT_ERROR_ARGUMENT;
+    status = mlrt_take_host("options.host", call->options.tree.host, &call->voice.host);
+    return status == MLRT_OK ? mlrt_check_fields(form, "options", 0, &call->options) : status;
 }
 
 /* ---- building ---- */
@@ -84,7 +62,7 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
     if (status != MLRT_OK) return status;
     const double work = MLRT_COPY_WORK + (is_kdtree ? MLRT_KDTREE_WORK : MLRT_BVH_WORK);
     mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
-    status = mlrt_copy_meshes(meshes, mesh_count, &call->voice, &progress, tree);
+    status = mlrt_copy_meshes(meshes, mesh_count, &progress, tree);
     if (status == MLRT_OK) {
         status = is_kdtree ? mlrt_build_nodes(tree, &call->options.kdtree, &progress)
                            : mlrt_build_bvh(tree, &call->options.tree, &progress);
@@ -113,17 +91,14 @@ static void log_result(const struct mlrt_voice *voice, const mlrt_tree_info *inf
              info->build_seconds);
 }
 
-static void log_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
+/* Writes the message of an error that has none yet. */
+static int32_t note_failure(const struct call *call, const struct mlrt_memory *memory, int32_t status)
 {
     const uint64_t limit = call->options.tree.memory_limit;
-    if (status == MLRT_ERROR_OUT_OF_MEMORY && limit) {
-        mlrt_explain(&call->voice, "out of memory: %.0f bytes held, limit %.0f", (double)memory->held_size,
-                     (double)limit);
-    } else if (status == MLRT_ERROR_CANCELLED) {
-        mlrt_log(&call->voice, MLRT_LOG_INFO, "stopped by the host");
-    } else if (status != MLRT_ERROR_INDEX_RANGE) {
-        mlrt_explain(&call->voice, "%s", mlrt_status_string(status));
-    }
+    if (status == MLRT_ERROR_CANCELLED) return mlrt_fail(status, "stopped by the host");
+    if (status != MLRT_ERROR_OUT_OF_MEMORY) return status;
+    if (!limit) return mlrt_note_status(status);
+    return mlrt_fail(status, "out of memory: %.0f bytes held, limit %.0f", (double)memory->held_size, (double)limit);
 }
 
 static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call,
@@ -134,7 +109,7 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
     struct mlrt_tree *made = mlrt_allocate_tree(&memory);
     const int32_t status = made ? fill_tree(meshes, mesh_count, call, made) : MLRT_ERROR_OUT_OF_MEMORY;
     if (status != MLRT_OK) {
-        log_failure(call, made ? &made->memory : &memory, status);
+        (void)note_failure(call, made ? &made->memory : &memory, status);
         mlrt_destroy_tree(made);
         return status;
     }
@@ -154,27 +129,28 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
 static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
                      mlrt_tree **tree)
 {
-    if (!tree) return MLRT_ERROR_ARGUMENT;
+    if (!tree) return mlrt_fail_null("tree");
     *tree = NULL;
     struct call call;
     int32_t status = take_options(options, structure, &call);
-    if (status != MLRT_OK) return status;
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = build_tree(meshes, mesh_count, &call, tree);
-    mlrt_leave_fp_environment(environment);
-    return status;
+    if (status == MLRT_OK) {
+        const uint64_t environment = mlrt_enter_fp_environment();
+        status = build_tree(meshes, mesh_count, &call, tree);
+        mlrt_leave_fp_environment(environment);
+    }
+    return mlrt_end_call(&call.voice, status);
 }
 
 MLRT_API int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                  mlrt_tree **tree)
 {
-    return mlrt_note_status(build(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, tree));
+    return build(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, tree);
 }
 
 MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                    mlrt_tree **tree)
 {
-    return mlrt_note_status(build(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, tree));
+    return build(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, tree);
 }
 
 /* ---- the finished tree ---- */
@@ -193,10 +169,10 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
 
 MLRT_API int32_t mlrt_get_tree_info(const mlrt_tree *tree, mlrt_tree_info *info)
 {
-    if (!tree || !info) return mlrt_note_status(MLRT_ERROR_ARGUMENT);
-    const int32_t status = mlrt_check_result_size(info, sizeof *info, sizeof *info);
+    if (!tree || !info) return mlrt_fail_null("tree info", tree);
+    const int32_t status = mlrt_check_result_size(MLRT_STRUCT_TREE_INFO, "info", info);
     if (status == MLRT_OK) mlrt_give_struct(&tree->info, sizeof tree->info, info);
-    return mlrt_note_status(status);
+    return status;
 }
 
 /* ---- estimates of memory ---- */
@@ -216,15 +192,14 @@ static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_cou
 static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
                                mlrt_memory_estimate *estimate)
 {
-    if (!estimate) return MLRT_ERROR_ARGUMENT;
+    if (!estimate) return mlrt_fail_null("estimate");
     mlrt_memory_estimate own;
     struct call call;
     uint32_t triangle_count;
-    int32_t status =
-        mlrt_check_result_size(estimate, MLRT_SIZE_UP_TO(mlrt_memory_estimate, peak_memory_size), sizeof own);
-    if (status == MLRT_OK) status = take_options(options, structure, &call);
+    int32_t status = take_options(options, structure, &call);
+    if (status == MLRT_OK) status = mlrt_check_result_size(MLRT_STRUCT_MEMORY_ESTIMATE, "estimate", estimate);
     if (status == MLRT_OK) status = mlrt_check_meshes(meshes, mesh_count, &triangle_count);
-    if (status != MLRT_OK) return status;
+    if (status != MLRT_OK) return mlrt_end_call(&call.voice, status);
     memset(&own, 0, sizeof own);
     const uint64_t environment = mlrt_enter_fp_environment();
     foresee(&call, triangle_count, mlrt_have_masks(meshes, mesh_count), mesh_count, &own);
@@ -236,11 +211,11 @@ static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const
 MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                     mlrt_memory_estimate *estimate)
 {
-    return mlrt_note_status(estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, estimate));
+    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, estimate);
 }
 
 MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                       mlrt_memory_estimate *estimate)
 {
-    return mlrt_note_status(estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, estimate));
+    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, estimate);
 }

@@ -10,16 +10,16 @@
 
 #include "base/structs.h"
 
-/* Of a line for the log: the 255 bytes that mlrt.h promises at most, and the NUL. */
-#define LINE_SIZE 256
-
-int32_t mlrt_take_host(const mlrt_host *given, mlrt_host *own)
+int32_t mlrt_take_host(const char *path, const mlrt_host *given, mlrt_host *own)
 {
     memset(own, 0, sizeof *own);
     if (!given) return MLRT_OK;
-    const int32_t status = mlrt_take_struct(given, MLRT_SIZE_UP_TO(mlrt_host, progress), own, sizeof *own);
-    if (status != MLRT_OK) return status;
-    return !own->allocate != !own->free || own->reserved != 0 ? MLRT_ERROR_ARGUMENT : MLRT_OK;
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_HOST, path, 0, given, own);
+    if (status == MLRT_OK && !own->allocate != !own->free) {
+        status = mlrt_fail(MLRT_ERROR_ARGUMENT, "%s: `allocate` without `free`, or `free` without `allocate`", path);
+    }
+    if (status != MLRT_OK) memset(own, 0, sizeof *own);
+    return status;
 }
 
 void mlrt_begin_message(const struct mlrt_voice *voice)
@@ -34,7 +34,7 @@ static void send(const struct mlrt_voice *voice, int32_t level, const char *line
 
 void mlrt_log(const struct mlrt_voice *voice, int32_t level, const char *format, ...)
 {
-    char line[LINE_SIZE];
+    char line[MLRT_MESSAGE_SIZE];
     va_list values;
     va_start(values, format);
     vsnprintf(line, sizeof line, format, values);
@@ -42,13 +42,13 @@ void mlrt_log(const struct mlrt_voice *voice, int32_t level, const char *format,
     send(voice, level, line);
 }
 
-void mlrt_explain(const struct mlrt_voice *voice, const char *format, ...)
+int32_t mlrt_end_call(const struct mlrt_voice *voice, int32_t status)
 {
-    char line[LINE_SIZE];
-    va_list values;
-    va_start(values, format);
-    vsnprintf(line, sizeof line, format, values);
-    va_end(values);
+    char line[MLRT_MESSAGE_SIZE], *message = mlrt_message_of_thread();
+    if (status == MLRT_OK) return status;
+    snprintf(line, sizeof line, "%s", message);
     if (voice->message && voice->message_size) snprintf(voice->message, voice->message_size, "%s", line);
-    send(voice, MLRT_LOG_ERROR, line);
+    send(voice, status == MLRT_ERROR_CANCELLED ? MLRT_LOG_INFO : MLRT_LOG_ERROR, line);
+    snprintf(message, MLRT_MESSAGE_SIZE, "%s", line);
+    return status;
 }

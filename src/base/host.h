@@ -5,12 +5,15 @@
 #ifndef MLRT_BASE_HOST_H
 #define MLRT_BASE_HOST_H
 
-#include "mlrt.h"
+#include "base/message.h"
 
-/* Copies the host that a caller gave (NULL = none) to *own and checks it. Returns a status. */
-int32_t mlrt_take_host(const mlrt_host *given, mlrt_host *own);
+/*
+ * Copies the host that a caller gave (NULL = none) to *own and checks it; `path` names it. Returns a status. After an
+ * error *own is that of no host.
+ */
+int32_t mlrt_take_host(const char *path, const mlrt_host *given, mlrt_host *own);
 
-/* Where messages go: all to the host's log, and the reason why a call fails also to the caller's buffer. */
+/* Where messages go besides the message of the thread. */
 struct mlrt_voice {
     mlrt_host host; /* checked */
     char *message;  /* the caller's buffer; may be NULL */
@@ -20,16 +23,13 @@ struct mlrt_voice {
 /* Makes the caller's buffer an empty string, for calls that end without a message. */
 void mlrt_begin_message(const struct mlrt_voice *voice);
 
-#if defined(__GNUC__)
-#define MLRT_FORMAT(text, values) __attribute__((format(printf, text, values)))
-#else
-#define MLRT_FORMAT(text, values)
-#endif
-
 /* Sends one line to the log, if the host has one. Lines longer than 255 bytes are cut. */
 MLRT_FORMAT(3, 4) void mlrt_log(const struct mlrt_voice *voice, int32_t level, const char *format, ...);
 
-/* Writes the reason why a call fails to the caller's buffer and sends it to the log. */
-MLRT_FORMAT(2, 3) void mlrt_explain(const struct mlrt_voice *voice, const char *format, ...);
+/*
+ * Ends a call. Unless `status` is MLRT_OK, the message of the thread goes to the caller's buffer and to the log. It
+ * stays as it is, whatever calls the log makes. Returns `status`.
+ */
+int32_t mlrt_end_call(const struct mlrt_voice *voice, int32_t status);
 
 #endif

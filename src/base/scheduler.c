@@ -10,12 +10,12 @@
 #include <pthread.h>
 #include <unistd.h>
 
+#include "base/forms.h"
 #include "base/host.h"
 #include "base/memory.h"
 #include "base/platform.h"
 
 /* Also bounds the array of tasks on the stack. */
-#define THREAD_LIMIT 1024
 
 /* One call of mlrt_run_items. Guarded by the pool's mutex. */
 struct batch {
@@ -112,7 +112,7 @@ static void run_task(void *argument)
 /* A task that starts when no item is left returns at once. It reads the batch, so all tasks end before this returns. */
 static void run_tasks(mlrt_pool *pool, struct batch *batch)
 {
-    void *tasks[THREAD_LIMIT];
+    void *tasks[MLRT_THREAD_LIMIT];
     const uint32_t most = batch->item_count - 1;
     const uint32_t task_count = pool->thread_count < most ? pool->thread_count : most;
     for (uint32_t i = 0; i < task_count; ++i) tasks[i] = pool->enqueue(pool->user, run_task, batch);
@@ -179,7 +179,7 @@ static mlrt_pool *allocate_pool(const mlrt_host *host, uint32_t thread_capacity)
 static uint32_t online_processor_count(void)
 {
     long count = MLRT_ONLINE_PROCESSORS();
-    return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
+    return count < 1 ? 1 : count > MLRT_THREAD_LIMIT ? MLRT_THREAD_LIMIT : (uint32_t)count;
 }
 
 static int32_t start_threads(mlrt_pool *pool, uint32_t thread_count)
@@ -204,14 +204,11 @@ void mlrt_end_pool(mlrt_pool *pool)
     free_pool(pool);
 }
 
-int32_t mlrt_make_pool(const mlrt_pool_options *options, mlrt_pool **pool)
+int32_t mlrt_make_pool(const mlrt_pool_options *options, const mlrt_host *host, mlrt_pool **pool)
 {
-    mlrt_host host;
-    int32_t status = mlrt_take_host(options->host, &host);
-    if (status != MLRT_OK) return status;
-    if (options->thread_count > THREAD_LIMIT || !options->enqueue != !options->finish) return MLRT_ERROR_ARGUMENT;
+    int32_t status = MLRT_OK;
     const uint32_t thread_count = options->thread_count ? options->thread_count : online_processor_count();
-    mlrt_pool *made = allocate_pool(&host, options->enqueue ? 0 : thread_count - 1);
+    mlrt_pool *made = allocate_pool(host, options->enqueue ? 0 : thread_count - 1);
     if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
     made->user = options->user;
     made->enqueue = options->enqueue;

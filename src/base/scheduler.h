@@ -13,8 +13,8 @@
 
 #include "mlrt.h"
 
-/* Makes a pool; the options are of this version. Returns a status. */
-int32_t mlrt_make_pool(const mlrt_pool_options *options, mlrt_pool **pool);
+/* Makes a pool; options and host were checked. Returns a status. */
+int32_t mlrt_make_pool(const mlrt_pool_options *options, const mlrt_host *host, mlrt_pool **pool);
 
 /* Ends its threads and frees it. */
 void mlrt_end_pool(mlrt_pool *pool);

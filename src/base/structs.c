@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Structs that grow: see structs.h. Each begins with its size, a uint32_t.
+ * The caller's structs: see structs.h. Each begins with its size, a uint32_t.
  */
 #include "base/structs.h"
 
+#include <stdio.h>
 #include <string.h>
+
+#include "base/platform.h"
 
 /* Bytes that later versions may add: more than they will add, but so few that a size never set is mostly refused. */
 #define GROWTH_LIMIT 256
+
+/* ---- sizes ---- */
 
 static size_t size_of(const void *given)
 {
@@ -16,30 +21,74 @@ static size_t size_of(const void *given)
     return size;
 }
 
-static int is_zero(const unsigned char *bytes, size_t count)
+static MLRT_NOINLINE int32_t fail_size(const struct mlrt_form *form, const char *path, size_t index, size_t size)
 {
-    for (size_t i = 0; i < count; ++i) {
-        if (bytes[i]) return 0;
-    }
-    return 1;
+    return mlrt_fail_at(MLRT_ERROR_STRUCT_SIZE, path, index, "struct_size", "%lu is not a multiple of 4 from %u to %u",
+                        (unsigned long)size, (unsigned)form->first_size, (unsigned)(form->own_size + GROWTH_LIMIT));
 }
 
-int32_t mlrt_check_result_size(const void *given, size_t first_size, size_t own_size)
+/* Returns the status of a size. */
+static int32_t check_size(const struct mlrt_form *form, const char *path, size_t index, size_t size)
+{
+    if (MLRT_LIKELY(size >= form->first_size && size <= (size_t)form->own_size + GROWTH_LIMIT && size % 4 == 0)) {
+        return MLRT_OK;
+    }
+    return fail_size(form, path, index, size);
+}
+
+int32_t mlrt_check_result_size(int form, const char *path, const void *given)
+{
+    return check_size(&mlrt_forms[form], path, 0, size_of(given));
+}
+
+int32_t mlrt_check_equal_sizes(const char *path, size_t index, const void *first, const void *given)
+{
+    if (size_of(first) == size_of(given)) return MLRT_OK;
+    return mlrt_fail_at(MLRT_ERROR_STRUCT_SIZE, path, index, "struct_size", "%lu is not that of element 0, %lu",
+                        (unsigned long)size_of(given), (unsigned long)size_of(first));
+}
+
+/* Copies a struct of another size than this version's: shorter, or longer. */
+static MLRT_NOINLINE int32_t convert(const struct mlrt_form *form, const char *path, size_t index,
+                                     const unsigned char *given, unsigned char *own)
+{
+    const uint32_t own_size = form->own_size;
+    const size_t size = size_of(given), known = size < own_size ? size : own_size;
+    memset(own, 0, own_size);
+    memcpy(own, given, known);
+    memcpy(own, &own_size, sizeof own_size);
+    for (size_t i = own_size; i < size; ++i) {
+        if (!given[i]) continue;
+        return mlrt_fail_at(MLRT_ERROR_STRUCT_SIZE, path, index, "",
+                            "byte %u is not 0, but this version knows only %u bytes", (unsigned)i, (unsigned)own_size);
+    }
+    return MLRT_OK;
+}
+
+MLRT_INLINE int32_t copy_struct(const struct mlrt_form *form, const char *path, size_t index, const void *given,
+                                void *own)
 {
     const size_t size = size_of(given);
-    return size < first_size || size > own_size + GROWTH_LIMIT || size % 4 ? MLRT_ERROR_STRUCT_SIZE : MLRT_OK;
+    const int32_t status = check_size(form, path, index, size);
+    if (MLRT_UNLIKELY(status != MLRT_OK)) return status;
+    if (MLRT_UNLIKELY(size != form->own_size)) return convert(form, path, index, given, own);
+    memcpy(own, given, size);
+    return MLRT_OK;
 }
 
-int32_t mlrt_take_struct(const void *given, size_t first_size, void *own, size_t own_size)
+int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void *given, void *own)
 {
-    const int32_t status = mlrt_check_result_size(given, first_size, own_size);
-    if (status != MLRT_OK) return status;
-    const size_t size = size_of(given), known = size < own_size ? size : own_size;
-    memcpy(own, given, known);
-    memset((unsigned char *)own + known, 0, own_size - known);
-    const uint32_t kept = (uint32_t)own_size;
-    memcpy(own, &kept, sizeof kept);
-    return is_zero((const unsigned char *)given + known, size - known) ? MLRT_OK : MLRT_ERROR_STRUCT_SIZE;
+    const struct mlrt_form *form = &mlrt_forms[number];
+    if (given) return copy_struct(form, path, index, given, own);
+    memset(own, 0, form->own_size);
+    return MLRT_OK;
+}
+
+int32_t mlrt_take_struct(int number, const char *path, size_t index, const void *given, void *own)
+{
+    if (!given) return mlrt_copy_struct(number, path, index, given, own);
+    const int32_t status = copy_struct(&mlrt_forms[number], path, index, given, own);
+    return status == MLRT_OK ? mlrt_check_fields(number, path, index, own) : status;
 }
 
 void mlrt_give_struct(const void *own, size_t own_size, void *given)
@@ -47,4 +96,163 @@ void mlrt_give_struct(const void *own, size_t own_size, void *given)
     const size_t size = size_of(given), known = size < own_size ? size : own_size;
     memcpy((unsigned char *)given + 4, (const unsigned char *)own + 4, known - 4);
     memset((unsigned char *)given + known, 0, size - known);
+}
+
+/* ---- rules ---- */
+
+static const void *place_of(const struct mlrt_field *field, const void *own)
+{
+    return (const unsigned char *)own + field->offset;
+}
+
+/* Does an array keep the rules of mlrt_check_array? */
+MLRT_INLINE int is_right(const void *data, size_t stride, size_t unit, size_t least)
+{
+    return !data || (((((uintptr_t)data | stride) & (unit - 1)) == 0) & (stride - least <= MLRT_STRIDE_LIMIT - least));
+}
+
+/* Bytes of which addresses and strides of an output are multiples. */
+MLRT_INLINE size_t unit_of_output(const struct mlrt_field *field)
+{
+    return field->most == 1 ? 1 : 4;
+}
+
+/* Floats are looked at by their bits: in the caller's floating-point environment a comparison may trap. */
+#define SIGN_BIT      0x80000000u
+#define INFINITY_BITS 0x7F800000u
+#define MILLION_BITS  0x49742400u /* of 1e6 */
+
+/* Of the floats of a field, the first that breaks its rule; NULL if none does. */
+static const uint32_t *find_wrong_float(const struct mlrt_field *field, const uint32_t *bits)
+{
+    const int is_cost = field->kind == MLRT_FIELD_COST;
+    const uint32_t most = is_cost ? MILLION_BITS : INFINITY_BITS - (field->kind == MLRT_FIELD_FINITE);
+    for (uint32_t i = 0; i < field->most; ++i) {
+        if ((bits[i] & ~SIGN_BIT) > most || (is_cost && bits[i] > SIGN_BIT)) return &bits[i];
+    }
+    return NULL;
+}
+
+/*
+ * Finds the first field of a table that breaks its rule; `end` if none does. There is a loop for each sort, because
+ * calls of few rays spend a good part of their time here.
+ */
+static const struct mlrt_field *find_wrong_field(const struct mlrt_field *field, const struct mlrt_field *end,
+                                                 int has_rows, const void *own)
+{
+    for (; field < end && field->kind <= MLRT_FIELD_COUNT; ++field) {
+        if (*(const uint32_t *)place_of(field, own) > field->most) return field;
+    }
+    for (; field < end && field->kind == MLRT_FIELD_SIZE; ++field) {
+        if (*(const size_t *)place_of(field, own) > INT32_MAX) return field;
+    }
+    for (; field < end && field->kind <= MLRT_FIELD_NUMBER; ++field) {
+        if (find_wrong_float(field, place_of(field, own))) return field;
+    }
+    for (; field < end && field->kind == MLRT_FIELD_INPUT; ++field) {
+        const mlrt_const_array *array = place_of(field, own);
+        if (!is_right(array->data, array->stride == MLRT_STRIDE_ALL ? 0 : array->stride, 4, 0)) return field;
+    }
+    for (; field < end; ++field) {
+        const mlrt_array *array = place_of(field, own);
+        if (!array->data) continue;
+        const size_t unit = unit_of_output(field);
+        if (!is_right(array->data, array->stride ? array->stride : field->most, unit, field->most)) return field;
+        if (has_rows && !is_right(array->data, array->row_stride, unit, 0)) return field;
+    }
+    return end;
+}
+
+/* ---- broken rules ---- */
+
+/* Where the value stands that breaks a rule, and the status that this has. */
+struct place {
+    const char *path;
+    size_t index;
+    const char *field;
+    int32_t status;
+};
+
+/* "stride 13 is not a multiple of 4": `what` is the first word, with a blank behind it, or a sign, or nothing. */
+static MLRT_NOINLINE int32_t fail_number(const struct place *place, const char *what, uint64_t number, const char *rule,
+                                         size_t bound)
+{
+    char digits[MLRT_DIGITS];
+    return mlrt_fail_at(place->status, place->path, place->index, place->field, "%s%s is %s %lu", what,
+                        mlrt_write_digits(number, digits), rule, (unsigned long)bound);
+}
+
+static MLRT_NOINLINE int32_t fail_array(const struct place *place, const char *what, const void *data, size_t stride,
+                                        size_t unit, size_t least)
+{
+    if ((uintptr_t)data % unit) return fail_number(place, "address ", (uintptr_t)data, "not a multiple of", unit);
+    if (stride % unit) return fail_number(place, what, stride, "not a multiple of", unit);
+    if (stride < least) return fail_number(place, what, stride, "less than", least);
+    return fail_number(place, what, stride, "more than", MLRT_STRIDE_LIMIT);
+}
+
+int32_t mlrt_check_array(const char *path, size_t index, const char *field, const void *data, size_t stride,
+                         size_t unit, size_t least)
+{
+    const struct place place = {path, index, field, MLRT_ERROR_ARGUMENT};
+    return is_right(data, stride, unit, least) ? MLRT_OK : fail_array(&place, "stride ", data, stride, unit, least);
+}
+
+static int32_t fail_output(const struct place *place, const struct mlrt_field *field, const mlrt_array *array)
+{
+    const size_t size = field->most, unit = unit_of_output(field), stride = array->stride ? array->stride : size;
+    if (stride == MLRT_STRIDE_ALL) {
+        return mlrt_fail_at(place->status, place->path, place->index, place->field,
+                            "MLRT_STRIDE_ALL in an array with an element for each result");
+    }
+    const int is_row = is_right(array->data, stride, unit, size);
+    return fail_array(place, is_row ? "row stride " : "stride ", array->data, is_row ? array->row_stride : stride, unit,
+                      is_row ? 0 : size);
+}
+
+/* Called from within the library's floating-point environment: a float is converted. */
+static MLRT_NOINLINE void write_float(const uint32_t *bits, char *text, size_t size)
+{
+    float value;
+    memcpy(&value, bits, sizeof value);
+    snprintf(text, size, "%.9g", (double)value);
+}
+
+static int32_t fail_float(const struct place *place, const struct mlrt_field *field, const uint32_t *bits)
+{
+    char text[24] = "NaN";
+    const uint64_t environment = mlrt_enter_fp_environment();
+    if ((*bits & ~SIGN_BIT) <= INFINITY_BITS) write_float(bits, text, sizeof text);
+    mlrt_leave_fp_environment(environment);
+    return mlrt_fail_at(place->status, place->path, place->index, place->field, "%s is not %s", text,
+                        field->kind == MLRT_FIELD_COST     ? "from 0 to 1e6"
+                        : field->kind == MLRT_FIELD_FINITE ? "finite"
+                                                           : "a number");
+}
+
+static MLRT_NOINLINE int32_t fail_field(struct place place, const struct mlrt_field *field, const void *at)
+{
+    if (field->kind <= MLRT_FIELD_COUNT) {
+        const uint32_t number = *(const uint32_t *)at;
+        const int is_negative = field->kind == MLRT_FIELD_INTEGER && number > INT32_MAX;
+        return fail_number(&place, is_negative ? "-" : "", is_negative ? 0 - number : number,
+                           field->most ? "not from 0 to" : "not", field->most);
+    }
+    if (field->kind == MLRT_FIELD_SIZE) {
+        place.status = MLRT_ERROR_TOO_LARGE;
+        return fail_number(&place, "", *(const size_t *)at, "more than", INT32_MAX);
+    }
+    if (field->kind <= MLRT_FIELD_NUMBER) return fail_float(&place, field, find_wrong_float(field, at));
+    if (field->kind == MLRT_FIELD_OUTPUT) return fail_output(&place, field, at);
+    return fail_array(&place, "stride ", ((const mlrt_const_array *)at)->data, ((const mlrt_const_array *)at)->stride,
+                      4, 0);
+}
+
+int32_t mlrt_check_fields(int number, const char *path, size_t index, const void *own)
+{
+    const struct mlrt_form *form = &mlrt_forms[number];
+    const struct mlrt_field *first = mlrt_rules_of(form), *end = first + form->rule_count;
+    const struct mlrt_field *wrong = find_wrong_field(first, end, form->has_rows, own);
+    if (MLRT_LIKELY(wrong == end)) return MLRT_OK;
+    return fail_field((struct place){path, index, wrong->name, form->status}, wrong, place_of(wrong, own));
 }

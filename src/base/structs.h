@@ -1,30 +1,44 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Structs that grow: the caller's struct has struct_size bytes, which may be fewer or more than this version knows
- * (mlrt.h, rules of the whole interface). Also the greatest stride that arrays in such structs may have.
+ * The caller's structs. They grow: the caller's has struct_size bytes, which may be fewer or more than this version
+ * knows (mlrt.h, rules of the whole interface). Fields have rules (forms.h). What breaks one is named in the message of
+ * the thread (message.h).
  */
 #ifndef MLRT_BASE_STRUCTS_H
 #define MLRT_BASE_STRUCTS_H
 
-#include <stddef.h>
-
-#include "mlrt.h"
+#include "base/forms.h"
+#include "base/message.h"
 
 /* The greatest stride that a caller may give, in bytes. A greater one is a mistake, such as a negative number. */
 #define MLRT_STRIDE_LIMIT ((size_t)1 << 31)
 
-/* Bytes up to the end of a field: the size of the struct in a version whose last field it was. */
-#define MLRT_SIZE_UP_TO(type, field) (offsetof(type, field) + sizeof(((type *)0)->field))
-
 /*
- * Copies a caller's struct to *own; fields that it does not have become 0. `first_size` is its size in the first
- * version. Returns MLRT_OK, or MLRT_ERROR_STRUCT_SIZE if its size is less than that, greater than that of any later
+ * Copies a caller's struct to *own, and checks it. Fields that it does not have become 0; without a struct (NULL) all do.
+ * `form` is MLRT_STRUCT_* or MLRT_FORM_*; `path` and `index` name the struct as in mlrt_fail_at. Returns MLRT_OK; the status of the form, if a rule is
+ * broken; or MLRT_ERROR_STRUCT_SIZE if its size is less than in the first version, greater than that of any later
  * version, or not a multiple of 4, or if a byte behind the fields that this version knows is not 0.
  */
-int32_t mlrt_take_struct(const void *given, size_t first_size, void *own, size_t own_size);
+int32_t mlrt_take_struct(int form, const char *path, size_t index, const void *given, void *own);
+
+/* The same without the rules, for structs that say where messages go. */
+int32_t mlrt_copy_struct(int form, const char *path, size_t index, const void *given, void *own);
+
+/* Checks the fields of a struct of this version. Returns MLRT_OK, or the status of the form. */
+int32_t mlrt_check_fields(int form, const char *path, size_t index, const void *own);
 
 /* Checks that struct_size of a caller's result is one that mlrt_give_struct can write. Returns a status. */
-int32_t mlrt_check_result_size(const void *given, size_t first_size, size_t own_size);
+int32_t mlrt_check_result_size(int form, const char *path, const void *given);
+
+/* Checks that element `index` of an array of structs has the struct_size of the first. Returns a status. */
+int32_t mlrt_check_equal_sizes(const char *path, size_t index, const void *first, const void *given);
+
+/*
+ * Checks an array that has data: address and stride must be multiples of `unit` (1, 2 or 4), the stride from `least` to
+ * MLRT_STRIDE_LIMIT. Returns MLRT_OK or MLRT_ERROR_ARGUMENT.
+ */
+int32_t mlrt_check_array(const char *path, size_t index, const char *field, const void *data, size_t stride,
+                         size_t unit, size_t least);
 
 /* Copies *own to a caller's struct: the fields that it has, and 0 to those that this version does not know. */
 void mlrt_give_struct(const void *own, size_t own_size, void *given);

@@ -27,6 +27,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/message.h"
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "base/tuning.h"
@@ -769,7 +770,7 @@ void mlrt_free_bvh(struct mlrt_tree *tree)
 static int32_t allocate_result(struct mlrt_tree *tree, const struct mlrt_bvh_size *size)
 {
     struct mlrt_bvh *bvh = &tree->bvh;
-    if (size->node_count > COUNT_LIMIT || size->quad_count > COUNT_LIMIT) return MLRT_ERROR_TOO_LARGE;
+    if (size->node_count > COUNT_LIMIT || size->quad_count > COUNT_LIMIT) return mlrt_note_status(MLRT_ERROR_TOO_LARGE);
     bvh->node_count = (uint32_t)size->node_count;
     bvh->quad_count = (uint32_t)size->quad_count;
     bvh->nodes = mlrt_allocate(&tree->memory, bvh->node_count, sizeof *bvh->nodes);

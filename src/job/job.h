@@ -6,12 +6,10 @@
 #ifndef MLRT_JOB_JOB_H
 #define MLRT_JOB_JOB_H
 
+#include "base/forms.h"
 #include "job/hit_terms.h"
 #include "job/write_arrays.h"
 #include "rays/source.h"
-
-/* The most lights that a picture may have: its shadows have a byte per pixel, and a light has one bit. */
-#define MLRT_LIGHT_LIMIT 8
 
 /* State of workers that only one structure uses: trace/bundle.h and mlrta/setups.h. */
 struct mlrt_bundle;
@@ -116,7 +114,10 @@ struct mlrt_lone_ray;
 struct mlrt_rectangle;
 struct mlrt_ray_tile;
 
-/* How packets of a picture are read and written. */
+/* mlrta/entry_point.h */
+struct entry_list;
+
+/* How packets of a picture are read and written, and what is rare enough to be shared by both structures. */
 struct mlrt_picture_kernels {
     /* Make the rays of a block, and check them; `lanes` are those that exist. rays/fetch_block.h, check_packet.h */
     void (*fetch_block)(const struct mlrt_source *source, const struct mlrt_rectangle *block, uint32_t lanes,
@@ -127,6 +128,9 @@ struct mlrt_picture_kernels {
     /* Writes the results of a packet. hits/write_packet.h */
     void (*write_packet)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
                          uint32_t lanes, const struct mlrt_rectangle *block);
+    /* Decides lanes of a packet that a filter left undecided. hits/close_calls.h */
+    uint32_t (*decide_lanes)(const struct mlrt_tree *tree, uint32_t number, uint32_t lanes, uint32_t inside,
+                             struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 };
 
 /* The functions of an instruction set. */
@@ -136,6 +140,10 @@ struct mlrt_kernels {
     int counts; /* the functions add to the worker's counters */
 
     const struct mlrt_picture_kernels *picture;
+
+    /* Traces a block of at most 4x4 rays from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
+    void (*trace_block)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
+                        const struct entry_list *list);
 
     /* The kernels of the kd-tree have none of the following. */
 
@@ -168,7 +176,8 @@ struct mlrt_kernels {
 };
 
 /* The Makefile says which of them are compiled; run/dispatch.c chooses among these. */
-extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_scalar_counting;
+extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_kdtree_avx2;
+extern const struct mlrt_kernels mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
 
 /*

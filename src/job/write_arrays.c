@@ -8,7 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/structs.h"
 #include "simd/quad.h"
 #include "scene/masks.h"
 
@@ -34,8 +33,9 @@ static int find_channel(const struct mlrt_sink *sink, uint32_t channels, const s
 static int find_lowest_channel(const struct mlrt_sink *sink, uint32_t channels)
 {
     int lowest = (int)mlrt_lowest_bit(channels);
-    for (int c = lowest + 1; c < MLRT_CHANNEL_OCCLUDED; ++c) {
-        if (channels >> c & 1 && (uintptr_t)sink->channel[c].data < (uintptr_t)sink->channel[lowest].data) lowest = c;
+    while (channels &= channels - 1) {
+        const int c = (int)mlrt_lowest_bit(channels);
+        if ((uintptr_t)sink->channel[c].data < (uintptr_t)sink->channel[lowest].data) lowest = c;
     }
     return lowest;
 }
@@ -53,10 +53,11 @@ static uint32_t make_group(const struct mlrt_sink *sink, uint32_t channels, stru
     group->row_stride = sink->channel[c].row_stride;
     group->count = 0;
     memset(group->channel, 0, sizeof group->channel);
-    while (c != MLRT_CHANNEL_COUNT && group->count < 4 && 4u * (group->count + 1u) <= group->stride) {
+    do {
         group->channel[group->count++] = (uint8_t)c;
+        if (group->count == 4 || 4u * (group->count + 1u) > group->stride) break;
         c = find_channel(sink, channels, group, group->data + 4 * (size_t)group->count);
-    }
+    } while (c != MLRT_CHANNEL_COUNT);
     if (group->count == 3) group->count = 2;
     for (uint32_t i = 0; i < group->count; ++i) taken |= 1u << group->channel[i];
     return taken;
@@ -85,30 +86,18 @@ void mlrt_group_channels(struct mlrt_sink *sink)
     }
 }
 
-int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
-                       struct mlrt_sink *sink)
+void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, struct mlrt_sink *sink)
 {
-    const mlrt_array arrays[MLRT_CHANNEL_COUNT] = {hits->t,        hits->u,      hits->v,       hits->mesh,
-                                                   hits->triangle, hits->facing, hits->occluded};
+    const mlrt_array *const arrays[MLRT_CHANNEL_COUNT] = {&hits->t,        &hits->u,      &hits->v,       &hits->mesh,
+                                                          &hits->triangle, &hits->facing, &hits->occluded};
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        const mlrt_array *array = &arrays[c];
-        const size_t size = mlrt_channel_size((enum mlrt_channel)c);
-        const size_t stride = array->stride ? array->stride : size;
-        const size_t row = packed_rows || !array->row_stride ? stride * width : array->row_stride;
+        const mlrt_array *array = arrays[c];
+        const size_t stride = array->stride ? array->stride : mlrt_channel_size((enum mlrt_channel)c);
         sink->channel[c].data = array->data;
         sink->channel[c].stride = stride;
-        sink->channel[c].row_stride = row;
-        if (!array->data) continue;
-        if (!(channels >> c & 1)) return MLRT_ERROR_ARGUMENT;
-        if (stride > MLRT_STRIDE_LIMIT || (!packed_rows && array->row_stride > MLRT_STRIDE_LIMIT)) {
-            return MLRT_ERROR_ARGUMENT;
-        }
-        if (stride < size || stride % size != 0 || row % size != 0 || (uintptr_t)array->data % size != 0) {
-            return MLRT_ERROR_ARGUMENT;
-        }
+        sink->channel[c].row_stride = packed_rows || !array->row_stride ? stride * width : array->row_stride;
     }
     mlrt_group_channels(sink);
-    return MLRT_OK;
 }
 
 int mlrt_sink_is_empty(const struct mlrt_sink *sink)

@@ -55,17 +55,11 @@ struct mlrt_packet_values {
     MLRT_ALIGNED(64) uint32_t facing[MLRT_PACKET_RAYS];
 };
 
-/* The channels of closest hits, and those of any hit and of shadows: a bit for each. */
-#define MLRT_CHANNELS_CLOSEST  ((1u << MLRT_CHANNEL_OCCLUDED) - 1)
-#define MLRT_CHANNELS_OCCLUDED (1u << MLRT_CHANNEL_OCCLUDED)
-
 /*
- * Makes a sink of a frame of `width` columns, which may have the channels `channels`. Returns MLRT_ERROR_ARGUMENT for
- * other channels, and for strides or addresses that the contract does not allow. `packed_rows`: rows follow each other
+ * Makes a sink of arrays that were checked, for a frame of `width` columns. `packed_rows`: rows follow each other
  * without gaps, and the arrays' row_stride is ignored (lists of rays).
  */
-int32_t mlrt_make_sink(const mlrt_hits *hits, uint32_t channels, uint32_t width, int packed_rows,
-                       struct mlrt_sink *sink);
+void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, struct mlrt_sink *sink);
 
 /* Sets the fields of a sink that follow from its channels. */
 void mlrt_group_channels(struct mlrt_sink *sink);

@@ -26,65 +26,82 @@
 /* The terms of a triangle at the four corners of a beam. Index 3 of value and bound is the determinant D. */
 struct corner_terms {
     double value[4][4]; /* [edge][corner] */
-    double bound[4][4]; /* of the errors of `value` */
+    double bound[4];    /* of the errors of `value`, for all corners */
     double distance;    /* N */
     double distance_bound;
 };
 
-/* The direction of a corner, of length 1 along the main axis. */
-MLRT_INLINE void corner_direction(const struct mlrt_beam *beam, int corner, double d[3])
+/* The directions of the corners, of length 1 along the main axis: corner i has the slopes i & 1 and i >> 1. */
+struct corner_directions {
+    int axis[3]; /* the main one, and the two others */
+    double main; /* +-1 */
+    double slope[2][2];
+    double size[2]; /* the larger magnitude of the slopes over each axis */
+};
+
+static void set_corner_directions(const struct mlrt_beam *beam, struct corner_directions *corners)
 {
-    const int a = beam->main_axis, j = (a + 1) % 3, l = (a + 2) % 3;
-    d[a] = beam->negative[a] ? -1 : 1;
-    d[j] = (corner & 1 ? beam->slope_hi : beam->slope_lo)[a][j] * d[a];
-    d[l] = (corner & 2 ? beam->slope_hi : beam->slope_lo)[a][l] * d[a];
+    const int a = beam->main_axis;
+    corners->axis[0] = a;
+    corners->main = beam->negative[a] ? -1 : 1;
+    for (int side = 0; side < 2; ++side) {
+        const int j = corners->axis[side + 1] = (a + side + 1) % 3;
+        corners->slope[side][0] = beam->slope_lo[a][j] * corners->main;
+        corners->slope[side][1] = beam->slope_hi[a][j] * corners->main;
+        corners->size[side] = fmax(fabs(corners->slope[side][0]), fabs(corners->slope[side][1]));
+    }
+}
+
+/* Sets term i at the corners: that of the vector p x q, by the components along the corners' axes. */
+static void set_corner_term(const struct corner_directions *corners, const double p[3], const double q[3], int i,
+                            double cross[3], double size[3], struct corner_terms *terms)
+{
+    for (int k = 0; k < 3; ++k) {
+        const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
+        cross[k] = r - s;
+        size[k] = fabs(r) + fabs(s);
+    }
+    double part[2][2];
+    for (int side = 0; side < 2; ++side) {
+        for (int end = 0; end < 2; ++end) part[side][end] = corners->slope[side][end] * cross[side + 1];
+    }
+    for (int corner = 0; corner < 4; ++corner) {
+        terms->value[i][corner] = corners->main * cross[0] + part[0][corner & 1] + part[1][corner >> 1];
+    }
+    terms->bound[i] = (size[0] + corners->size[0] * size[1] + corners->size[1] * size[2]) * 0x1p-49;
 }
 
 static void set_corner_terms(const struct mlrt_triangle *triangle, const struct mlrt_beam *beam,
-                             struct corner_terms *terms)
+                             const struct corner_directions *corners, struct corner_terms *terms)
 {
-    double vertex[3][3], edge[2][3], cross[4][3], size[4][3];
+    double vertex[4][3], edge[2][3], cross[3], size[3];
     for (int k = 0; k < 3; ++k) {
-        for (int i = 0; i < 3; ++i) vertex[i][k] = (double)triangle->v[i][k] - beam->origin_lo[k];
-        edge[0][k] = (double)triangle->v[1][k] - triangle->v[0][k];
-        edge[1][k] = (double)triangle->v[2][k] - triangle->v[0][k];
+        const int axis = corners->axis[k];
+        for (int i = 0; i < 3; ++i) vertex[i][k] = (double)triangle->v[i][axis] - beam->origin_lo[axis];
+        vertex[3][k] = vertex[0][k];
+        edge[0][k] = (double)triangle->v[1][axis] - triangle->v[0][axis];
+        edge[1][k] = (double)triangle->v[2][axis] - triangle->v[0][axis];
     }
-    for (int i = 0; i < 4; ++i) {
-        const double *p = i < 3 ? vertex[i] : edge[0], *q = i < 3 ? vertex[(i + 1) % 3] : edge[1];
-        for (int k = 0; k < 3; ++k) {
-            const double r = p[(k + 1) % 3] * q[(k + 2) % 3], s = p[(k + 2) % 3] * q[(k + 1) % 3];
-            cross[i][k] = r - s;
-            size[i][k] = fabs(r) + fabs(s);
-        }
-    }
-    terms->distance = terms->distance_bound = 0;
-    for (int k = 0; k < 3; ++k) {
-        terms->distance += vertex[0][k] * cross[3][k];
-        terms->distance_bound += fabs(vertex[0][k]) * size[3][k] * 0x1p-49;
-    }
-    for (int corner = 0; corner < 4; ++corner) {
-        double d[3];
-        corner_direction(beam, corner, d);
-        for (int i = 0; i < 4; ++i) {
-            terms->value[i][corner] = d[0] * cross[i][0] + d[1] * cross[i][1] + d[2] * cross[i][2];
-            terms->bound[i][corner] =
-                (fabs(d[0]) * size[i][0] + fabs(d[1]) * size[i][1] + fabs(d[2]) * size[i][2]) * 0x1p-49;
-        }
-    }
+    for (int i = 0; i < 3; ++i) set_corner_term(corners, vertex[i], vertex[i + 1], i, cross, size, terms);
+    set_corner_term(corners, edge[0], edge[1], 3, cross, size, terms);
+    terms->distance = vertex[0][0] * cross[0] + vertex[0][1] * cross[1] + vertex[0][2] * cross[2];
+    terms->distance_bound =
+        (fabs(vertex[0][0]) * size[0] + fabs(vertex[0][1]) * size[1] + fabs(vertex[0][2]) * size[2]) * 0x1p-49;
 }
 
 /*
  * +1 or -1 if value i surely has that sign for the whole beam, else 0. It must exceed twice its error bound, so that
  * greatest_depth divides by more than half of |value|.
  */
-MLRT_INLINE int certain_sign(const struct corner_terms *terms, int i)
+static MLRT_NOINLINE int certain_sign(const struct corner_terms *terms, int i)
 {
-    int above = 1, below = 1;
-    for (int corner = 0; corner < 4; ++corner) {
-        above &= terms->value[i][corner] > 2 * terms->bound[i][corner];
-        below &= -terms->value[i][corner] > 2 * terms->bound[i][corner];
+    double least = terms->value[i][0], greatest = least;
+    for (int corner = 1; corner < 4; ++corner) {
+        const double value = terms->value[i][corner];
+        least = value < least ? value : least;
+        greatest = value > greatest ? value : greatest;
     }
-    return above - below;
+    return (least > 2 * terms->bound[i]) - (-greatest > 2 * terms->bound[i]);
 }
 
 /* 1 if every ray of the beam surely hits the triangle at a t > 0. */
@@ -112,13 +129,13 @@ static int misses_beam(const struct corner_terms *terms)
  */
 MLRT_INLINE double least_depth(const struct corner_terms *terms, int corner)
 {
-    return (fabs(terms->distance) - terms->distance_bound) / (fabs(terms->value[3][corner]) + terms->bound[3][corner]) *
+    return (fabs(terms->distance) - terms->distance_bound) / (fabs(terms->value[3][corner]) + terms->bound[3]) *
            (1 - 0x1p-45);
 }
 
 MLRT_INLINE double greatest_depth(const struct corner_terms *terms, int corner)
 {
-    return (fabs(terms->distance) + terms->distance_bound) / (fabs(terms->value[3][corner]) - terms->bound[3][corner]) *
+    return (fabs(terms->distance) + terms->distance_bound) / (fabs(terms->value[3][corner]) - terms->bound[3]) *
            (1 + 0x1p-45);
 }
 
@@ -134,15 +151,16 @@ static int is_behind(const struct corner_terms *other, const struct corner_terms
 }
 
 /* Ends the beam's region at a triangle that covers it: hits behind that triangle decide nothing. */
-static void end_region_at_cover(const struct corner_terms *cover, struct mlrt_beam *beam)
+static void end_region_at_cover(const struct corner_terms *cover, const struct corner_directions *corners,
+                                struct mlrt_beam *beam)
 {
     struct mlrt_box end = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (int corner = 0; corner < 4; ++corner) {
-        double d[3];
-        corner_direction(beam, corner, d);
-        for (int k = 0; k < 3; ++k) {
-            const double o = beam->origin_lo[k];
-            const double p = least_depth(cover, corner) * d[k], q = greatest_depth(cover, corner) * d[k];
+        const double d[3] = {corners->main, corners->slope[0][corner & 1], corners->slope[1][corner >> 1]};
+        const double near = least_depth(cover, corner), far = greatest_depth(cover, corner);
+        for (int i = 0; i < 3; ++i) {
+            const int k = corners->axis[i];
+            const double o = beam->origin_lo[k], p = near * d[i], q = far * d[i];
             const double slack = (fabs(o) + fabs(p) + fabs(q)) * 0x1p-48;
             end.lo[k] = fminf(end.lo[k], mlrt_float_down(o + fmin(p, q) - slack));
             end.hi[k] = fmaxf(end.hi[k], mlrt_float_up(o + fmax(p, q) + slack));

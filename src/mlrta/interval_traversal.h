@@ -19,6 +19,7 @@
 #include <math.h>
 
 #include "base/counters.h"
+#include "mlrta/entry_point.h"
 #include "mlrta/kdtree.h"
 #include "mlrta/outline.h"
 #include "mlrta/packet_filter.h"
@@ -27,39 +28,23 @@
 #include "mlrta/triangle_setup.h"
 #include "rays/extremes.h"
 
-/* A node at which rays may start, and a box that contains the part of its cell that they have to search. */
-struct entry_point {
-    uint32_t node;
-    uint32_t depth;
-    struct mlrt_box box;
-};
-
-/*
- * Where the packets of a tile start: one node, or several, mostly leaves. Each ray meets them in the order of the list.
- */
-#define ENTRY_LIST_LEAVES 16
-#define ENTRY_LIST_SIZE   (ENTRY_LIST_LEAVES + MLRT_DEPTH_LIMIT)
-
-struct entry_list {
-    uint32_t count;
-    uint32_t axis_code; /* of the outlines; NO_OUTLINES if there are none */
-    struct entry_point entries[ENTRY_LIST_SIZE];
-    struct mlrt_outline outlines[ENTRY_LIST_SIZE]; /* of the entries' boxes */
-};
-
-#define NO_OUTLINES 3 /* the axis code of no group */
-
 struct distance_interval {
     float lo;
     float hi;
 };
 
-/* The distances within which the rays of a group cross the plane x = c of this axis. */
-MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *axis, float c)
+/*
+ * The distances within which the rays of a group cross the plane x = c of this axis.
+ *
+ * With a common origin the bounds are not sorted: if the plane is behind the origin, both are negative, and since no ray
+ * is in a cell at a negative distance, every comparison with either of them has the same answer.
+ */
+MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *axis, float c, int has_apex)
 {
     const float x = c - axis->origin_hi, y = c - axis->origin_lo;
     const float a = x * axis->small, b = x * axis->large;
     struct distance_interval t;
+    if (has_apex) return (struct distance_interval){a, b};
     /* If a or b is a NaN, b is. As the second operand it then becomes both results. */
     t.lo = a < b ? a : b;
     t.hi = a > b ? a : b;
@@ -74,17 +59,23 @@ MLRT_INLINE struct distance_interval plane_distances(const struct group_axis *ax
 }
 
 /* Cuts `part` down to the distances at which the group can be in the closed box; lo > hi if it cannot. */
-MLRT_INLINE struct distance_interval box_distances(const struct group_axis axis[3], const struct mlrt_box *box,
-                                                   struct distance_interval part)
+MLRT_INLINE struct distance_interval cut_to_box(const struct group_axis axis[3], const struct mlrt_box *box,
+                                                struct distance_interval part, int has_apex)
 {
     for (int k = 0; k < 3; ++k) {
-        const struct distance_interval below = plane_distances(&axis[k], box->lo[k]);
-        const struct distance_interval above = plane_distances(&axis[k], box->hi[k]);
-        const float enter = axis[k].negative ? above.lo : below.lo, exit = axis[k].negative ? below.hi : above.hi;
+        const float near = axis[k].negative ? box->hi[k] : box->lo[k], far = axis[k].negative ? box->lo[k] : box->hi[k];
+        const float enter = plane_distances(&axis[k], near, has_apex).lo;
+        const float exit = plane_distances(&axis[k], far, has_apex).hi;
         if (enter > part.lo) part.lo = enter;
         if (exit < part.hi) part.hi = exit;
     }
     return part;
+}
+
+MLRT_INLINE struct distance_interval box_distances(const struct ray_group *group, const struct mlrt_box *box,
+                                                   struct distance_interval part)
+{
+    return group->has_frustum ? cut_to_box(group->axis, box, part, 1) : cut_to_box(group->axis, box, part, 0);
 }
 
 /* A far child that waits on the stack. */
@@ -117,53 +108,77 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
             if (setup->in_plane) continue;
         }
         COUNT(&worker->counters, triangle_test_count, 1);
-        changed |= setup ? test_triangle_from_apex(tree, number, setup, group, touched, packet, worker)
-                         : test_triangle_from_anywhere(tree, number, group, touched, packet, worker);
+        changed |= setup ? test_triangle_from_apex(job, number, setup, group, touched, packet, worker)
+                         : test_triangle_from_anywhere(job, number, group, touched, packet, worker);
     }
     if (!changed) return;
     if (job->any) group->lanes &= ~changed;
     *farthest = highest(packet->hi, group->lanes); /* -inf if no lane is left, which ends the search */
 }
 
+/* Where a group is: at a node, at distances within `part`, with cells that wait on the stack. */
+struct group_walk {
+    uint32_t node;
+    struct distance_interval part;
+    int pending_count;
+    struct pending_cell stack[MLRT_DEPTH_LIMIT];
+};
+
+/* Goes down to a leaf. */
+MLRT_INLINE const struct mlrt_node *descend(const struct mlrt_node *nodes, const struct ray_group *group, int has_apex,
+                                            struct group_walk *walk, struct mlrt_worker *worker)
+{
+    const struct mlrt_node *here = &nodes[walk->node];
+    struct distance_interval part = walk->part;
+    struct pending_cell *top = walk->stack + walk->pending_count;
+    COUNT(&worker->counters, cell_count, 1);
+    for (uint32_t k = mlrt_node_axis(here); k != 3; k = mlrt_node_axis(here)) {
+        const struct group_axis *axis = &group->axis[k];
+        const struct distance_interval plane = plane_distances(axis, here->u.split, has_apex);
+        const uint32_t child = mlrt_node_child(here);
+        uint32_t node = child + axis->negative;
+        if (!(part.hi < plane.lo)) {
+            const uint32_t second = child + !axis->negative;
+            if (part.lo > plane.hi) {
+                node = second;
+            } else {
+                top->node = second;
+                top->part.lo = plane.lo > part.lo ? plane.lo : part.lo;
+                top->part.hi = part.hi;
+                ++top;
+                if (plane.hi < part.hi) part.hi = plane.hi;
+            }
+        }
+        here = &nodes[node];
+        COUNT(&worker->counters, cell_count, 1);
+    }
+    walk->part = part;
+    walk->pending_count = (int)(top - walk->stack);
+    return here;
+}
+
 /* Traces a group through the subtree of `node`; its rays are in the cell of `node` at distances within `part`. */
 static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct distance_interval part, float *farthest,
                              struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    struct pending_cell stack[MLRT_DEPTH_LIMIT];
-    int pending_count = 0;
+    struct group_walk walk;
+    walk.node = node;
+    walk.part = part;
+    walk.pending_count = 0;
     for (;;) {
-        const struct mlrt_node *here = &job->tree->nodes[node];
-        COUNT(&worker->counters, cell_count, 1);
-        const uint32_t k = mlrt_node_axis(here);
-        if (k != 3) {
-            const struct group_axis *axis = &group->axis[k];
-            const struct distance_interval plane = plane_distances(axis, here->u.split);
-            const uint32_t child = mlrt_node_child(here);
-            const uint32_t first = child + axis->negative, second = child + !axis->negative;
-            if (part.hi < plane.lo) {
-                node = first;
-            } else if (part.lo > plane.hi) {
-                node = second;
-            } else {
-                stack[pending_count].node = second;
-                stack[pending_count].part.lo = plane.lo > part.lo ? plane.lo : part.lo;
-                stack[pending_count].part.hi = part.hi;
-                ++pending_count;
-                if (plane.hi < part.hi) part.hi = plane.hi;
-                node = first;
-            }
-            continue;
-        }
-        visit_leaf(job, here, farthest, group, packet, worker);
+        const struct mlrt_node *nodes = job->tree->nodes;
+        const struct mlrt_node *leaf =
+            group->has_frustum ? descend(nodes, group, 1, &walk, worker) : descend(nodes, group, 0, &walk, worker);
+        visit_leaf(job, leaf, farthest, group, packet, worker);
         for (;;) {
-            if (pending_count == 0) return;
-            --pending_count;
-            node = stack[pending_count].node;
-            part = stack[pending_count].part;
-            if (!(part.lo > *farthest)) break;
+            if (walk.pending_count == 0) return;
+            const struct pending_cell *next = &walk.stack[--walk.pending_count];
+            walk.node = next->node;
+            walk.part = next->part;
+            if (!(walk.part.lo > *farthest)) break;
             COUNT(&worker->counters, cell_count, 1);
         }
-        if (part.hi > *farthest) part.hi = *farthest;
+        if (walk.part.hi > *farthest) walk.part.hi = *farthest;
     }
 }
 
@@ -180,7 +195,7 @@ static void traverse_list(const struct mlrt_job *job, const struct entry_list *l
             continue;
         }
         const struct distance_interval ray = {nearest, farthest};
-        const struct distance_interval part = box_distances(group->axis, &list->entries[i].box, ray);
+        const struct distance_interval part = box_distances(group, &list->entries[i].box, ray);
         if (part.lo > part.hi) {
             COUNT(&worker->counters, cell_count, 1);
             continue;

@@ -17,10 +17,7 @@
 #ifndef MLRT_MLRTA_KDTREE_H
 #define MLRT_MLRTA_KDTREE_H
 
-#include "mlrt.h"
-
-/* Inner nodes of a path, at most: stacks have room for as many. Scenes need no more (default_depth in build.c). */
-#define MLRT_DEPTH_LIMIT 60
+#include "base/forms.h"
 
 struct mlrt_node {
     union {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The kernels for the kd-tree: four lanes wide where every processor has SSE2, else plain C. They exist once, since a
- * set for each instruction set would add a quarter to the library, and the hierarchy of boxes is faster
- * (docs/design.md). They always count, since they are there for study.
+ * The kernels for the kd-tree: four lanes wide where every processor has SSE2, else plain C. They always count, and so
+ * serve calls with counters, too; avx2.c has kernels that do not.
  */
 #define MLRT_COUNTING 1
 #include "base/platform.h"
@@ -13,4 +12,5 @@
 #include "simd/scalar.h"
 #endif
 #define KERNELS mlrt_kernels_kdtree
+#define PICTURE mlrt_plain_picture
 #include "mlrta/kernels.h"

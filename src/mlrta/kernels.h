@@ -15,11 +15,12 @@
 #include "mlrta/packet_filter.h"
 #include "mlrta/interval_traversal.h"
 #include "mlrta/masked_traversal.h"
-#include "mlrta/beam_culling.h"
-#include "mlrta/covering.h"
-#include "mlrta/entry_point.h"
+#include "mlrta/block.h"
 #include "mlrta/levels.h"
 
-const struct mlrt_kernels KERNELS = {.trace_tile = trace_tile, .counts = MLRT_COUNTING, .picture = &mlrt_plain_picture};
+extern const struct mlrt_picture_kernels PICTURE;
+
+const struct mlrt_kernels KERNELS = {
+    .trace_tile = mlrt_trace_kdtree_tile, .counts = MLRT_COUNTING, .picture = &PICTURE, .trace_block = trace_block};
 
 #endif

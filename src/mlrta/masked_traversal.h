@@ -54,8 +54,8 @@ MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *ax
 }
 
 /* Traces rays whose directions have the same signs. Their lanes are in the PACKET2_VECTORS from first_lane on. */
-static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
-                                  struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
+                                       struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
     mlrt_counters *counters = &worker->counters;
@@ -149,8 +149,8 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
             }
             COUNT(counters, triangle_test_count, 1);
             const uint32_t changed =
-                setup ? test_triangle_from_apex(tree, entries[i], setup, &group, group.lanes, packet, worker)
-                      : test_triangle_from_anywhere(tree, entries[i], &group, group.lanes, packet, worker);
+                setup ? test_triangle_from_apex(job, entries[i], setup, &group, group.lanes, packet, worker)
+                      : test_triangle_from_anywhere(job, entries[i], &group, group.lanes, packet, worker);
             if (job->any) {
                 alive &= ~changed;
                 group.lanes &= alive;
@@ -176,7 +176,7 @@ static void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, in
 }
 
 /* Traces the active rays of a packet from the root, 2x2 at a time. */
-static void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE void traverse_masked(const struct mlrt_job *job, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     for (int square = 0; square < MLRT_PACKET_RAYS; square += 4) {
         const int first_lane = square - square % VW;

@@ -7,7 +7,6 @@
 #define MLRT_MLRTA_PACKET_FILTER_H
 
 #include "base/counters.h"
-#include "hits/close_calls.h"
 #include "hits/outcome.h"
 #include "hits/triangle_filter.h"
 #include "mlrta/ray_group.h"
@@ -130,31 +129,30 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
  * Tests the rays `lanes` of `group` against triangle `number` and updates their nearest hits. `apex_terms` are the
  * triangle's terms if the rays have a common origin, else NULL. Returns the lanes whose nearest hit changed.
  */
-MLRT_INLINE uint32_t test_triangle(const struct mlrt_tree *tree, uint32_t number,
-                                   const struct triangle_terms *apex_terms, const struct ray_group *group,
-                                   uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
+MLRT_INLINE uint32_t test_triangle(const struct mlrt_job *job, uint32_t number, const struct triangle_terms *apex_terms,
+                                   const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
+                                   struct mlrt_worker *worker)
 {
-    const struct outcome outcome = filter_lanes(tree, number, apex_terms, group, lanes, packet, worker);
+    const struct outcome outcome = filter_lanes(job->tree, number, apex_terms, group, lanes, packet, worker);
     if (MLRT_LIKELY(!outcome.undecided)) return outcome.nearer;
-    return outcome.nearer |
-           decide_lanes(tree, number, outcome.undecided, outcome.inside, packet, worker, COUNTERS(worker));
+    return outcome.nearer | job->kernels->picture->decide_lanes(job->tree, number, outcome.undecided, outcome.inside,
+                                                                packet, worker, COUNTERS(worker));
 }
 
 /* test_triangle for rays of a common origin, and for rays of different origins. */
-static uint32_t test_triangle_from_apex(const struct mlrt_tree *tree, uint32_t number,
+static uint32_t test_triangle_from_apex(const struct mlrt_job *job, uint32_t number,
                                         const struct mlrt_triangle_setup *setup, const struct ray_group *group,
                                         uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct triangle_terms terms;
     set_apex_terms(setup, &terms);
-    return test_triangle(tree, number, &terms, group, lanes, packet, worker);
+    return test_triangle(job, number, &terms, group, lanes, packet, worker);
 }
 
-static uint32_t test_triangle_from_anywhere(const struct mlrt_tree *tree, uint32_t number,
-                                            const struct ray_group *group, uint32_t lanes, struct mlrt_packet *packet,
-                                            struct mlrt_worker *worker)
+static uint32_t test_triangle_from_anywhere(const struct mlrt_job *job, uint32_t number, const struct ray_group *group,
+                                            uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
-    return test_triangle(tree, number, NULL, group, lanes, packet, worker);
+    return test_triangle(job, number, NULL, group, lanes, packet, worker);
 }
 
 #endif

@@ -6,15 +6,11 @@
 
 #include <float.h>
 #include <math.h>
-#include <stddef.h>
+
+#include "base/structs.h"
 
 /* Up to here float holds the number of a column or row exactly, and its sum with 0.5. */
 #define PIXEL_LIMIT (1u << 23)
-
-static int is_finite_vector(const float v[3])
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
 
 static int is_zero_vector(const float v[3])
 {
@@ -31,37 +27,52 @@ static int spans_plane(const float a[3], const float b[3])
     return 0;
 }
 
-/* Resolves the length of a crop along one axis; 0 if it is not in the picture. */
-static int crop_range(uint32_t first, uint32_t count, uint32_t whole, uint32_t *resolved)
+/* Checks a length of the picture, and resolves that of its crop along the same axis. Returns a status. */
+static int32_t resolve_length(const char *axis, const char *length, uint32_t whole, uint32_t first, uint32_t count,
+                              uint32_t *resolved)
 {
-    if (first >= whole || count > whole - first) return 0;
     *resolved = count ? count : whole - first;
-    return 1;
+    if (whole == 0 || whole > PIXEL_LIMIT) {
+        return mlrt_fail(whole ? MLRT_ERROR_TOO_LARGE : MLRT_ERROR_CAMERA, "camera.%s: %lu is not from 1 to %lu",
+                         length, (unsigned long)whole, (unsigned long)PIXEL_LIMIT);
+    }
+    if (first >= whole) {
+        return mlrt_fail(MLRT_ERROR_CAMERA, "camera.crop_%s: %lu is not less than %s %lu", axis, (unsigned long)first,
+                         length, (unsigned long)whole);
+    }
+    if (count <= whole - first) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_CAMERA, "camera.crop_%s: %lu from crop_%s %lu on is more than %s %lu", length,
+                     (unsigned long)count, axis, (unsigned long)first, length, (unsigned long)whole);
+}
+
+/* Checks the numbers of a camera. Returns a status. */
+static int32_t check_numbers(const mlrt_camera *camera, int is_parallel)
+{
+    int32_t status = mlrt_check_fields(MLRT_FORM_VIEW, "camera", 0, camera);
+    if (status == MLRT_OK)
+        status = mlrt_check_fields(is_parallel ? MLRT_FORM_PARALLEL : MLRT_FORM_PINHOLE, "camera", 0, camera);
+    if (status != MLRT_OK) return status;
+    if (is_parallel && is_zero_vector(camera->direction)) {
+        return mlrt_fail(MLRT_ERROR_CAMERA, "camera.direction: all of it is 0");
+    }
+    if (spans_plane(camera->dx, camera->dy)) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_CAMERA, "camera.dx: it is parallel to dy, or one of them is 0");
 }
 
 int32_t mlrt_make_view(const mlrt_camera *camera, struct mlrt_view *view)
 {
-    if (camera->projection != MLRT_PROJECTION_PINHOLE && camera->projection != MLRT_PROJECTION_PARALLEL) {
-        return MLRT_ERROR_ARGUMENT;
-    }
     view->parallel = camera->projection == MLRT_PROJECTION_PARALLEL;
-    if (camera->width == 0 || camera->height == 0) return MLRT_ERROR_CAMERA;
-    if (camera->width > PIXEL_LIMIT || camera->height > PIXEL_LIMIT) return MLRT_ERROR_TOO_LARGE;
-    if (!crop_range(camera->crop_x, camera->crop_width, camera->width, &view->width) ||
-        !crop_range(camera->crop_y, camera->crop_height, camera->height, &view->height)) {
-        return MLRT_ERROR_CAMERA;
+    int32_t status = resolve_length("x", "width", camera->width, camera->crop_x, camera->crop_width, &view->width);
+    if (status == MLRT_OK) {
+        status = resolve_length("y", "height", camera->height, camera->crop_y, camera->crop_height, &view->height);
     }
-    if ((uint64_t)view->width * view->height > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
-    if (!is_finite_vector(camera->d00) || !is_finite_vector(camera->dx) || !is_finite_vector(camera->dy) ||
-        !isfinite(camera->sample_x) || !isfinite(camera->sample_y) || isnan(camera->t_min) || isnan(camera->t_max)) {
-        return MLRT_ERROR_CAMERA;
+    if (status == MLRT_OK && (uint64_t)view->width * view->height > INT32_MAX) {
+        status =
+            mlrt_fail(MLRT_ERROR_TOO_LARGE, "camera.crop_width: %lu x crop_height %lu are more pixels than 2147483647",
+                      (unsigned long)view->width, (unsigned long)view->height);
     }
-    if (view->parallel) {
-        if (!is_finite_vector(camera->direction) || is_zero_vector(camera->direction)) return MLRT_ERROR_CAMERA;
-    } else if (!is_finite_vector(camera->eye)) {
-        return MLRT_ERROR_CAMERA;
-    }
-    if (!spans_plane(camera->dx, camera->dy)) return MLRT_ERROR_CAMERA;
+    if (status == MLRT_OK) status = check_numbers(camera, view->parallel);
+    if (status != MLRT_OK) return status;
 
     view->first_x = camera->crop_x;
     view->first_y = camera->crop_y;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sources of rays: checks them, and reads their rays one by one or sixteen at a time.
+ * Sources of rays: reads their rays one by one or sixteen at a time.
  *
  * Arrays are aligned to 4 bytes only and have any stride, and no byte outside their elements may be read. A whole block
  * is read as four rows of four neighbours, other blocks element by element. check_packet.h checks the rays that were
@@ -11,23 +11,16 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/structs.h"
 #include "exact/nearest.h"
 #include "simd/quad.h"
 
-/* ---- checking ---- */
+/* ---- making sources ---- */
 
-/*
- * Resolves the stride of an array: the bytes from element to element, or 0 if one element serves all rays. Returns 0 if
- * the array is required but missing, or cannot be read as 4-byte numbers.
- */
-static int resolve_array(const mlrt_const_array *array, size_t element_size, int required, mlrt_const_array *resolved)
+/* An array with its stride resolved: the bytes from element to element, or 0 if one element serves all rays. */
+static mlrt_const_array resolve_array(const mlrt_const_array *array, size_t element_size)
 {
-    *resolved = *array;
-    if (!array->data) return !required;
-    if (array->stride == 0) resolved->stride = element_size;
-    if (array->stride == MLRT_STRIDE_ALL) resolved->stride = 0;
-    return resolved->stride <= MLRT_STRIDE_LIMIT && resolved->stride % 4 == 0 && (uintptr_t)array->data % 4 == 0;
+    const size_t stride = array->stride == 0 ? element_size : array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
+    return (mlrt_const_array){array->data, stride};
 }
 
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
@@ -48,23 +41,22 @@ static int lie_together(const mlrt_const_array *array, const mlrt_const_array *o
 /* Finds the arrays that are prefetched: those with an element for each ray; of those that lie together, the first. */
 static void find_streams(struct mlrt_source *source)
 {
-    const mlrt_const_array *arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
-                                         &source->skip};
+    const mlrt_const_array *const arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
+                                               &source->skip};
     source->stream_count = 0;
     for (int i = 0; i < 5; ++i) {
-        int is_new = arrays[i]->data && arrays[i]->stride;
-        for (uint32_t j = 0; j < source->stream_count; ++j) is_new &= !lie_together(arrays[i], &source->streams[j]);
-        if (is_new) source->streams[source->stream_count++] = *arrays[i];
+        if (!arrays[i]->data || !arrays[i]->stride) continue;
+        uint32_t j = 0;
+        while (j < source->stream_count && !lie_together(arrays[i], &source->streams[j])) ++j;
+        if (j == source->stream_count) source->streams[source->stream_count++] = *arrays[i];
     }
 }
 
-static int32_t set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
+static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
 {
     find_streams(source);
-    if (count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
     source->count = (uint32_t)count;
     mlrt_set_rows(row_length, source);
-    return MLRT_OK;
 }
 
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source)
@@ -81,45 +73,36 @@ int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *sou
     return MLRT_OK;
 }
 
-int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
+void mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
     source->rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1;
-    const int required = rays->count > 0;
-    if (!resolve_array(&rays->origins, 12, required, &source->points) ||
-        !resolve_array(&rays->directions, 12, required, &source->directions) ||
-        !resolve_array(&rays->t_min, 4, 0, &source->t_min) || !resolve_array(&rays->t_max, 4, 0, &source->t_max) ||
-        !resolve_array(&rays->skip, 8, 0, &source->skip) || !resolve_array(&rays->mask, 4, 0, &source->mask)) {
-        return MLRT_ERROR_ARGUMENT;
-    }
-    return set_extent(source, rays->count, rays->row_length);
+    source->points = resolve_array(&rays->origins, 12);
+    source->directions = resolve_array(&rays->directions, 12);
+    source->t_min = resolve_array(&rays->t_min, 4);
+    source->t_max = resolve_array(&rays->t_max, 4);
+    source->skip = resolve_array(&rays->skip, 8);
+    source->mask = resolve_array(&rays->mask, 4);
+    set_extent(source, rays->count, rays->row_length);
 }
 
-int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
+void mlrt_set_light(const mlrt_light *light, struct mlrt_source *source)
 {
-    if (light->kind != MLRT_LIGHT_POINT && light->kind != MLRT_LIGHT_DIRECTIONAL) return MLRT_ERROR_ARGUMENT;
     source->kind = light->kind == MLRT_LIGHT_POINT ? MLRT_SOURCE_POINT_LIGHT : MLRT_SOURCE_DIRECTIONAL_LIGHT;
-    for (int k = 0; k < 3; ++k) {
-        if (!isfinite(light->position[k])) return MLRT_ERROR_ARGUMENT;
-        source->light[k] = light->position[k];
-    }
-    return MLRT_OK;
+    memcpy(source->light, light->position, sizeof source->light);
 }
 
-int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
-                               struct mlrt_source *source)
+void mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                            struct mlrt_source *source)
 {
-    const int32_t status = mlrt_set_light(light, source);
-    if (status != MLRT_OK) return status;
+    mlrt_set_light(light, source);
     source->directions.data = source->t_min.data = source->t_max.data = source->mask.data = NULL;
     source->tree = tree;
     source->rays_per_origin = 1;
-    if (!resolve_array(&points->positions, 12, points->count > 0, &source->points) ||
-        !resolve_array(&points->skip, 8, 0, &source->skip)) {
-        return MLRT_ERROR_ARGUMENT;
-    }
-    return set_extent(source, points->count, points->row_length);
+    source->points = resolve_array(&points->positions, 12);
+    source->skip = resolve_array(&points->skip, 8);
+    set_extent(source, points->count, points->row_length);
 }
 
 void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source)
@@ -468,11 +451,15 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const uint64_t row = y + (uint32_t)mlrt_lane_y[lane];
-        if (row * source->width + x + (uint32_t)mlrt_lane_x[lane] >= source->count) lanes &= ~(1u << lane);
+    static const uint16_t rows[4] = {0x0033, 0x00CC, 0x3300, 0xCC00}, columns[4] = {0x0505, 0x0A0A, 0x5050, 0xA0A0};
+    uint32_t inside = 0;
+    for (uint32_t row = 0; row < 4; ++row) {
+        const uint64_t first = (y + (uint64_t)row) * source->width + x;
+        for (uint32_t column = 0; column < 4 && first + column < source->count; ++column) {
+            inside |= rows[row] & columns[column];
+        }
     }
-    return lanes;
+    return lanes & inside;
 }
 
 /* ---- prefetching ---- */

@@ -50,14 +50,14 @@ struct mlrt_source {
  */
 void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source);
 
-/* Make a source of structs whose struct_size is right: check them and resolve strides. Return a status. */
+/* Make a source of structs that were checked, and resolve strides. The camera is checked here: returns a status. */
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source);
-int32_t mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source);
-int32_t mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
-                               struct mlrt_source *source);
+void mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_source *source);
+void mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                            struct mlrt_source *source);
 
-/* Checks a light, whose struct_size is right, and sets kind and light of a source. Returns a status. */
-int32_t mlrt_set_light(const mlrt_light *light, struct mlrt_source *source);
+/* Sets kind and light of a source. */
+void mlrt_set_light(const mlrt_light *light, struct mlrt_source *source);
 
 /* Cuts the rays of arrays into rows of this length. If it is 0, or rays_per_origin is not 1, they are a list. */
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source);

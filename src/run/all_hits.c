@@ -10,7 +10,6 @@
 #include "base/progress.h"
 #include "base/run_options.h"
 #include "base/scheduler.h"
-#include "base/structs.h"
 #include "exact/hit_list.h"
 #include "job/write_arrays.h"
 #include "run/trace_ray.h"
@@ -36,26 +35,20 @@ struct run {
     struct mlrt_progress progress; /* by items */
 };
 
-static int32_t resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
+static void resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
 {
     const mlrt_array arrays[ARRAY_COUNT] = {lists->t,        lists->u,        lists->v,
                                             lists->mesh,     lists->triangle, lists->facing,
                                             lists->crossing, lists->total,    lists->crossing_total};
     for (int c = 0; c < ARRAY_COUNT; ++c) {
-        const size_t size = c == CROSSING ? 1 : 4;
         mlrt_array *array = &run->arrays[c];
         *array = arrays[c];
-        if (!array->data) continue;
-        if (array->stride == 0) array->stride = size;
-        if (array->stride > MLRT_STRIDE_LIMIT || array->stride % size != 0 || (uintptr_t)array->data % size != 0)
-            return MLRT_ERROR_ARGUMENT;
-        if (c >= TOTAL) continue;
-        if (lists->capacity == 0) return MLRT_ERROR_ARGUMENT;
-        run->capacity = lists->capacity; // without arrays of hits it stays 0, and no hits are put in order
+        if (array->stride == 0) array->stride = c == CROSSING ? 1 : 4;
+        /* Without arrays of hits it stays 0, and no hits are put in order. */
+        if (c < TOTAL && array->data) run->capacity = lists->capacity;
     }
     run->outputs = (lists->t.data ? MLRT_OUTPUT_T : 0u) | (lists->u.data || lists->v.data ? MLRT_OUTPUT_UV : 0u) |
                    (lists->facing.data ? MLRT_OUTPUT_FACING : 0u);
-    return MLRT_OK;
 }
 
 static void *element(const mlrt_array *array, size_t i)
@@ -152,8 +145,7 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
                           const struct mlrt_run_options *options)
 {
     struct run run = {.tree = tree, .source = source, .counting = options->counters != NULL};
-    int32_t status = resolve_arrays(lists, &run);
-    if (status != MLRT_OK) return status;
+    resolve_arrays(lists, &run);
     if (source->count == 0) return mlrt_end_nothing(&options->host);
     const uint32_t worker_count = mlrt_worker_count(options->pool);
     const uint32_t item_count = (source->count - 1) / ITEM_RAYS + 1;
@@ -162,7 +154,7 @@ int32_t mlrt_run_all_hits(const struct mlrt_tree *tree, const struct mlrt_source
     if (!run.workers) return MLRT_ERROR_OUT_OF_MEMORY;
     for (uint32_t w = 0; w < worker_count; ++w) run.workers[w].list.memory = memory;
     mlrt_begin_progress(&options->host, item_count, &run.progress);
-    status = mlrt_run_items(options->pool, item_count, run_item, &run);
+    const int32_t status = mlrt_run_items(options->pool, item_count, run_item, &run);
     for (uint32_t w = 0; w < worker_count; ++w) {
         if (options->counters) mlrt_add_counters(options->counters, &run.workers[w].counters);
         mlrt_free_hit_list(&run.workers[w].list);

@@ -5,7 +5,7 @@
  *
  * With counters, the scalar kernels run, which do the same work in more steps: counting kernels for every instruction
  * set would nearly double the size of the library. If there is SSE, the scalar kernels serve no other purpose and
- * always count. So do the kernels of the kd-tree.
+ * always count. The kernels of the kd-tree count in SSE2, too (plain C without it); those in AVX2 do not.
  */
 #include "run/dispatch.h"
 
@@ -67,6 +67,17 @@ const struct mlrt_kernels *mlrt_widest_kernels(void)
 #endif
 }
 
+/* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
+static const struct mlrt_kernels *kdtree_kernels(int32_t isa, int32_t method, int counting)
+{
+#if MLRT_HAVE_SSE
+    if (isa >= MLRT_ISA_AVX2 && !counting && method != MLRT_METHOD_PACKET2) return &mlrt_kernels_kdtree_avx2;
+#else
+    (void)isa, (void)method, (void)counting;
+#endif
+    return &mlrt_kernels_kdtree;
+}
+
 const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting)
 {
 #if MLRT_HAVE_SSE
@@ -76,6 +87,6 @@ const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int 
 #endif
     if (isa == MLRT_ISA_AUTO) isa = widest;
     if (isa > widest) return NULL;
-    if (method != MLRT_METHOD_TILE) return &mlrt_kernels_kdtree;
+    if (method != MLRT_METHOD_TILE) return kdtree_kernels(isa, method, counting);
     return counting ? &mlrt_kernels_scalar_counting : kernels_of_isa[isa];
 }

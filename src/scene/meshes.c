@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-#include "base/host.h"
+#include "base/platform.h"
 #include "base/progress.h"
 #include "base/structs.h"
 #include "scene/masks.h"
@@ -14,7 +14,7 @@
 /* Triangles copied between two calls of mlrt_advance: less than a millisecond. */
 #define CHUNK_SIZE 8192
 
-#define FIRST_SIZE MLRT_SIZE_UP_TO(mlrt_mesh, mask)
+#define PATH "meshes[%lu]"
 
 /* ---- one mesh ---- */
 
@@ -23,10 +23,10 @@ static const void *given_mesh(const mlrt_mesh *meshes, size_t i)
     return (const unsigned char *)meshes + i * meshes->struct_size;
 }
 
-mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i)
+MLRT_NOINLINE mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i)
 {
     mlrt_mesh mesh;
-    (void)mlrt_take_struct(given_mesh(meshes, i), FIRST_SIZE, &mesh, sizeof mesh);
+    (void)mlrt_take_struct(MLRT_STRUCT_MESH, PATH, i, given_mesh(meshes, i), &mesh);
     if (mesh.index_size == 0) mesh.index_size = 4;
     if (mesh.vertex_stride == 0) mesh.vertex_stride = 12;
     if (mesh.triangle_stride == 0) mesh.triangle_stride = 3 * (size_t)mesh.index_size;
@@ -37,34 +37,42 @@ mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i)
 static int32_t check_mesh(const mlrt_mesh *meshes, size_t i)
 {
     mlrt_mesh given;
-    const int32_t status = mlrt_take_struct(given_mesh(meshes, i), FIRST_SIZE, &given, sizeof given);
+    int32_t status = mlrt_check_equal_sizes(PATH, i, meshes, given_mesh(meshes, i));
+    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_MESH, PATH, i, given_mesh(meshes, i), &given);
     if (status != MLRT_OK) return status;
-    if (((const mlrt_mesh *)given_mesh(meshes, i))->struct_size != meshes->struct_size) return MLRT_ERROR_STRUCT_SIZE;
     const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
-    if (mesh.index_size != 2 && mesh.index_size != 4) return MLRT_ERROR_ARGUMENT;
-    if (mesh.triangle_count == 0) return MLRT_OK;
-    if (mesh.triangle_count > MLRT_TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
-    if (!mesh.vertices && mesh.vertex_count) return MLRT_ERROR_ARGUMENT;
-    if (mesh.vertex_stride > MLRT_STRIDE_LIMIT || mesh.triangle_stride > MLRT_STRIDE_LIMIT) return MLRT_ERROR_ARGUMENT;
-    if (mesh.vertex_stride % 4 || mesh.vertex_stride < 12) return MLRT_ERROR_ARGUMENT;
-    if ((uintptr_t)mesh.vertices % 4 || (uintptr_t)mesh.indices % mesh.index_size) return MLRT_ERROR_ARGUMENT;
-    if (mesh.triangle_stride % mesh.index_size || mesh.triangle_stride < 3 * (size_t)mesh.index_size) {
-        return MLRT_ERROR_ARGUMENT;
+    if (mesh.index_size != 2 && mesh.index_size != 4) {
+        return mlrt_fail(MLRT_ERROR_ARGUMENT, PATH ".index_size: %lu is not 2 or 4", (unsigned long)i,
+                         (unsigned long)mesh.index_size);
     }
-    return MLRT_OK;
+    if (mesh.triangle_count == 0 || mesh.triangle_count > MLRT_TRIANGLE_LIMIT) return MLRT_OK;
+    if (!mesh.vertices && mesh.vertex_count) {
+        return mlrt_fail_at(MLRT_ERROR_ARGUMENT, PATH, i, "vertices", "NULL, but vertex_count is not 0");
+    }
+    status = mlrt_check_array(PATH, i, "vertices", mesh.vertices, mesh.vertex_stride, 4, 12);
+    if (status != MLRT_OK) return status;
+    return mlrt_check_array(PATH, i, "indices", mesh.indices, mesh.triangle_stride, mesh.index_size,
+                            3 * (size_t)mesh.index_size);
 }
 
 int32_t mlrt_check_meshes(const mlrt_mesh *meshes, size_t mesh_count, uint32_t *triangle_count)
 {
     uint64_t sum = 0;
+    char digits[MLRT_DIGITS];
     *triangle_count = 0;
-    if (!meshes && mesh_count) return MLRT_ERROR_ARGUMENT;
-    if (mesh_count > INT32_MAX) return MLRT_ERROR_TOO_LARGE;
+    if (!meshes && mesh_count) return mlrt_fail(MLRT_ERROR_ARGUMENT, "meshes: NULL, but mesh_count is not 0");
+    if (mesh_count > INT32_MAX) {
+        return mlrt_fail(MLRT_ERROR_TOO_LARGE, "mesh_count: %s is more than 2147483647",
+                         mlrt_write_digits(mesh_count, digits));
+    }
     for (size_t i = 0; i < mesh_count; ++i) {
         const int32_t status = check_mesh(meshes, i);
         if (status != MLRT_OK) return status;
         sum += mlrt_mesh_at(meshes, i).triangle_count;
-        if (sum > MLRT_TRIANGLE_LIMIT) return MLRT_ERROR_TOO_LARGE;
+        if (sum > MLRT_TRIANGLE_LIMIT) {
+            return mlrt_fail(MLRT_ERROR_TOO_LARGE, PATH ".triangle_count: %s triangles up to here are more than %lu",
+                             (unsigned long)i, mlrt_write_digits(sum, digits), (unsigned long)MLRT_TRIANGLE_LIMIT);
+        }
     }
     *triangle_count = (uint32_t)sum;
     return MLRT_OK;
@@ -79,14 +87,18 @@ static uint64_t vertex_index(const mlrt_mesh *mesh, size_t triangle, int corner)
     return ((const uint32_t *)(const void *)triple)[corner];
 }
 
-int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_triangle *copy, uint64_t *index)
+int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, struct mlrt_triangle *copy)
 {
     for (int corner = 0; corner < 3; ++corner) {
-        *index = vertex_index(mesh, triangle, corner);
-        if (*index >= mesh->vertex_count) return 0;
-        memcpy(copy->v[corner], (const unsigned char *)mesh->vertices + (size_t)*index * mesh->vertex_stride, 12);
+        const uint64_t index = vertex_index(mesh, triangle, corner);
+        if (index >= mesh->vertex_count) {
+            return mlrt_fail(
+                MLRT_ERROR_INDEX_RANGE, PATH ", triangle %lu: vertex index %lu is out of range (vertex_count is %lu)",
+                (unsigned long)i, (unsigned long)triangle, (unsigned long)index, (unsigned long)mesh->vertex_count);
+        }
+        memcpy(copy->v[corner], (const unsigned char *)mesh->vertices + (size_t)index * mesh->vertex_stride, 12);
     }
-    return 1;
+    return MLRT_OK;
 }
 
 /* ---- ids ---- */
@@ -120,7 +132,14 @@ static int32_t sort_mesh_ids(struct mlrt_tree *tree)
         sink(ids, sorted, 0, left);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        if (ids[sorted[i]] == MLRT_NONE || (i > 0 && ids[sorted[i]] == ids[sorted[i - 1]])) return MLRT_ERROR_ARGUMENT;
+        const unsigned long id = ids[sorted[i]], position = sorted[i], last = i > 0 ? sorted[i - 1] : position;
+        if (id == MLRT_NONE) {
+            return mlrt_fail(MLRT_ERROR_ARGUMENT, PATH ".id: MLRT_NONE stands for no mesh", position);
+        }
+        if (position != last && id == ids[last]) {
+            return mlrt_fail(MLRT_ERROR_ARGUMENT, PATH ".id: %lu is the id of meshes[%lu] too",
+                             position > last ? position : last, id, position > last ? last : position);
+        }
     }
     return MLRT_OK;
 }
@@ -136,17 +155,12 @@ static int32_t set_mesh_ids(const mlrt_mesh *meshes, struct mlrt_tree *tree)
 
 /* ---- triangles and masks ---- */
 
-static int32_t copy_triangles(const mlrt_mesh *mesh, uint32_t position, const struct mlrt_voice *voice,
-                              struct mlrt_progress *progress, struct mlrt_triangle *triangles)
+static int32_t copy_triangles(const mlrt_mesh *mesh, uint32_t position, struct mlrt_progress *progress,
+                              struct mlrt_triangle *triangles)
 {
-    uint64_t index;
     for (size_t i = 0; i < mesh->triangle_count; ++i) {
-        if (!mlrt_copy_triangle(mesh, i, &triangles[i], &index)) {
-            mlrt_explain(voice, "mesh %lu, triangle %lu: vertex index %lu is out of range (vertex_count is %lu)",
-                         (unsigned long)position, (unsigned long)i, (unsigned long)index,
-                         (unsigned long)mesh->vertex_count);
-            return MLRT_ERROR_INDEX_RANGE;
-        }
+        const int32_t status = mlrt_copy_triangle(mesh, position, i, &triangles[i]);
+        if (status != MLRT_OK) return status;
         if ((i + 1) % CHUNK_SIZE == 0 && mlrt_advance(progress, CHUNK_SIZE * MLRT_COPY_WORK)) {
             return MLRT_ERROR_CANCELLED;
         }
@@ -183,8 +197,8 @@ static int allocate_tables(struct mlrt_tree *tree)
     return tree->mesh_ids && tree->mesh_by_id && tree->mesh_first && tree->triangles;
 }
 
-int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, const struct mlrt_voice *voice,
-                         struct mlrt_progress *progress, struct mlrt_tree *tree)
+int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, struct mlrt_progress *progress,
+                         struct mlrt_tree *tree)
 {
     tree->mesh_count = (uint32_t)mesh_count;
     if (!allocate_tables(tree)) return MLRT_ERROR_OUT_OF_MEMORY;
@@ -193,7 +207,7 @@ int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, const struc
     for (uint32_t i = 0; i < tree->mesh_count && status == MLRT_OK; ++i) {
         const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
         tree->mesh_first[i + 1] = tree->mesh_first[i] + (uint32_t)mesh.triangle_count;
-        status = copy_triangles(&mesh, i, voice, progress, tree->triangles + tree->mesh_first[i]);
+        status = copy_triangles(&mesh, i, progress, tree->triangles + tree->mesh_first[i]);
     }
     return status == MLRT_OK ? set_masks(meshes, tree) : status;
 }

@@ -5,7 +5,6 @@
 #ifndef MLRT_SCENE_MESHES_H
 #define MLRT_SCENE_MESHES_H
 
-#include "base/host.h"
 #include "base/progress.h"
 #include "scene/tree.h"
 
@@ -21,10 +20,10 @@ mlrt_mesh mlrt_mesh_at(const mlrt_mesh *meshes, size_t i);
 int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count);
 
 /*
- * Copies a triangle of a mesh of mlrt_mesh_at. Returns 0 if the index of a vertex is out of range; then *index is that
- * index.
+ * Copies a triangle of a mesh of mlrt_mesh_at, mesh `i`. Returns MLRT_OK, or MLRT_ERROR_INDEX_RANGE if the index of a
+ * vertex is out of range.
  */
-int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_triangle *copy, uint64_t *index);
+int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, struct mlrt_triangle *copy);
 
 /* The work of copying a triangle: the unit of a build's progress. */
 #define MLRT_COPY_WORK 1.0
@@ -33,8 +32,8 @@ int mlrt_copy_triangle(const mlrt_mesh *mesh, size_t triangle, struct mlrt_trian
  * Copies meshes that were checked into a tree: its triangles, and its tables of ids and masks. tree->triangle_count is
  * the count of mlrt_check_meshes. Returns a status. mlrt_free_meshes frees the arrays, also after an error.
  */
-int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, const struct mlrt_voice *voice,
-                         struct mlrt_progress *progress, struct mlrt_tree *tree);
+int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, struct mlrt_progress *progress,
+                         struct mlrt_tree *tree);
 
 void mlrt_free_meshes(struct mlrt_tree *tree);
 

@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: MIT
 #
 # make test-install: installs into scratch folders in three ways, builds consumers there with pkg-config and with CMake,
-# shared and static, runs them, and looks whether `make uninstall` leaves anything. tests/consumer/check.sh FOLDER
+# shared and static, in C and C++, runs them, and looks whether `make uninstall` leaves anything. Also whether
+# debugging information is left out, and whether the manual page and `make help` are complete.
+# tests/consumer/check.sh FOLDER
 set -eu
 mkdir -p "$1"
 folder=$(cd "$1" && pwd)
+build=$(dirname "$folder")
 source=$(cd "$(dirname "$0")" && pwd)
-: "${CC:=cc}" "${MAKE:=make}"
+scene=$source/../../bindings/c
+: "${CC:=cc}" "${CXX:=c++}" "${MAKE:=make}"
 done_list=
 
 fail()
@@ -38,9 +42,11 @@ consume()
     if command -v pkg-config >/dev/null; then
         export PKG_CONFIG_LIBDIR="$libdir/pkgconfig"
         [ "$(pkg-config --modversion mlrt)" = "$VERSION" ] || fail "$1: pkg-config does not know the version"
-        $CC -std=c99 "$source/main.c" $(pkg-config --cflags --libs mlrt) -o "$out/pkg-shared"
+        $CC -std=c99 -I"$scene" "$source/main.c" $(pkg-config --cflags --libs mlrt) -o "$out/pkg-shared"
         run_shared "$out/pkg-shared" "$libdir"
-        $CC -std=c99 -static "$source/main.c" $(pkg-config --cflags --static --libs mlrt) -o "$out/pkg-static"
+        $CXX -std=c++11 -I"$scene" "$source/main.cpp" $(pkg-config --cflags --libs mlrt) -o "$out/pkg-shared-cpp"
+        run_shared "$out/pkg-shared-cpp" "$libdir"
+        $CC -std=c99 -I"$scene" -static "$source/main.c" $(pkg-config --cflags --static --libs mlrt) -o "$out/pkg-static"
         run_static "$out/pkg-static"
         unset PKG_CONFIG_LIBDIR
         done_list="$done_list $1/pkg-config"
@@ -48,12 +54,14 @@ consume()
         echo "test-install: no pkg-config: not tested"
     fi
     if command -v cmake >/dev/null; then
-        cmake -S "$source" -B "$out/cmake" -DCMAKE_C_COMPILER="$CC" -DCMAKE_PREFIX_PATH="$3" -Dmlrt_DIR="$4" -DWANTED=0.1 \
-            >"$out/cmake.log" || fail "$1: cmake finds no mlrt 0.1: see $out/cmake.log"
+        cmake -S "$source" -B "$out/cmake" -DCMAKE_C_COMPILER="$CC" -DCMAKE_CXX_COMPILER="$CXX" -DCMAKE_PREFIX_PATH="$3" \
+            -Dmlrt_DIR="$4" -DWANTED=0.1 -DSCENE="$scene" >"$out/cmake.log" || fail "$1: cmake finds no mlrt 0.1: see $out/cmake.log"
         cmake --build "$out/cmake" >>"$out/cmake.log" || fail "$1: cmake cannot build: see $out/cmake.log"
         grep -q "mlrt_DIR.*=$libdir/cmake/mlrt" "$out/cmake/CMakeCache.txt" || fail "$1: cmake found another mlrt"
         run_shared "$out/cmake/use_mlrt" "$libdir"
+        run_shared "$out/cmake/use_mlrt_cpp" "$libdir"
         run_static "$out/cmake/use_mlrt_static"
+        run_static "$out/cmake/use_mlrt_static_cpp"
         for version in 0.99 1.0; do
             if cmake -S "$source" -B "$out/cmake-$version" -DCMAKE_C_COMPILER="$CC" -DCMAKE_PREFIX_PATH="$3" -Dmlrt_DIR="$4" \
                 -DWANTED=$version >"$out/cmake-$version.log" 2>&1; then fail "$1: cmake takes $VERSION for $version"; fi
@@ -62,6 +70,39 @@ consume()
     else
         echo "test-install: no cmake: not tested"
     fi
+}
+
+# has_debug FILE: is there debugging information?
+has_debug()
+{
+    readelf -S "$1" | grep -q '\.debug_info'
+}
+
+# The page names every function and every status code of the header.
+check_manual()
+{
+    for name in $(sed -n 's/^MLRT_API .*[ *]\(mlrt_[a-z0-9_]*\)(.*/\1/p; s/^    \(MLRT_ERROR_[A-Z_]*\) = .*/\1/p' "$source/../../include/mlrt.h"); do
+        [ "$(grep -c "\b$name\b" "$1")" -ge 1 ] || fail "the manual page has no $name"
+        grep -A 1 '^\.TP' "$1" | grep -q "^\.BR\{0,1\} $name\b" || fail "the manual page does not describe $name"
+    done
+    grep -q 'return status != MLRT_OK;' "$1" || fail "the manual page has no example"
+    if command -v groff >/dev/null; then
+        warnings=$(groff -man -ww -Tutf8 "$1" 2>&1 >/dev/null)
+        [ -z "$warnings" ] || fail "the manual page: $warnings"
+    fi
+}
+
+# The list has every target that a person calls, and no others.
+check_help()
+{
+    $quiet help >"$folder/help"
+    for target in $(sed -n 's/^\.PHONY://p' "$source/../../Makefile"); do
+        case $target in library | examples | all | install-strip) continue ;; esac
+        grep -q "make .*\b$target\b\|^ .*\b$target\b" "$folder/help" || fail "make help has no $target"
+    done
+    for target in $(sed -n 's/^make \([a-z][a-z-]*\).*/\1/p' "$folder/help"); do
+        sed -n 's/^\.PHONY://p' "$source/../../Makefile" | grep -qw -- "$target" || fail "make help has $target, which is no target"
+    done
 }
 
 leaves_nothing()
@@ -82,15 +123,22 @@ for script in "$stage"/usr/lib/some-machine/pkgconfig/mlrt.pc "$stage"/usr/lib/s
     if grep -n "$folder" "$script"; then fail "$script names the folder that it was staged in"; fi
     if grep -n '@[A-Z_]*@' "$script"; then fail "$script has a place that was not filled in"; fi
 done
+check_manual "$stage/usr/share/man/man3/mlrt.3"
+for library in libmlrt.a libmlrt.so; do
+    if has_debug "$stage/usr/lib/some-machine/$library"; then fail "$library is not stripped"; fi
+done
 mv "$stage" "$folder/moved"
 consume staged "$folder/moved/usr/lib/some-machine" "$folder/moved/usr" "$folder/moved/usr/lib/some-machine/cmake/mlrt"
 mv "$folder/moved" "$stage"
 $quiet uninstall "$@"
 leaves_nothing "$stage"
 
-# As people do, then moved as a whole.
+# As people do, then moved as a whole; with the debugging information, if the build has any.
 set -- PREFIX="$folder/prefix"
-$quiet install-strip "$@"
+$quiet install KEEP_DEBUG=1 "$@"
+for library in libmlrt.a libmlrt.so; do
+    cmp "$folder/prefix/lib/$library" "$build/$library" || fail "KEEP_DEBUG=1 does not keep $library as it is"
+done
 mv "$folder/prefix" "$folder/moved"
 consume prefix "$folder/moved/lib" "$folder/moved" ""
 mv "$folder/moved" "$folder/prefix"
@@ -104,5 +152,7 @@ consume apart "$folder/libraries" "$folder/apart" "$folder/libraries/cmake/mlrt"
 $quiet uninstall "$@"
 leaves_nothing "$folder/apart"
 leaves_nothing "$folder/libraries"
+
+check_help
 
 echo "test-install: built and run:$done_list"

@@ -4,8 +4,9 @@
     import mlrt
     tree = mlrt.Tree(vertices, faces)           # float32 (n, 3), uint32 (m, 3)
     hits = tree.trace(origins, directions)      # float32 (..., 3) each
-    hits.t, hits.triangle                       # float32, uint32 (...)
+    hits.t, hits.triangle, hits.points          # float32 (...), uint32 (...), float32 (..., 3)
 
+mlrt.typing has the names of arguments' types, mlrt.trimesh a ray class for trimesh, mlrt.distributed traces over a cluster of Dask.
 Every answer equals exact arithmetic on the float32 numbers given; include/mlrt.h of the library states the rules.
 """
 
@@ -29,6 +30,7 @@ from ._lights import DirectionalLight
 from ._meshes import geometry_hash, geometry_hash_of_meshes
 from ._pool import Pool
 from ._results import HitLists, Hits
+from ._single import Hit
 from ._tree import Tree, TreeInfo
 
 
@@ -58,6 +60,7 @@ __all__ = [
     "DataError",
     "DirectionalLight",
     "Error",
+    "Hit",
     "HitLists",
     "Hits",
     "IndexRangeError",

@@ -173,6 +173,11 @@ class Counters(Struct):
         )
     ]
 
+    def __repr__(self) -> str:
+        """The counters that are not 0."""
+        counts = ((field[0], getattr(self, field[0])) for field in self._fields_[2:])
+        return f"<Counters: {', '.join(f'{name}={count}' for name, count in counts if count) or 'all 0'}>"
+
 
 class Light(Struct):
     _fields_ = [("struct_size", c_uint32), ("kind", c_int32), ("position", Float3)]
@@ -368,6 +373,7 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "mlrt_capabilities": (c_uint64, []),
     "mlrt_struct_sizes": (None, [c_void_p, c_uint32]),
     "mlrt_status_string": (c_char_p, [c_int32]),
+    "mlrt_last_message": (c_char_p, []),
     "mlrt_build_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_build_kdtree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "mlrt_estimate_tree": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p]),

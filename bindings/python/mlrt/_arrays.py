@@ -9,9 +9,18 @@ import numpy as np
 
 FLOAT = np.dtype(np.float32)
 UINT = np.dtype(np.uint32)
+INT = np.dtype(np.int32)
 
 _from_buffer: Any = ctypes.c_char.from_buffer
 _addressof = ctypes.addressof
+
+
+def named(value: Any, names: dict[Any, int], what: str) -> int:
+    """The number of a name."""
+    try:
+        return names[value]
+    except (KeyError, TypeError):
+        raise ValueError(f"{what}: {value!r} is none of {', '.join(map(repr, names))}") from None
 
 
 def address(array: np.ndarray) -> int:

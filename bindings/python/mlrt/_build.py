@@ -1,51 +1,24 @@
 # SPDX-License-Identifier: MIT
 """Building trees, and foreseeing the memory that this takes."""
 
+from __future__ import annotations
+
 import ctypes
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, TypedDict, Union
+from typing import Any, NamedTuple, Optional, Union
 
 from . import _abi
 from ._abi import TreeHandle, library
-from ._arrays import mask_word
+from ._arrays import mask_word, named
 from ._errors import check
 from ._host import Host
 from ._meshes import Meshes, in_32_bits, in_64_bits
-from ._pool import Pool
+from ._pool import pool_handle
 from ._progress import Bar
-
-if TYPE_CHECKING:  # in typing since Python 3.11
-    from typing_extensions import Unpack
-
-Preset = Literal["default", "fast", "best"]
-KdTreePreset = Literal["paper", "tuned"]
+from .typing import KdTreePreset, Preset, Threads
 
 MESSAGE_SIZE = 256
-
-
-class CommonSettings(TypedDict, total=False):
-    """What trees of both structures take by name."""
-
-    traversal_cost: float
-    intersection_cost: float
-    memory_limit: int
-
-
-class TreeSettings(CommonSettings, total=False):
-    """What estimate_tree takes by name, and Tree and Tree.from_meshes besides `progress`."""
-
-    preset: Preset
-    pool: Optional[Pool]
-
-
-class KdTreeSettings(CommonSettings, total=False):
-    """What estimate_kdtree takes by name, and Tree.kdtree and Tree.kdtree_from_meshes besides `progress`."""
-
-    preset: KdTreePreset
-    rules_off: Iterable[str]
-    max_depth: int
-    max_references: int
 
 
 class MemoryEstimate(NamedTuple):
@@ -53,20 +26,6 @@ class MemoryEstimate(NamedTuple):
 
     memory_size: int  #: bytes held by the tree
     peak_memory_size: int  #: bytes held at most at one time while building
-
-
-def named(value: Any, names: dict[Any, int], what: str) -> int:
-    try:
-        return names[value]
-    except (KeyError, TypeError):
-        raise ValueError(f"{what}: {value!r} is none of {', '.join(map(repr, names))}") from None
-
-
-def _refuse(settings: Any, own: type, other: type, maker: str) -> None:
-    """A TypeError by name for what only the other kind of tree has."""
-    for name in settings:
-        if name in other.__annotations__ and name not in own.__annotations__:
-            raise TypeError(f"{name} is an option of {maker} only")
 
 
 def _complete(options: Any, memory_limit: int) -> Any:
@@ -78,13 +37,8 @@ def _complete(options: Any, memory_limit: int) -> Any:
     return options
 
 
-def _tree_options(
-    *,
-    preset: Preset = "default",
-    traversal_cost: float = 0.0,
-    intersection_cost: float = 0.0,
-    pool: Optional[Pool] = None,
-    memory_limit: int = 0,
+def tree_options(
+    preset: Preset, pool: Threads, memory_limit: int, traversal_cost: float, intersection_cost: float
 ) -> Any:
     """An mlrt_tree_options."""
     options: Any = _abi.TreeOptions(
@@ -93,20 +47,19 @@ def _tree_options(
         intersection_cost=intersection_cost,
     )
     if pool is not None:
-        options.handle = pool.handle()
+        options.handle = pool_handle(pool)
         options.pool = options.handle.value
     return _complete(options, memory_limit)
 
 
-def _kdtree_options(
-    *,
-    preset: KdTreePreset = "paper",
-    rules_off: Iterable[str] = (),
-    max_depth: int = 0,
-    max_references: int = 0,
-    traversal_cost: float = 0.0,
-    intersection_cost: float = 0.0,
-    memory_limit: int = 0,
+def kdtree_options(
+    preset: KdTreePreset,
+    rules_off: Iterable[str],
+    max_depth: int,
+    max_references: int,
+    memory_limit: int,
+    traversal_cost: float,
+    intersection_cost: float,
 ) -> Any:
     """An mlrt_kdtree_options."""
     options: Any = _abi.KdTreeOptions(
@@ -132,16 +85,14 @@ def _build(builder: Any, meshes: Meshes, options: Any, progress: bool) -> TreeHa
     return handle
 
 
-def build_tree(meshes: Meshes, progress: bool = False, **settings: "Unpack[TreeSettings]") -> TreeHandle:
-    """mlrt_build_tree."""
-    _refuse(settings, TreeSettings, KdTreeSettings, "Tree.kdtree")
-    return _build(library.mlrt_build_tree, meshes, _tree_options(**settings), progress)
+def build_tree(meshes: Meshes, options: Any, progress: bool) -> TreeHandle:
+    """mlrt_build_tree, with tree_options."""
+    return _build(library.mlrt_build_tree, meshes, options, progress)
 
 
-def build_kdtree(meshes: Meshes, progress: bool = False, **settings: "Unpack[KdTreeSettings]") -> TreeHandle:
-    """mlrt_build_kdtree."""
-    _refuse(settings, KdTreeSettings, TreeSettings, "Tree")
-    return _build(library.mlrt_build_kdtree, meshes, _kdtree_options(**settings), progress)
+def build_kdtree(meshes: Meshes, options: Any, progress: bool) -> TreeHandle:
+    """mlrt_build_kdtree, with kdtree_options."""
+    return _build(library.mlrt_build_kdtree, meshes, options, progress)
 
 
 Counts = Union[int, Iterable[int]]
@@ -150,7 +101,7 @@ Counts = Union[int, Iterable[int]]
 def _estimate(estimator: Any, triangle_counts: Counts, masks: Optional[Sequence[int]], options: Any) -> MemoryEstimate:
     counts = list(triangle_counts) if isinstance(triangle_counts, Iterable) else [triangle_counts]
     if masks is not None and len(masks) != len(counts):
-        raise ValueError(f"masks: {len(counts)} are needed, not {len(masks)}")
+        raise ValueError(f"masks: {len(masks)} are given for {len(counts)} meshes")
     structs = (_abi.Mesh * len(counts))()
     for struct, count, mask in zip(structs, counts, [0] * len(counts) if masks is None else masks):
         struct.struct_size = ctypes.sizeof(struct)
@@ -162,20 +113,38 @@ def _estimate(estimator: Any, triangle_counts: Counts, masks: Optional[Sequence[
 
 
 def estimate_tree(
-    triangle_counts: Counts, masks: Optional[Sequence[int]] = None, **options: "Unpack[TreeSettings]"
+    triangle_counts: Counts,
+    masks: Optional[Sequence[int]] = None,
+    *,
+    preset: Preset = "default",
+    pool: Threads = None,
+    memory_limit: int = 0,
+    traversal_cost: float = 0.0,
+    intersection_cost: float = 0.0,
 ) -> MemoryEstimate:
     """Foresees the memory of a Tree with these numbers of triangles: that of its mesh, or those of several.
 
     masks, options: as for Tree.from_meshes. Scenes of more than a few thousand triangles take 80 to 110 % of what is said. What
     holds is `memory_limit`.
     """
-    _refuse(options, TreeSettings, KdTreeSettings, "estimate_kdtree")
-    return _estimate(library.mlrt_estimate_tree, triangle_counts, masks, _tree_options(**options))
+    options = tree_options(preset, pool, memory_limit, traversal_cost, intersection_cost)
+    return _estimate(library.mlrt_estimate_tree, triangle_counts, masks, options)
 
 
 def estimate_kdtree(
-    triangle_counts: Counts, masks: Optional[Sequence[int]] = None, **options: "Unpack[KdTreeSettings]"
+    triangle_counts: Counts,
+    masks: Optional[Sequence[int]] = None,
+    *,
+    preset: KdTreePreset = "paper",
+    rules_off: Iterable[str] = (),
+    max_depth: int = 0,
+    max_references: int = 0,
+    memory_limit: int = 0,
+    traversal_cost: float = 0.0,
+    intersection_cost: float = 0.0,
 ) -> MemoryEstimate:
     """Foresees the memory of a Tree.kdtree, likewise: a guess, which can be off by two."""
-    _refuse(options, KdTreeSettings, TreeSettings, "estimate_tree")
-    return _estimate(library.mlrt_estimate_kdtree, triangle_counts, masks, _kdtree_options(**options))
+    options = kdtree_options(
+        preset, rules_off, max_depth, max_references, memory_limit, traversal_cost, intersection_cost
+    )
+    return _estimate(library.mlrt_estimate_kdtree, triangle_counts, masks, options)

@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Pinhole and parallel cameras: which ray belongs to which pixel."""
 
+from __future__ import annotations
+
 import ctypes
 from dataclasses import dataclass
-from typing import Optional, Sequence, Union
+from typing import Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _abi
 from ._abi import library
-from ._arrays import address
-from ._errors import check
+from ._arrays import address, floats, named
+from ._errors import CameraError, check
+from ._single import limit
+from .typing import Vector
 
-Vector = Union[Sequence[float], NDArray[np.floating]]  # three numbers
-
-# A t_max that no ray has hits below. The 0 of a Camera cannot go into an mlrt_camera, where it means no limit.
-NOTHING = -1.0
 
 
 def _unit(vector: NDArray[np.float64], what: str) -> NDArray[np.float64]:
@@ -33,7 +33,14 @@ def _view_axes(eye: Vector, target: Vector, up: Vector) -> tuple[NDArray[np.floa
     return forward, right, np.cross(right, forward)
 
 
-@dataclass
+def _float3(vector: Vector, name: str) -> Any:
+    numbers = floats(vector)
+    if numbers.shape != (3,):
+        raise CameraError(f"{name}: three numbers are needed, not an array of shape {numbers.shape}")
+    return _abi.Float3(*numbers.tolist())
+
+
+@dataclass(repr=False)
 class Camera:
     """The rays of a picture: pixel (i, j) has p = d00 + (i + sample[0]) dx + (j + sample[1]) dy, and the ray
 
@@ -64,7 +71,7 @@ class Camera:
         height: int,
         fov: float = 45.0,
         up: Vector = (0.0, 1.0, 0.0),
-    ) -> "Camera":
+    ) -> Camera:
         """A pinhole camera at `eye` with `target` in the middle; `fov` is the height of the picture in degrees."""
         if not 0 < fov < 180:
             raise ValueError(f"fov: between 0 and 180 degrees, not {fov}")
@@ -82,7 +89,7 @@ class Camera:
         height: int,
         extent: float,
         up: Vector = (0.0, 1.0, 0.0),
-    ) -> "Camera":
+    ) -> Camera:
         """A parallel camera whose rays start in the plane through `eye`; the picture is `extent` units high.
 
         Directions have length 1, so that t is the distance.
@@ -91,6 +98,14 @@ class Camera:
         pixel = extent / height
         corner = np.asarray(eye, np.float64) + pixel * (upward * height - right * width) / 2
         return cls(width, height, corner, right * pixel, -upward * pixel, direction=forward, projection="parallel")
+
+    def __repr__(self) -> str:
+        """The size, and what differs from the defaults."""
+        fields = "direction" if self.projection == "parallel" else "eye", "d00", "dx", "dy"
+        parts = [f"{name}=({', '.join(f'{number:.6g}' for number in np.ravel(getattr(self, name)) + 0.0)})" for name in fields]
+        parts += [f"{name}={getattr(self, name)!r}" for name in ("crop", "t_max") if getattr(self, name) is not None]
+        parts += [f"sample={self.sample}"] * (self.sample != (0.5, 0.5)) + [f"t_min={self.t_min}"] * (self.t_min != 0)
+        return f"<Camera of {self.width} x {self.height} pixels, {self.projection}: {', '.join(parts)}>"
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -113,30 +128,28 @@ class Camera:
         """The shape, or the library's error if the picture has none."""
         rows, columns = self.shape
         if rows <= 0 or columns <= 0:
-            check(6)
+            raise CameraError(f"the picture has {columns} x {rows} pixels: both must be positive")
         return rows, columns
 
     def to_struct(self) -> _abi.Camera:
         """This as an mlrt_camera."""
         crop = self.crop or (0, 0, 0, 0)
-        for value in (self.width, self.height, *crop):
+        names = "width", "height", "crop[0]", "crop[1]", "crop[2]", "crop[3]"
+        for name, value in zip(names, (self.width, self.height, *crop)):
             if not 0 <= value <= _abi.NONE:
-                check(6)
+                raise CameraError(f"{name}: {value} does not fit into 32 bits")
+        vectors = {name: _float3(getattr(self, name), name) for name in ("eye", "direction", "d00", "dx", "dy")}
         return _abi.Camera(
-            projection=_abi.PROJECTIONS[self.projection],
+            projection=named(self.projection, _abi.PROJECTIONS, "projection"),
             width=self.width,
             height=self.height,
             crop_x=crop[0],
             crop_y=crop[1],
             crop_width=crop[2],
             crop_height=crop[3],
-            eye=_abi.Float3(*self.eye),
-            direction=_abi.Float3(*self.direction),
-            d00=_abi.Float3(*self.d00),
-            dx=_abi.Float3(*self.dx),
-            dy=_abi.Float3(*self.dy),
+            **vectors,
             sample_x=self.sample[0],
             sample_y=self.sample[1],
             t_min=self.t_min,
-            t_max=0.0 if self.t_max is None else self.t_max or NOTHING,
+            t_max=limit(self.t_max),
         )

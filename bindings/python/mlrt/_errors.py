@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One exception class per error code of mlrt.h, each with the library's own message."""
+"""One exception class per error code of mlrt.h, with the library's own message: mlrt_last_message, which names what is wrong."""
 
 from ._abi import library
 
@@ -74,10 +74,14 @@ _CLASSES = {kind.status: kind for kind in Error.__subclasses__()}
 
 
 def check(status: int, details: str = "") -> None:
-    """Raises the exception of a status that is not MLRT_OK."""
+    """Raises the exception of a status that is not MLRT_OK, which a call of this thread returned just now.
+
+    details: why, if that is known already; else mlrt_last_message says it.
+    """
     if status == 0:
         return
     phrase = library.mlrt_status_string(status).decode()
-    error = _CLASSES.get(status, Error)(f"{phrase}: {details}" if details else phrase)
+    reason = details or library.mlrt_last_message().decode(errors="replace")
+    error = _CLASSES.get(status, Error)(f"{phrase}: {reason}" if reason and reason != phrase else phrase)
     error.status = status
     raise error

@@ -3,11 +3,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Union
+from typing import Any
 
 from ._abi import LIGHT_DIRECTIONAL, LIGHT_POINT, Float3, Light
 from ._arrays import floats
-from ._camera import Vector
+from .typing import Light as AnyLight, Vector
 
 
 @dataclass
@@ -15,10 +15,6 @@ class DirectionalLight:
     """A light that is so far away that its rays are parallel, as the sun's."""
 
     direction: Vector  #: towards the light, of any length
-
-
-# A point, where a light is, or one far away.
-AnyLight = Union[Vector, DirectionalLight]
 
 
 def light_structs(lights: Iterable[AnyLight]) -> Any:

@@ -1,28 +1,39 @@
 # SPDX-License-Identifier: MIT
 """Meshes as an array of mlrt_mesh, and their hash."""
 
+from __future__ import annotations
+
 import ctypes
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Optional
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from . import _abi
 from ._abi import library
 from ._arrays import elements, faces as face_array, mask_word, vectors
 from ._errors import check
+from .typing import Faces, Meshes as ManyMeshes, Vectors
 
 
 class Meshes:
     """`structs` is the array, valid as long as this lives."""
+
+    @classmethod
+    def of(cls, meshes: ManyMeshes, ids: Optional[Sequence[int]], masks: Optional[Sequence[int]]) -> Meshes:
+        """Of what Tree.from_meshes takes."""
+        if isinstance(meshes, Mapping):
+            if ids is not None:
+                raise ValueError("ids: the dictionary of meshes has the ids already")
+            ids, meshes = list(meshes), list(meshes.values())
+        return cls([parts(mesh) for mesh in meshes], ids, masks)
 
     def __init__(
         self, meshes: Sequence[tuple[Any, Any]], ids: Optional[Sequence[int]], masks: Optional[Sequence[int]]
     ) -> None:
         for name, given in (("ids", ids), ("masks", masks)):
             if given is not None and len(given) != len(meshes):
-                raise ValueError(f"{name}: {len(meshes)} are needed, not {len(given)}")
+                raise ValueError(f"{name}: {len(given)} are given for {len(meshes)} meshes")
         self.structs: Any = (_abi.Mesh * len(meshes))()
         self._alive = [_fill_mesh(struct, *mesh) for struct, mesh in zip(self.structs, meshes)]
         for struct, number in zip(self.structs, () if ids is None else ids):
@@ -61,7 +72,7 @@ def _hash(meshes: Meshes) -> int:
     return number.value
 
 
-def geometry_hash(vertices: ArrayLike, faces: Optional[ArrayLike] = None, *, mask: int = 0) -> int:
+def geometry_hash(vertices: Vectors, faces: Faces = None, *, mask: int = 0) -> int:
     """A hash of what Tree takes: of the corners of all triangles in order, and the mask. An int of 64 bits.
 
     The same however triangles are indexed and laid out in memory, and on every machine: is a saved tree still that of my
@@ -71,10 +82,10 @@ def geometry_hash(vertices: ArrayLike, faces: Optional[ArrayLike] = None, *, mas
 
 
 def geometry_hash_of_meshes(
-    meshes: Iterable[Any], ids: Optional[Sequence[int]] = None, masks: Optional[Sequence[int]] = None
+    meshes: ManyMeshes, ids: Optional[Sequence[int]] = None, masks: Optional[Sequence[int]] = None
 ) -> int:
     """Likewise, of what Tree.from_meshes takes: ids and masks are hashed too."""
-    return _hash(Meshes([parts(mesh) for mesh in meshes], ids, masks))
+    return _hash(Meshes.of(meshes, ids, masks))
 
 
 def _fill_mesh(struct: _abi.Mesh, vertices: Any, faces: Any) -> list[np.ndarray]:

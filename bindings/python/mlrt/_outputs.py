@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Arrays for results: new ones, or the caller's, as an mlrt_hits or an mlrt_hit_lists."""
 
-from collections.abc import Iterable
 from functools import lru_cache
 from math import prod
 from typing import Optional
@@ -9,24 +8,14 @@ from typing import Optional
 import numpy as np
 
 from ._abi import pack_hit_lists, pack_hits
-from ._arrays import address
-from ._results import DTYPES, HitLists, Hits
+from ._arrays import FLOAT, INT, UINT, address
+from .typing import Outputs
+from ._results import DTYPES, HIT_FIELDS, HitLists, Hits, check_names
 
 _NO_ARRAY = (0, 0, 0)
 
 
-def _check_names(outputs: Optional[Iterable[str]], known: tuple[str, ...]) -> tuple[str, ...]:
-    if outputs is None:
-        return known
-    names = (outputs,) if isinstance(outputs, str) else tuple(dict.fromkeys(outputs))
-    for name in names:
-        if name not in known:
-            raise ValueError(f"outputs: {name!r} is none of {', '.join(known)}")
-    return names
-
-
-_TYPES = (np.dtype(np.float32), np.dtype(np.uint32), np.dtype(np.int32))
-_WITHOUT_LIGHTS = Hits._fields[:-1]
+_TYPES = (FLOAT, UINT, INT)
 
 
 @lru_cache(maxsize=256)
@@ -34,13 +23,13 @@ def _rows(names: Optional[tuple[str, ...]], lights: bool) -> tuple[int, tuple[tu
     """How many rows a block of results has, for each field of Hits but `occluded` its row and the number of its type (-1 = none),
     and whether `occluded` is wanted.
     """
-    known = _check_names(names, Hits._fields if lights else _WITHOUT_LIGHTS)
+    known = check_names(names, Hits._fields if lights else HIT_FIELDS)
     names = tuple(name for name in known if name != "occluded")
-    rows = [(names.index(name) if name in names else -1, _TYPES.index(DTYPES[name])) for name in _WITHOUT_LIGHTS]
+    rows = [(names.index(name) if name in names else -1, _TYPES.index(DTYPES[name])) for name in HIT_FIELDS]
     return len(names), tuple(rows), "occluded" in known
 
 
-def new_hits(outputs: Optional[Iterable[str]], shape: tuple[int, ...], lights: Optional[int] = None) -> tuple[Hits, bytes]:
+def new_hits(outputs: Outputs, shape: tuple[int, ...], lights: Optional[int] = None) -> tuple[Hits, bytes]:
     """The arrays named in `outputs` (None = all), which share one block of memory but for `occluded`, and the mlrt_hits of them.
 
     lights: how many there are; without them (None) there is no `occluded`.
@@ -101,10 +90,10 @@ def occluded(out: Optional[np.ndarray], shape: tuple[int, ...]) -> tuple[np.ndar
     return array, pack_hits(0, *_NO_ARRAY * 6, *field)
 
 
-def new_hit_lists(outputs: Optional[Iterable[str]], shape: tuple[int, ...], k: int) -> tuple[HitLists, bytes]:
+def new_hit_lists(outputs: Outputs, shape: tuple[int, ...], k: int) -> tuple[HitLists, bytes]:
     """The arrays named in `outputs` (None = all) for k hits per ray, and the mlrt_hit_lists of them."""
     totals = ("total", "crossing_total")
-    names = _check_names(outputs, HitLists._fields)
+    names = check_names(outputs, HitLists._fields)
     arrays: dict[str, np.ndarray] = {}
     fields: list[int] = []
     for name in HitLists._fields:

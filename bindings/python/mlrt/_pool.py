@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Threads that tracing calls share their work with."""
 
+from __future__ import annotations
+
 import ctypes
 import os
+from operator import index
 from types import TracebackType
 from typing import Any, Optional
 
 from ._abi import PoolHandle, library
 from ._errors import check
+from .typing import Threads
 
 
 class _Handle(PoolHandle):
@@ -25,6 +29,7 @@ class Pool:
 
     def __init__(self, threads: int = 0) -> None:
         self._handle: Optional[_Handle] = None
+        self._threads = threads
         if not 0 <= threads <= 1024:
             raise ValueError(f"threads: 0 to 1024, not {threads}")
         handle = _Handle()
@@ -44,10 +49,37 @@ class Pool:
         """Ends the threads, as soon as no call uses them."""
         self._handle = None
 
-    def __enter__(self) -> "Pool":
+    def __repr__(self) -> str:
+        """How many threads there are."""
+        if self._handle is None:
+            return "<Pool, closed>"
+        return f"<Pool of {self._threads} threads>" if self._threads else "<Pool of a thread per processor>"
+
+    def __enter__(self) -> Pool:
         return self
 
     def __exit__(
         self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
     ) -> None:
         self.close()
+
+
+_kept: dict[tuple[int, int], Pool] = {}
+
+
+def pool_handle(threads: Threads) -> _Handle:
+    """The mlrt_pool of a Pool, or of a number of threads, for which one pool is made in each process and kept.
+
+    Calls that share a pool wait for each other, so more of them would not be faster.
+    """
+    if isinstance(threads, Pool):
+        return threads.handle()
+    try:
+        number = index(threads)  # type: ignore[arg-type]
+        if isinstance(threads, bool):
+            raise TypeError
+    except TypeError:
+        raise TypeError(f"pool: a mlrt.Pool or a number of threads is needed, not {threads!r}") from None
+    key = number, os.getpid()
+    kept = _kept.get(key) or _kept.setdefault(key, Pool(number))  # of two made at the same time one goes
+    return kept.handle()

@@ -51,7 +51,7 @@ def pieces(rays: bytes, results: bytes, kind: type[_abi.Struct], shared: bool) -
             _advance(part, name, start // max(group, 1))
         for name in ("directions", "t_max", "mask"):
             _advance(part, name, start)
-        for name, kind_of_field in part_results._fields_:
+        for name, kind_of_field in ((field[0], field[1]) for field in part_results._fields_):
             if kind_of_field is _abi.Array:
                 per_ray = 1 if name in ("total", "crossing_total") else getattr(part_results, "capacity", 1)
                 _advance(part_results, name, start * per_ray)

@@ -82,7 +82,7 @@ class Rays:
         whole = self.shape if width == 1 else self.shape + (width,)
         if array.shape != whole or not array.flags.c_contiguous:
             if _constant_axes(array, width) is None:
-                array = np.require(array[_first(array, width, array.ndim)], requirements="CA")
+                array = np.require(array[_first(array, width, array.ndim)], requirements=("C", "A"))
                 self._alive.append(array)
                 return address(array), STRIDE_ALL
             if group_axes:
@@ -122,4 +122,23 @@ def _common_shape(
     shapes = [origins.shape[:-1], directions.shape[:-1]]
     shapes += [array.shape for array in (t_min, t_max, mask) if array is not None]
     shapes += [skip.shape[:-1]] if skip is not None else []
-    return np.broadcast_shapes(*shapes)
+    try:
+        return np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise ValueError(_misfit(origins=origins, directions=directions, t_min=t_min, t_max=t_max, skip=skip, mask=mask)) from None
+
+
+def _misfit(**arrays: Any) -> str:
+    """What does not fit what: the first two arrays whose counts differ, in the words of whoever gave them."""
+    counts: dict[int, tuple[str, int]] = {}
+    shapes = {name: array.shape for name, array in arrays.items() if array is not None}
+    for name, shape in shapes.items():
+        for back, count in enumerate(reversed(shape[:-1] if name in ("origins", "directions", "skip") else shape), 1):
+            if count == 1:
+                continue
+            other, other_count = counts.setdefault(back, (name, count))
+            if count != other_count:
+                axis = "" if max(map(len, shapes.values())) <= 2 else f" along the axis of rays number -{back}"
+                given = ", ".join(f"{one} {shape}" for one, shape in shapes.items())
+                return f"{name}: {count} are given, but {other_count} {other}{axis}; the shapes are {given}"
+    return "shapes of rays do not fit each other"

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Saved trees: written to files and memory, and used where they lie, in files mapped into memory for example."""
 
+from __future__ import annotations
+
 import ctypes
 import mmap
 import os
 import threading
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +19,7 @@ from ._build import MESSAGE_SIZE
 from ._errors import check
 from ._host import Host
 from ._meshes import in_64_bits
-
-if TYPE_CHECKING:  # in collections.abc since Python 3.12
-    from typing_extensions import Buffer
-
-    Path = Union[str, os.PathLike[str]]
-    Source = Union[Path, Buffer, NDArray[Any]]  # to type checkers before Python 3.12 an array is no Buffer
+from .typing import Path, Source
 
 Bytes = NDArray[np.uint8]
 
@@ -36,7 +33,7 @@ def saved_bytes(tree: TreeHandle) -> Bytes:
     return array
 
 
-def write(path: "Path", array: Bytes) -> None:
+def write(path: Path, array: Bytes) -> None:
     """Writes a file that takes the place of another one only when it is whole.
 
     Never into that other one: trees may lie in it.
@@ -57,14 +54,14 @@ def write(path: "Path", array: Bytes) -> None:
         raise
 
 
-def _mapped(path: "Path") -> Union[bytes, mmap.mmap]:
+def _mapped(path: Path) -> Union[bytes, mmap.mmap]:
     with open(path, "rb") as file:
         if os.fstat(file.fileno()).st_size == 0:  # a pipe, or a file that cannot be mapped since it is empty
             return file.read()
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
 
 
-def load(source: "Source", in_place: bool, geometry_hash: Optional[int], memory_limit: int) -> TreeHandle:
+def load(source: Source, in_place: bool, geometry_hash: Optional[int], memory_limit: int) -> TreeHandle:
     """mlrt_load_tree. The handle keeps the data it lies in."""
     content: Any = _mapped(source) if isinstance(source, (str, os.PathLike)) else source
     array = np.frombuffer(content, np.uint8)

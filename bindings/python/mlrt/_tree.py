@@ -1,36 +1,53 @@
 # SPDX-License-Identifier: MIT
 """Trees of triangles, and the questions that can be asked of them."""
 
+from __future__ import annotations
+
 import ctypes
 import pickle
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional
+from typing import Any, Literal, NamedTuple, Optional
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from . import _abi, _saved
+from . import _abi, _saved, _single
 from ._abi import Counters, TreeHandle, library
-from ._arrays import mask_word, mask_words
-from ._build import KdTreeSettings, TreeSettings, build_kdtree, build_tree, named
+from ._arrays import mask_word, mask_words, named
+from ._build import build_kdtree, build_tree, kdtree_options, tree_options
 from ._camera import Camera
 from ._errors import check
 from ._host import TileCounter
-from ._lights import AnyLight, light_structs
-from ._meshes import Meshes, in_32_bits, parts
+from ._lights import light_structs
+from ._meshes import Meshes, in_32_bits
 from ._outputs import given_hits, new_hit_lists, new_hits, occluded
-from ._pool import Pool
+from ._pool import pool_handle
 from ._progress import Bar, pieces
 from ._rays import Rays
 from ._results import HitLists, Hits
+from ._single import Hit
+from .typing import (
+    Faces,
+    Isa,
+    KdTreePreset,
+    Lights,
+    Masks,
+    Meshes as ManyMeshes,
+    Method,
+    Numbers,
+    Outputs,
+    Path,
+    Preset,
+    Skips,
+    Source,
+    Threads,
+    Vector,
+    Vectors,
+)
 
-if TYPE_CHECKING:  # in typing since Python 3.11
-    from typing_extensions import Unpack
-
-Method = Literal["ray", "packet2", "packet4", "multilevel", "tile"]
-Isa = Literal["scalar", "sse", "avx2", "avx512"]
 
 class TreeInfo(NamedTuple):
     """The build report."""
@@ -54,23 +71,23 @@ class TreeInfo(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def _shared_options(query: int, method: Optional[Method], isa: Optional[Isa], mask: int) -> Any:
+def _shared_options(query: int, method: Method, isa: Isa, mask: int) -> Any:
     if query == _abi.QUERY_CLOSEST and method is None and isa is None and mask == 0:
         return None
     return ctypes.byref(_make_options(query, method, isa, mask))
 
 
-def _make_options(query: int, method: Optional[Method], isa: Optional[Isa], mask: int) -> _abi.TraceOptions:
+def _make_options(query: int, method: Method, isa: Isa, mask: int) -> _abi.TraceOptions:
     numbers = named(method, _abi.METHODS, "method"), named(isa, _abi.ISAS, "isa")
     return _abi.TraceOptions(query=query, method=numbers[0], isa=numbers[1], mask=mask)
 
 
 def _options(
     query: int,
-    method: Optional[Method],
-    isa: Optional[Isa],
+    method: Method,
+    isa: Isa,
     mask: int,
-    pool: Optional[Pool],
+    pool: Threads,
     counters: Optional[Counters],
     lights: Any = None,
 ) -> Any:
@@ -79,13 +96,16 @@ def _options(
         return _shared_options(query, method, isa, mask)
     options = _make_options(query, method, isa, mask)
     if pool is not None:
-        options.handle = pool.handle()  # kept as long as the options
+        options.handle = pool_handle(pool)  # kept as long as the options
         options.pool = options.handle.value
     if counters is not None:
         options.counters = ctypes.pointer(counters)
     if lights:
         options.lights, options.light_count = lights, len(lights)
     return ctypes.byref(options)
+
+
+_ANY_HIT = _shared_options(_abi.QUERY_ANY, None, None, 0)
 
 
 class Tree:
@@ -109,43 +129,59 @@ class Tree:
 
     def __init__(
         self,
-        vertices: ArrayLike,
-        faces: Optional[ArrayLike] = None,
+        vertices: Vectors,
+        faces: Faces = None,
         *,
         mask: int = 0,
+        preset: Preset = "default",
+        pool: Threads = None,
+        memory_limit: int = 0,
+        traversal_cost: float = 0.0,
+        intersection_cost: float = 0.0,
         progress: bool = False,
-        **options: "Unpack[TreeSettings]",
     ) -> None:
         self._handle: Optional[TreeHandle] = None
-        self._handle = build_tree(Meshes([(vertices, faces)], None, [mask]), progress, **options)
+        options = tree_options(preset, pool, memory_limit, traversal_cost, intersection_cost)
+        self._handle = build_tree(Meshes([(vertices, faces)], None, [mask]), options, progress)
 
     @classmethod
     def from_meshes(
         cls,
-        meshes: Iterable[Any],
+        meshes: ManyMeshes,
         ids: Optional[Sequence[int]] = None,
         masks: Optional[Sequence[int]] = None,
         *,
+        preset: Preset = "default",
+        pool: Threads = None,
+        memory_limit: int = 0,
+        traversal_cost: float = 0.0,
+        intersection_cost: float = 0.0,
         progress: bool = False,
-        **options: "Unpack[TreeSettings]",
-    ) -> "Tree":
+    ) -> Tree:
         """A tree over several meshes: each is (vertices, faces), or has attributes of these names.
 
-        ids: what hits report as `mesh`, all different; None = 0, 1, 2, ... masks: of each mesh, 32 bits; rays see the meshes whose
+        ids: what hits report as `mesh`, all different; None = 0, 1, 2, ...; or give a dictionary from ids to meshes. masks: of each mesh, 32 bits; rays see the meshes whose
         mask has a bit in common with theirs; 0 = all bits, as is None. Other options as for Tree.
         """
-        return cls._of(build_tree(Meshes([parts(mesh) for mesh in meshes], ids, masks), progress, **options))
+        options = tree_options(preset, pool, memory_limit, traversal_cost, intersection_cost)
+        return cls._of(build_tree(Meshes.of(meshes, ids, masks), options, progress))
 
     @classmethod
     def kdtree(
         cls,
-        vertices: ArrayLike,
-        faces: Optional[ArrayLike] = None,
+        vertices: Vectors,
+        faces: Faces = None,
         *,
         mask: int = 0,
+        preset: KdTreePreset = "paper",
+        rules_off: Iterable[str] = (),
+        max_depth: int = 0,
+        max_references: int = 0,
+        memory_limit: int = 0,
+        traversal_cost: float = 0.0,
+        intersection_cost: float = 0.0,
         progress: bool = False,
-        **options: "Unpack[KdTreeSettings]",
-    ) -> "Tree":
+    ) -> Tree:
         """The paper's kd-tree, whose rays the paper's method ("multilevel") traces if no other is named.
 
         It has the methods "packet2", "packet4", "multilevel" and "ray", where a Tree has "tile" and "ray"; the answers are the same.
@@ -154,30 +190,42 @@ class Tree:
         preset: "paper", or "tuned" (renders faster here, takes longer to build). rules_off: names out of "empty_space", "coplanar",
         "minimum_cell", "clipped_splits", "retraction". max_depth, max_references: 0 = by itself. Others as for Tree.
         """
-        return cls._of(build_kdtree(Meshes([(vertices, faces)], None, [mask]), progress, **options))
+        options = kdtree_options(
+            preset, rules_off, max_depth, max_references, memory_limit, traversal_cost, intersection_cost
+        )
+        return cls._of(build_kdtree(Meshes([(vertices, faces)], None, [mask]), options, progress))
 
     @classmethod
     def kdtree_from_meshes(
         cls,
-        meshes: Iterable[Any],
+        meshes: ManyMeshes,
         ids: Optional[Sequence[int]] = None,
         masks: Optional[Sequence[int]] = None,
         *,
+        preset: KdTreePreset = "paper",
+        rules_off: Iterable[str] = (),
+        max_depth: int = 0,
+        max_references: int = 0,
+        memory_limit: int = 0,
+        traversal_cost: float = 0.0,
+        intersection_cost: float = 0.0,
         progress: bool = False,
-        **options: "Unpack[KdTreeSettings]",
-    ) -> "Tree":
+    ) -> Tree:
         """The paper's kd-tree over several meshes: as from_meshes, with the options of kdtree."""
-        return cls._of(build_kdtree(Meshes([parts(mesh) for mesh in meshes], ids, masks), progress, **options))
+        options = kdtree_options(
+            preset, rules_off, max_depth, max_references, memory_limit, traversal_cost, intersection_cost
+        )
+        return cls._of(build_kdtree(Meshes.of(meshes, ids, masks), options, progress))
 
     @classmethod
     def load(
         cls,
-        source: "_saved.Source",
+        source: Source,
         *,
         in_place: bool = True,
         geometry_hash: Optional[int] = None,
         memory_limit: int = 0,
-    ) -> "Tree":
+    ) -> Tree:
         """The tree that `save` or `to_bytes` wrote, of the same structure. Anything else, or a damaged file, is a DataError.
 
         source: a path, or anything with a buffer of bytes in one piece: bytes, mmap, memoryview, an array.
@@ -191,12 +239,12 @@ class Tree:
         return cls._of(_saved.load(source, in_place, geometry_hash, memory_limit))
 
     @classmethod
-    def _of(cls, handle: TreeHandle) -> "Tree":
+    def _of(cls, handle: TreeHandle) -> Tree:
         tree = cls.__new__(cls)
         tree._handle = handle
         return tree
 
-    def save(self, path: "_saved.Path") -> None:
+    def save(self, path: Path) -> None:
         """Writes the tree, triangles and all, to a file for `load`. A file of that name is replaced when the new one is whole."""
         _saved.write(path, _saved.saved_bytes(self._open_handle()))
 
@@ -210,13 +258,13 @@ class Tree:
         content: Any = pickle.PickleBuffer(data.data) if protocol >= 5 else data.tobytes()
         return _restore, (type(self), content, {name: value for name, value in vars(self).items() if name != "_handle"})
 
-    def __copy__(self) -> "Tree":
+    def __copy__(self) -> Tree:
         """Another one on the same data, which never changes: closing one of them leaves the other."""
         copy = self._of(self._open_handle())
         vars(copy).update({**vars(self), "_handle": copy._handle})
         return copy
 
-    def __deepcopy__(self, memo: Any) -> "Tree":
+    def __deepcopy__(self, memo: Any) -> Tree:
         return self.__copy__()
 
     def _open_handle(self) -> TreeHandle:
@@ -228,13 +276,25 @@ class Tree:
         """Frees the tree, as soon as no call uses it."""
         self._handle = None
 
-    def __enter__(self) -> "Tree":
+    def __enter__(self) -> Tree:
         return self
 
     def __exit__(
         self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
     ) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        """What it is, how large, and where."""
+        if self._handle is None:
+            return f"<{type(self).__name__}, closed>"
+        info = self.info
+        kind = "boxes" if info.structure == "bvh" else "a kd-tree"
+        lower, upper = (", ".join(f"{number:.6g}" for number in corner) for corner in info.bounds)
+        return (
+            f"<{type(self).__name__} of {info.triangle_count} triangles: {kind} with {info.node_count} nodes, "
+            f"{info.memory_size} bytes, from ({lower}) to ({upper})>"
+        )
 
     @property
     def info(self) -> TreeInfo:
@@ -245,21 +305,53 @@ class Tree:
         structure: Any = _abi.STRUCTURES[info.structure]
         return TreeInfo(structure, bounds=np.array([info.bounds_min, info.bounds_max], np.float32), **numbers)
 
+    def trace_ray(
+        self,
+        origin: Vector,
+        direction: Vector,
+        t_min: float = 0.0,
+        t_max: Optional[float] = None,
+        skip: Optional[tuple[int, int]] = None,
+        *,
+        mask: int = 0,
+    ) -> Hit:
+        """The closest hit of one ray, with t_min < t <= t_max, in numbers: the same bits as `trace`, in a third of the time.
+
+        origin, direction: three numbers each, rounded to float32; t_max: None = no limit; skip: the mesh and the triangle that the
+        ray passes; mask: as for `trace`. Holds the GIL. For more than a few rays, one call of `trace` is faster.
+        """
+        options = _shared_options(_abi.QUERY_CLOSEST, None, None, mask_word(mask, "mask")) if mask else None
+        return _single.closest(self._handle or self._open_handle(), origin, direction, t_min, t_max, skip, options)
+
+    def occluded_ray(
+        self,
+        origin: Vector,
+        direction: Vector,
+        t_min: float = 0.0,
+        t_max: Optional[float] = None,
+        skip: Optional[tuple[int, int]] = None,
+        *,
+        mask: int = 0,
+    ) -> bool:
+        """Whether one ray hits anything: arguments as for `trace_ray`."""
+        options = _shared_options(_abi.QUERY_ANY, None, None, mask_word(mask, "mask")) if mask else _ANY_HIT
+        return _single.occluded(self._handle or self._open_handle(), origin, direction, t_min, t_max, skip, options)
+
     def trace(
         self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: Optional[ArrayLike] = None,
-        t_max: Optional[ArrayLike] = None,
-        skip: Optional[ArrayLike] = None,
+        origins: Vectors,
+        directions: Vectors,
+        t_min: Optional[Numbers] = None,
+        t_max: Optional[Numbers] = None,
+        skip: Skips = None,
         *,
-        mask: Optional[ArrayLike] = None,
-        outputs: Optional[Iterable[str]] = None,
+        mask: Masks = None,
+        outputs: Outputs = None,
         out: Optional[Hits] = None,
         row_length: int = 0,
-        pool: Optional[Pool] = None,
-        method: Optional[Method] = None,
-        isa: Optional[Isa] = None,
+        pool: Threads = None,
+        method: Method = None,
+        isa: Isa = None,
         counters: Optional[Counters] = None,
         progress: bool = False,
     ) -> Hits:
@@ -281,10 +373,27 @@ class Tree:
         UnsupportedError. progress: a bar, by tqdm, moves while rays are traced.
         """
         tree = self._open_handle()
+        if (
+            t_min is None
+            and t_max is None
+            and skip is None
+            and mask is None
+            and out is None
+            and pool is None
+            and method is None
+            and isa is None
+            and counters is None
+            and not progress
+            and _single.is_one(origins, directions)
+        ):
+            hits = _single.closest_in_arrays(tree, origins, directions, outputs)
+            hits._rays = origins, directions
+            return hits
         one_mask, masks = (0, None) if mask is None else mask_words(mask)
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         if out is None:
             out, packed = new_hits(outputs, rays.shape)
+            out._rays = origins, directions
         else:
             packed = given_hits(out, rays.shape, rows=False)
         options = _options(_abi.QUERY_CLOSEST, method, isa, one_mask, pool, counters)
@@ -298,23 +407,37 @@ class Tree:
 
     def occluded(
         self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: Optional[ArrayLike] = None,
-        t_max: Optional[ArrayLike] = None,
-        skip: Optional[ArrayLike] = None,
+        origins: Vectors,
+        directions: Vectors,
+        t_min: Optional[Numbers] = None,
+        t_max: Optional[Numbers] = None,
+        skip: Skips = None,
         *,
-        mask: Optional[ArrayLike] = None,
+        mask: Masks = None,
         out: Optional[np.ndarray] = None,
         row_length: int = 0,
-        pool: Optional[Pool] = None,
-        method: Optional[Method] = None,
-        isa: Optional[Isa] = None,
+        pool: Threads = None,
+        method: Method = None,
+        isa: Isa = None,
         counters: Optional[Counters] = None,
         progress: bool = False,
     ) -> NDArray[np.bool_]:
         """Whether each ray hits anything: bool (...). Faster than `trace`, arguments as there; out: bool or uint8 (...)."""
         tree = self._open_handle()
+        if (
+            t_min is None
+            and t_max is None
+            and skip is None
+            and mask is None
+            and out is None
+            and pool is None
+            and method is None
+            and isa is None
+            and counters is None
+            and not progress
+            and _single.is_one(origins, directions)
+        ):
+            return _single.occluded_in_array(tree, origins, directions, _ANY_HIT)
         one_mask, masks = (0, None) if mask is None else mask_words(mask)
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         out, packed = occluded(out, rays.shape)
@@ -329,17 +452,17 @@ class Tree:
 
     def hits(
         self,
-        origins: ArrayLike,
-        directions: ArrayLike,
+        origins: Vectors,
+        directions: Vectors,
         k: int,
-        t_min: Optional[ArrayLike] = None,
-        t_max: Optional[ArrayLike] = None,
-        skip: Optional[ArrayLike] = None,
+        t_min: Optional[Numbers] = None,
+        t_max: Optional[Numbers] = None,
+        skip: Skips = None,
         *,
-        mask: Optional[ArrayLike] = None,
-        outputs: Optional[Iterable[str]] = None,
+        mask: Masks = None,
+        outputs: Outputs = None,
         row_length: int = 0,
-        pool: Optional[Pool] = None,
+        pool: Threads = None,
         counters: Optional[Counters] = None,
         progress: bool = False,
     ) -> HitLists:
@@ -361,11 +484,11 @@ class Tree:
 
     def contains(
         self,
-        points: ArrayLike,
-        direction: ArrayLike = (0.0, 0.0, 1.0),
+        points: Vectors,
+        direction: Vectors = (0.0, 0.0, 1.0),
         *,
-        mask: Optional[ArrayLike] = None,
-        pool: Optional[Pool] = None,
+        mask: Masks = None,
+        pool: Threads = None,
     ) -> NDArray[np.bool_]:
         """Whether each point, float32 (..., 3), is inside of a closed mesh: bool (...).
 
@@ -379,13 +502,13 @@ class Tree:
         self,
         camera: Camera,
         *,
-        lights: Optional[Iterable[AnyLight]] = None,
+        lights: Lights = None,
         mask: int = 0,
-        outputs: Optional[Iterable[str]] = None,
+        outputs: Outputs = None,
         out: Optional[Hits] = None,
-        pool: Optional[Pool] = None,
-        method: Optional[Method] = None,
-        isa: Optional[Isa] = None,
+        pool: Threads = None,
+        method: Method = None,
+        isa: Isa = None,
         counters: Optional[Counters] = None,
         progress: bool = False,
     ) -> Hits:
@@ -405,8 +528,11 @@ class Tree:
         light_count = None if structs is None else len(structs)
         if out is None:
             out, packed = new_hits(outputs, shape, light_count)
+            out._rays = replace(camera).rays
         else:
             packed = given_hits(out, shape, rows=True, lights=light_count)
+        if light_count == 0 and out.occluded is not None and all(array is None for array in out[:-1]):
+            return out  # no light has shadows, and nothing else is asked for
         options = _options(_abi.QUERY_CLOSEST, method, isa, mask_word(mask, "mask"), pool, counters, structs)
         if not progress:
             check(library.mlrt_render_tiles(tree, ctypes.byref(struct), options, packed, None, None))
@@ -419,7 +545,7 @@ class Tree:
 
 
 def _trace_pieces(
-    function: Any, tree: TreeHandle, rays: Rays, options: Any, results: bytes, kind: type[_abi.Struct], pool: Optional[Pool]
+    function: Any, tree: TreeHandle, rays: Rays, options: Any, results: bytes, kind: type[_abi.Struct], pool: Threads
 ) -> None:
     """A call of mlrt_trace_packet or mlrt_trace_all_hits as several, with a bar."""
     with Bar(rays.count, "rays") as bar:

@@ -24,7 +24,7 @@ class Sizes(unittest.TestCase):
         self.rays = _abi.Rays(
             count=1, origins=_abi.ConstArray(data), directions=_abi.ConstArray(data)
         )
-        self.hits = _abi.Hits()
+        self.hits = _abi.Hits(t=_abi.Array(data))
         self.camera = mlrt.Camera.look_at((0, 0, 5), (0, 0, 0), 2, 2).to_struct()
 
     def check(self, struct, call):
@@ -92,7 +92,7 @@ class Sizes(unittest.TestCase):
         self.check(counters, lambda: self.trace(ctypes.byref(options)))
 
     def test_hit_lists(self):
-        lists = _abi.HitLists()
+        lists = _abi.HitLists(total=_abi.Array(self.alive.ctypes.data))
         rays = ctypes.byref(self.rays)
         self.check(lists, lambda: library.mlrt_trace_all_hits(self.tree._handle, rays, None, ctypes.byref(lists)))
 

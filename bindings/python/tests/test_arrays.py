@@ -227,7 +227,7 @@ class Outputs(unittest.TestCase):
         self.expected = self.tree.trace([0, 0, 0], self.directions)
 
     def test_only_what_is_asked_for(self):
-        for outputs in ("t", ("triangle", "u"), [], ("facing", "mesh", "v")):
+        for outputs in ("t", ("triangle", "u"), ("facing", "mesh", "v")):
             hits = self.tree.trace([0, 0, 0], self.directions, outputs=outputs)
             for name, array in hits._asdict().items():
                 if name in outputs:
@@ -236,6 +236,11 @@ class Outputs(unittest.TestCase):
                     self.assertIsNone(array)
         with self.assertRaises(ValueError):
             self.tree.trace([0, 0, 0], [0, 0, 1], outputs=("t", "normal"))
+        for rays in (self.directions, np.ones((1, 3), np.float32)):
+            with self.assertRaisesRegex(ValueError, "outputs: at least one"):
+                self.tree.trace(rays, rays, outputs=[])
+            with self.assertRaises(mlrt.ArgumentError):
+                self.tree.trace(rays, rays, out=mlrt.Hits())
 
     def test_into_arrays_with_strides(self):
         table = np.full((20, 4), 9, np.float32)

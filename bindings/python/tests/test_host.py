@@ -169,7 +169,7 @@ class Log(unittest.TestCase):
         self.assertIn(logged.records[0].getMessage(), str(caught.exception))
         with self.assertLogs("mlrt", "DEBUG") as logged, self.assertRaises(mlrt.DataError):
             mlrt.Tree.load(b"")
-        self.assertEqual(logged.output, ["DEBUG:mlrt:not a saved tree"])
+        self.assertEqual(logged.output, ["DEBUG:mlrt:data: not a saved tree"])
 
     def test_no_callbacks_if_nobody_listens(self):
         with mock.patch.object(_host._abi, "LogCallback", side_effect=AssertionError):

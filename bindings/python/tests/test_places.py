@@ -9,6 +9,7 @@ from support import integer_scene
 
 import mlrt
 from mlrt import _places
+from mlrt._origins import begins
 
 
 def scenes():
@@ -31,9 +32,10 @@ class Places(unittest.TestCase):
         several = 0
         for vertices, faces, origins, directions in scenes():
             tree = mlrt.Tree(vertices, faces)
+            found = begins(tree, vertices, faces, origins, directions, None)
             for limit in (None, 0, 1, 3):
                 for weights in (True, False):
-                    arguments = tree, origins, directions, limit, weights, None
+                    arguments = tree, origins, directions, found, limit, weights, None
                     with mock.patch.object(_places, "_FEW", 1 << 30):
                         lists = _places.all_places(*arguments)
                     with mock.patch.object(_places, "_FEW", 0):
@@ -43,20 +45,31 @@ class Places(unittest.TestCase):
             several += len(lists.ray) - len(np.unique(lists.ray))
         self.assertGreater(several, 500)
 
-    def test_lists_are_by_ray_and_distance(self):
+    def test_places_are_by_rank_and_ray(self):
+        """The order of trimesh with embreex, which traces all rays, then all that hit from where they hit, and so on."""
         vertices, faces, origins, directions = integer_scene(8, triangle_count=200)
-        places = _places.all_places(mlrt.Tree(vertices, faces), origins, directions, None, True, None)
-        same = places.ray[1:] == places.ray[:-1]
-        self.assertTrue((np.diff(places.ray) >= 0).all())
-        self.assertTrue((np.diff(places.t)[same] > 0).all())
+        tree = mlrt.Tree(vertices, faces)
+        found = begins(tree, vertices, faces, origins, directions, None)
+        self.assertGreater(len(found.ray), 3)
+        for few in (0, 100, 1 << 30):
+            with mock.patch.object(_places, "_FEW", few):
+                places = _places.all_places(tree, origins, directions, found, None, True, None)
+            seen, last = {}, (0, -1)
+            for ray, t in zip(places.ray.tolist(), places.t.tolist()):
+                rank, before = seen.get(ray, (-1, -1.0))
+                self.assertGreater(t, before)
+                self.assertLess(last, (rank + 1, ray))
+                seen[ray], last = (rank + 1, t), (rank + 1, ray)
+            self.assertGreater(last[0], 3)
 
     def test_first_places(self):
         vertices, faces, origins, directions = integer_scene(9)
         tree = mlrt.Tree(vertices, faces)
-        first = _places.first_places(tree, origins, directions, True, None)
-        all_of_one = _places.all_places(tree, origins, directions, 1, True, None)
-        for name, one, other in zip(first._fields, first, all_of_one):
-            self.assertEqual(one.tobytes(), other.tobytes(), name)
+        for found in (None, begins(tree, vertices, faces, origins, directions, None)):
+            first = _places.first_places(tree, origins, directions, found, True, None)
+            all_of_one = _places.all_places(tree, origins, directions, found, 1, True, None)
+            for name, one, other in zip(first._fields, first, all_of_one):
+                self.assertEqual(one.tobytes(), other.tobytes(), name)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+
+package mlrt
+
+// #include "bridge.h"
+import "C"
+
+import (
+	"context"
+	"runtime/cgo"
+	"sync"
+	"unsafe"
+)
+
+// A Level is the kind of a message.
+type Level int
+
+// Kinds of messages.
+const (
+	LogError   = Level(C.MLRT_LOG_ERROR)   // the reason why a call fails
+	LogWarning = Level(C.MLRT_LOG_WARNING) // something was left out
+	LogInfo    = Level(C.MLRT_LOG_INFO)    // a tree was built, its size and time; or a build was stopped
+)
+
+// A Host receives messages and progress of a call.
+type Host struct {
+	Log      func(level Level, message string) // on the goroutine of the call
+	Progress func(fraction float64)            // the part that is done, 0..1, every few milliseconds, one call at a time
+}
+
+// A call is what callbacks find by their handle. A panic of theirs ends the call, and goes on after it.
+type call struct {
+	ctx      context.Context
+	host     Host
+	tile     func(*Tile) error
+	mutex    sync.Mutex
+	err      error
+	panicked any
+}
+
+// guard runs a callback; false: the call must end.
+func (c *call) guard(callback func() error) (goOn bool) {
+	fail := func(err error, panicked any) {
+		c.mutex.Lock()
+		defer c.mutex.Unlock()
+		if c.err == nil {
+			c.err = err
+		}
+		if c.panicked == nil {
+			c.panicked = panicked
+		}
+	}
+	defer func() {
+		if panicked := recover(); panicked != nil {
+			fail(nil, panicked)
+			goOn = false
+		}
+	}()
+	if err := callback(); err != nil {
+		fail(err, nil)
+		return false
+	}
+	return true
+}
+
+// run makes a call of the library, with the host and the context if they have anything to do.
+func run(ctx context.Context, host Host, tile func(*Tile) error, function func(C.bridge_host, C.uintptr_t) C.bridge_outcome) error {
+	if err := ctx.Err(); err != nil {
+		return &Error{Status: Cancelled, Cause: err}
+	}
+	var bridge C.bridge_host
+	if host.Log != nil {
+		bridge.functions |= C.BRIDGE_LOG
+	}
+	if host.Progress != nil || ctx.Done() != nil {
+		bridge.functions |= C.BRIDGE_PROGRESS
+	}
+	if bridge.functions == 0 && tile == nil {
+		return check(function(bridge, 0))
+	}
+	c := &call{ctx: ctx, host: host, tile: tile}
+	handle := cgo.NewHandle(c)
+	defer handle.Delete()
+	bridge.call = C.uintptr_t(handle)
+	user := C.uintptr_t(0)
+	if tile != nil {
+		user = C.uintptr_t(handle)
+	}
+	err := check(function(bridge, user))
+	if c.panicked != nil {
+		panic(c.panicked)
+	}
+	if e, failed := err.(*Error); failed && e.Status == Cancelled {
+		e.Cause = c.err
+	}
+	return err
+}
+
+//export mlrtGoLog
+func mlrtGoLog(user C.uintptr_t, level C.int32_t, message *C.char) {
+	c := cgo.Handle(user).Value().(*call)
+	c.guard(func() error {
+		c.host.Log(Level(level), C.GoString(message))
+		return nil
+	})
+}
+
+//export mlrtGoProgress
+func mlrtGoProgress(user C.uintptr_t, fraction C.double) C.int32_t {
+	c := cgo.Handle(user).Value().(*call)
+	goOn := c.guard(func() error {
+		if c.host.Progress != nil {
+			c.host.Progress(float64(fraction))
+		}
+		return c.ctx.Err()
+	})
+	if goOn {
+		return 0
+	}
+	return 1
+}
+
+//export mlrtGoTile
+func mlrtGoTile(user C.uintptr_t, from *C.mlrt_tile) C.int32_t {
+	c := cgo.Handle(user).Value().(*call)
+	if c.guard(func() error { return c.tile(newTile(from)) }) {
+		return 0
+	}
+	return 1
+}
+
+// A Tile has the results of a finished tile of a picture: those of pixel (X + i, Y + j) are element j * Width + i. They are
+// valid until the callback returns. Slices that the options' Outputs do not name are nil.
+type Tile struct {
+	Worker           int // calls that run at the same time have different ones, from 0
+	X, Y             int // its first pixel, in the whole picture
+	Width, Height    int
+	T, U, V          []float32
+	MeshID, Triangle []uint32
+	Facing           []int32
+	Occluded         []uint8 // as in HitArrays
+}
+
+func tileSlice[T, From any](from *From, n int) []T {
+	return unsafe.Slice((*T)(unsafe.Pointer(from)), n)[:n:n]
+}
+
+func newTile(from *C.mlrt_tile) *Tile {
+	tile := &Tile{
+		Worker: int(from.worker), X: int(from.x), Y: int(from.y), Width: int(from.width), Height: int(from.height),
+	}
+	n := tile.Width * tile.Height
+	if from.t != nil {
+		tile.T = tileSlice[float32](from.t, n)
+	}
+	if from.u != nil {
+		tile.U, tile.V = tileSlice[float32](from.u, n), tileSlice[float32](from.v, n)
+	}
+	if from.mesh != nil {
+		tile.MeshID = tileSlice[uint32](from.mesh, n)
+	}
+	if from.triangle != nil {
+		tile.Triangle = tileSlice[uint32](from.triangle, n)
+	}
+	if from.facing != nil {
+		tile.Facing = tileSlice[int32](from.facing, n)
+	}
+	if from.occluded != nil {
+		tile.Occluded = tileSlice[uint8](from.occluded, n)
+	}
+	return tile
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The arguments of calls that trace: see arguments.h. Here are the rules between fields; base/forms.c has those of
+ * single ones.
+ */
+#include "api/arguments.h"
+
+#include <string.h>
+
+#include "base/host.h"
+
+static int32_t fail_argument(const char *field, const char *rule)
+{
+    return mlrt_fail(MLRT_ERROR_ARGUMENT, "%s: %s", field, rule);
+}
+
+int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *call)
+{
+    memset(&call->run, 0, sizeof call->run);
+    int32_t status = mlrt_take_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", 0, given, &call->options);
+    if (status != MLRT_OK || !given) return status;
+    const mlrt_counters *counters = call->options.counters;
+    call->run.pool = call->options.pool;
+    call->run.counters = call->options.counters;
+    status = mlrt_take_host("options.host", call->options.host, &call->run.host);
+    if (status != MLRT_OK || !counters) return status;
+    status = mlrt_check_result_size(MLRT_STRUCT_COUNTERS, "options.counters", counters);
+    return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_COUNTERS, "options.counters", 0, counters) : status;
+}
+
+int32_t mlrt_log_failure(const struct mlrt_call *call, int32_t status)
+{
+    const struct mlrt_voice voice = {.host = call->run.host};
+    return mlrt_end_call(&voice, status);
+}
+
+int32_t mlrt_check_options(const mlrt_trace_options *options)
+{
+    const uint32_t split = options->split_factor;
+    if (options->lights || options->light_count) {
+        return fail_argument("options.lights", "only mlrt_render_tiles takes lights");
+    }
+    if (split == 0 || split == 4 || split == 16) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.split_factor: %lu is not 0, 4 or 16", (unsigned long)split);
+}
+
+int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count)
+{
+    *lights = options->lights;
+    *count = options->light_count;
+    options->lights = NULL;
+    options->light_count = 0;
+    if (*lights && options->query == MLRT_QUERY_ANY) {
+        return fail_argument("options.lights", "given, but query ANY takes no lights");
+    }
+    return *lights || !*count ? MLRT_OK : fail_argument("options.lights", "NULL, but light_count is not 0");
+}
+
+int32_t mlrt_take_rays(const mlrt_rays *given, mlrt_rays *rays)
+{
+    char digits[MLRT_DIGITS];
+    const int32_t status = mlrt_take_struct(MLRT_STRUCT_RAYS, "rays", 0, given, rays);
+    if (status != MLRT_OK) return status;
+    if (rays->count && !rays->origins.data) return fail_argument("rays.origins", "NULL, but count is not 0");
+    if (rays->count && !rays->directions.data) return fail_argument("rays.directions", "NULL, but count is not 0");
+    if (rays->rays_per_origin <= 1 || rays->count % rays->rays_per_origin == 0) return MLRT_OK;
+    return mlrt_fail(MLRT_ERROR_ARGUMENT, "rays.rays_per_origin: %lu does not divide count %s",
+                     (unsigned long)rays->rays_per_origin, mlrt_write_digits(rays->count, digits));
+}
+
+int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *points)
+{
+    const int32_t status = mlrt_take_struct(MLRT_STRUCT_POINTS, "points", 0, given, points);
+    if (status != MLRT_OK || !points->count || points->positions.data) return status;
+    return fail_argument("points.positions", "NULL, but count is not 0");
+}
+
+/* Is the array of results given that a field describes? */
+static int is_given(const struct mlrt_field *field, const void *arrays)
+{
+    const void *array = (const unsigned char *)arrays + field->offset;
+    return ((const mlrt_array *)array)->data != NULL;
+}
+
+static MLRT_NOINLINE int32_t fail_query(const mlrt_hits *hits, int any)
+{
+    const struct mlrt_field *field = &mlrt_rules.hits[any ? 1 : 7];
+    while (!is_given(field, hits)) ++field;
+    return mlrt_fail(MLRT_ERROR_ARGUMENT,
+                     any ? "options.query: ANY writes only `occluded`, but `%s` was given"
+                         : "options.query: CLOSEST writes `%s` only with lights, but it was given",
+                     field->name);
+}
+
+int32_t mlrt_check_hits(const char *path, const mlrt_hits *hits, const mlrt_trace_options *options, int has_lights,
+                        int may_be_empty)
+{
+    const int any = options->query == MLRT_QUERY_ANY, has_occluded = hits->occluded.data != NULL;
+    const int has_closest =
+        ((uintptr_t)hits->t.data | (uintptr_t)hits->u.data | (uintptr_t)hits->v.data | (uintptr_t)hits->mesh.data |
+         (uintptr_t)hits->triangle.data | (uintptr_t)hits->facing.data) != 0;
+    if (any ? has_closest : has_occluded && !has_lights) return fail_query(hits, any);
+    if (has_closest || has_occluded || may_be_empty) return MLRT_OK;
+    return fail_argument(path, "no array is given, so nothing would be written");
+}
+
+int32_t mlrt_check_lists(const mlrt_hit_lists *lists, int may_be_empty)
+{
+    const struct mlrt_field *field = mlrt_rules.hit_lists;
+    for (int i = 0; i < 9; ++i, ++field) {
+        if (!is_given(field, lists)) continue;
+        may_be_empty = 1;
+        if (i >= 7 || lists->capacity) continue;
+        return mlrt_fail(MLRT_ERROR_ARGUMENT, "lists.capacity: 0, but `%s` was given", field->name);
+    }
+    return may_be_empty ? MLRT_OK : fail_argument("lists", "no array is given, so nothing would be written");
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The arguments of calls that trace: copies of the caller's structs in the form of this version, checked. What is wrong
+ * is named in the message of the thread; the functions return a status.
+ */
+#ifndef MLRT_API_ARGUMENTS_H
+#define MLRT_API_ARGUMENTS_H
+
+#include "base/run_options.h"
+#include "base/structs.h"
+#include "job/job.h"
+
+/* The options of a call, and what it runs with. */
+struct mlrt_call {
+    mlrt_trace_options options;
+    struct mlrt_run_options run;
+};
+
+/* Takes options (NULL = defaults). What depends on the kind of call is left to the next two functions. */
+int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *call);
+
+/* Sends the message of a failed call to the log of its host. Returns `status`. */
+int32_t mlrt_log_failure(const struct mlrt_call *call, int32_t status);
+
+/* Ends a call that took options. Returns `status`. */
+static inline int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status)
+{
+    return status == MLRT_OK ? status : mlrt_log_failure(call, status);
+}
+
+/* Checks rules between fields. Lights are an error: mlrt_take_lights moves those of a picture out of its options. */
+int32_t mlrt_check_options(const mlrt_trace_options *options);
+int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count);
+
+int32_t mlrt_take_rays(const mlrt_rays *given, mlrt_rays *rays);
+int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *points);
+
+/*
+ * Check that the call writes all arrays that are given, and that there is one. None is needed if `may_be_empty`: for a
+ * call without rays, or that counts, or has a callback. `path` names the arrays.
+ */
+int32_t mlrt_check_hits(const char *path, const mlrt_hits *hits, const mlrt_trace_options *options, int has_lights,
+                        int may_be_empty);
+int32_t mlrt_check_lists(const mlrt_hit_lists *lists, int may_be_empty);
+
+#endif

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The forms of the structs of mlrt.h: see forms.h.
+ */
+#include "base/forms.h"
+
+/* Bytes up to the end of a field: the size of the struct in a version whose last field it was. */
+#define BYTES_UP_TO(type, field) (offsetof(type, field) + sizeof(((type *)0)->field))
+
+#define FIELD_RULE(type, field, kind, most)                                                                            \
+    {                                                                                                                  \
+#field, offsetof(type, field), most, MLRT_FIELD_##kind                                                         \
+    }
+
+const struct mlrt_rules mlrt_rules =
+    {
+        .host = {FIELD_RULE(mlrt_host, reserved, COUNT, 0)},
+        .pool_options = {FIELD_RULE(mlrt_pool_options, thread_count, COUNT, MLRT_THREAD_LIMIT)},
+        .tree_options =
+            {
+                FIELD_RULE(mlrt_tree_options, preset, INTEGER, MLRT_TREE_BEST),
+                FIELD_RULE(mlrt_tree_options, traversal_cost, COST, 1),
+                FIELD_RULE(mlrt_tree_options, intersection_cost, COST, 1),
+            },
+        .kdtree_options =
+            {
+                FIELD_RULE(mlrt_kdtree_options, preset, INTEGER, MLRT_KDTREE_TUNED),
+                FIELD_RULE(mlrt_kdtree_options, max_depth, COUNT, MLRT_DEPTH_LIMIT),
+                FIELD_RULE(mlrt_kdtree_options, rules_off, COUNT, 31),
+                FIELD_RULE(mlrt_kdtree_options, traversal_cost, COST, 1),
+                FIELD_RULE(mlrt_kdtree_options, intersection_cost, COST, 1),
+            },
+        .load_options = {FIELD_RULE(mlrt_load_options, flags, COUNT, MLRT_LOAD_IN_PLACE)},
+        .trace_options =
+            {
+                FIELD_RULE(mlrt_trace_options, query, INTEGER, MLRT_QUERY_ANY),
+                FIELD_RULE(mlrt_trace_options, method, INTEGER, MLRT_METHOD_TILE),
+                FIELD_RULE(mlrt_trace_options, isa, INTEGER, MLRT_ISA_AVX512),
+                FIELD_RULE(mlrt_trace_options, culling, INTEGER, MLRT_CULLING_DIRECT),
+                FIELD_RULE(mlrt_trace_options, culling_check, COUNT, 1),
+                FIELD_RULE(mlrt_trace_options, outputs, COUNT, 63),
+                FIELD_RULE(mlrt_trace_options, shortcuts_off, COUNT, 7),
+                FIELD_RULE(mlrt_trace_options, light_count, COUNT, MLRT_LIGHT_LIMIT),
+                FIELD_RULE(mlrt_trace_options, reserved, COUNT, 0),
+            },
+        .counters = {FIELD_RULE(mlrt_counters, reserved, COUNT, 0)},
+        .ray = {FIELD_RULE(mlrt_ray, flags, COUNT, MLRT_RAY_SKIP)},
+        .rays =
+            {
+                FIELD_RULE(mlrt_rays, reserved, COUNT, 0),
+                FIELD_RULE(mlrt_rays, count, SIZE, 0),
+                FIELD_RULE(mlrt_rays, origins, INPUT, 0),
+                FIELD_RULE(mlrt_rays, directions, INPUT, 0),
+                FIELD_RULE(mlrt_rays, t_min, INPUT, 0),
+                FIELD_RULE(mlrt_rays, t_max, INPUT, 0),
+                FIELD_RULE(mlrt_rays, skip, INPUT, 0),
+                FIELD_RULE(mlrt_rays, mask, INPUT, 0),
+            },
+        .points =
+            {
+                FIELD_RULE(mlrt_points, count, SIZE, 0),
+                FIELD_RULE(mlrt_points, positions, INPUT, 0),
+                FIELD_RULE(mlrt_points, skip, INPUT, 0),
+            },
+        .light =
+            {
+                FIELD_RULE(mlrt_light, kind, INTEGER, MLRT_LIGHT_DIRECTIONAL),
+                FIELD_RULE(mlrt_light, position, FINITE, 3),
+            },
+        .hits =
+            {
+                FIELD_RULE(mlrt_hits, reserved, COUNT, 0),
+                FIELD_RULE(mlrt_hits, t, OUTPUT, 4),
+                FIELD_RULE(mlrt_hits, u, OUTPUT, 4),
+                FIELD_RULE(mlrt_hits, v, OUTPUT, 4),
+                FIELD_RULE(mlrt_hits, mesh, OUTPUT, 4),
+                FIELD_RULE(mlrt_hits, triangle, OUTPUT, 4),
+                FIELD_RULE(mlrt_hits, facing, OUTPUT, 4),
+                FIELD_RULE(mlrt_hits, occluded, OUTPUT, 1),
+            },
+        .hit_lists =
+            {
+                FIELD_RULE(mlrt_hit_lists, t, OUTPUT, 4),
+                FIELD_RULE(mlrt_hit_lists, u, OUTPUT, 4),
+                FIELD_RULE(mlrt_hit_lists, v, OUTPUT, 4),
+                FIELD_RULE(mlrt_hit_lists, mesh, OUTPUT, 4),
+                FIELD_RULE(mlrt_hit_lists, triangle, OUTPUT, 4),
+                FIELD_RULE(mlrt_hit_lists, facing, OUTPUT, 4),
+                FIELD_RULE(mlrt_hit_lists, crossing, OUTPUT, 1),
+                FIELD_RULE(mlrt_hit_lists, total, OUTPUT, 4),
+                FIELD_RULE(mlrt_hit_lists, crossing_total, OUTPUT, 4),
+            },
+        .camera = {FIELD_RULE(mlrt_camera, projection, INTEGER, MLRT_PROJECTION_PARALLEL)},
+        .view =
+            {
+                FIELD_RULE(mlrt_camera, d00, FINITE, 3),
+                FIELD_RULE(mlrt_camera, dx, FINITE, 3),
+                FIELD_RULE(mlrt_camera, dy, FINITE, 3),
+                FIELD_RULE(mlrt_camera, sample_x, FINITE, 1),
+                FIELD_RULE(mlrt_camera, sample_y, FINITE, 1),
+                FIELD_RULE(mlrt_camera, t_min, NUMBER, 1),
+                FIELD_RULE(mlrt_camera, t_max, NUMBER, 1),
+            },
+        .pinhole = {FIELD_RULE(mlrt_camera, eye, FINITE, 3)},
+        .parallel = {FIELD_RULE(mlrt_camera, direction, FINITE, 3)},
+        .vectors = {{"", 0, 12, MLRT_FIELD_OUTPUT}},
+        .bytes = {{"", 0, 1, MLRT_FIELD_OUTPUT}},
+        .number = {{"", 0, 1, MLRT_FIELD_FINITE}},
+};
+
+/* `last` is the last field of the first version. */
+#define ROW_NUMBER(table) offsetof(struct mlrt_rules, table) / sizeof(struct mlrt_field)
+#define ROW_COUNT(table)  sizeof mlrt_rules.table / sizeof *mlrt_rules.table
+#define FORM_OF(type, last, table, status, has_rows)                                                                   \
+    {                                                                                                                  \
+        BYTES_UP_TO(type, last), sizeof(type), ROW_NUMBER(table), ROW_COUNT(table), status, has_rows                   \
+    }
+#define CHECKED_FORM(type, last, table) FORM_OF(type, last, table, MLRT_ERROR_ARGUMENT, 0)
+#define PLAIN_FORM(type, last)                                                                                         \
+    {                                                                                                                  \
+        BYTES_UP_TO(type, last), sizeof(type), 0, 0, 0, 0                                                              \
+    }
+
+const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT] = {
+    [MLRT_STRUCT_HOST] = CHECKED_FORM(mlrt_host, progress, host),
+    [MLRT_STRUCT_MESH] = PLAIN_FORM(mlrt_mesh, mask),
+    [MLRT_STRUCT_TREE_OPTIONS] = CHECKED_FORM(mlrt_tree_options, pool, tree_options),
+    [MLRT_STRUCT_TREE_INFO] = PLAIN_FORM(mlrt_tree_info, reserved),
+    [MLRT_STRUCT_MEMORY_ESTIMATE] = PLAIN_FORM(mlrt_memory_estimate, peak_memory_size),
+    [MLRT_STRUCT_LOAD_OPTIONS] = CHECKED_FORM(mlrt_load_options, host, load_options),
+    [MLRT_STRUCT_POOL_OPTIONS] = CHECKED_FORM(mlrt_pool_options, finish, pool_options),
+    [MLRT_STRUCT_COUNTERS] = CHECKED_FORM(mlrt_counters, exact_order_count, counters),
+    [MLRT_STRUCT_TRACE_OPTIONS] = CHECKED_FORM(mlrt_trace_options, counters, trace_options),
+    [MLRT_STRUCT_ARRAY] = PLAIN_FORM(mlrt_array, row_stride),
+    [MLRT_STRUCT_HITS] = CHECKED_FORM(mlrt_hits, occluded, hits),
+    [MLRT_STRUCT_CONST_ARRAY] = PLAIN_FORM(mlrt_const_array, stride),
+    [MLRT_STRUCT_RAYS] = CHECKED_FORM(mlrt_rays, skip, rays),
+    [MLRT_STRUCT_RAY] = CHECKED_FORM(mlrt_ray, skip_triangle, ray),
+    [MLRT_STRUCT_HIT] = PLAIN_FORM(mlrt_hit, occluded),
+    [MLRT_STRUCT_HIT_LISTS] = CHECKED_FORM(mlrt_hit_lists, crossing_total, hit_lists),
+    [MLRT_STRUCT_CAMERA] = CHECKED_FORM(mlrt_camera, t_max, camera),
+    [MLRT_STRUCT_TILE] = PLAIN_FORM(mlrt_tile, occluded),
+    [MLRT_STRUCT_LIGHT] = CHECKED_FORM(mlrt_light, position, light),
+    [MLRT_STRUCT_POINTS] = CHECKED_FORM(mlrt_points, skip, points),
+    [MLRT_STRUCT_KDTREE_OPTIONS] = CHECKED_FORM(mlrt_kdtree_options, rules_off, kdtree_options),
+    [MLRT_FORM_FRAME] = FORM_OF(mlrt_hits, occluded, hits, MLRT_ERROR_ARGUMENT, 1),
+    [MLRT_FORM_VIEW] = FORM_OF(mlrt_camera, t_max, view, MLRT_ERROR_CAMERA, 0),
+    [MLRT_FORM_PINHOLE] = FORM_OF(mlrt_camera, t_max, pinhole, MLRT_ERROR_CAMERA, 0),
+    [MLRT_FORM_PARALLEL] = FORM_OF(mlrt_camera, t_max, parallel, MLRT_ERROR_CAMERA, 0),
+    [MLRT_FORM_VECTORS] = FORM_OF(mlrt_array, row_stride, vectors, MLRT_ERROR_ARGUMENT, 1),
+    [MLRT_FORM_BYTES] = CHECKED_FORM(mlrt_array, row_stride, bytes),
+    [MLRT_FORM_FLOAT] = {sizeof(float), sizeof(float), ROW_NUMBER(number), 1, MLRT_ERROR_ARGUMENT, 0},
+};

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The forms of the structs of mlrt.h: their sizes, and the rules of single fields, a line each. structs.h has what
+ * checks them.
+ */
+#ifndef MLRT_BASE_FORMS_H
+#define MLRT_BASE_FORMS_H
+
+#include <stddef.h>
+
+#include "mlrt.h"
+
+/* What a rule wants of its field. Rules of a form are in this order: words, sizes, floats, inputs, outputs. */
+enum {
+    MLRT_FIELD_INTEGER, /* an int32_t from 0 to `most` */
+    MLRT_FIELD_COUNT,   /* a uint32_t from 0 to `most`; if it holds flags, these are all bits with a meaning */
+    MLRT_FIELD_SIZE,    /* a size_t from 0 to INT32_MAX, beyond which the answer is MLRT_ERROR_TOO_LARGE */
+    MLRT_FIELD_COST,    /* `most` floats from 0 to 1e6 */
+    MLRT_FIELD_FINITE,  /* `most` floats that are finite */
+    MLRT_FIELD_NUMBER,  /* `most` floats that are not NaN */
+    MLRT_FIELD_INPUT,   /* an mlrt_const_array of 4-byte words */
+    MLRT_FIELD_OUTPUT   /* an mlrt_array whose elements have `most` bytes */
+};
+
+/* A rule. The name is inside, because an address would take three times its place in a shared library. */
+struct mlrt_field {
+    char name[18];
+    uint16_t offset;
+    uint16_t most;
+    uint8_t kind; /* MLRT_FIELD_* */
+};
+
+struct mlrt_form {
+    uint16_t first_size; /* of the struct, in the first version */
+    uint16_t own_size;   /* in this version */
+    uint8_t rule;        /* the first of its rules in mlrt_rules */
+    uint8_t rule_count;
+    uint8_t status;   /* of broken rules */
+    uint8_t has_rows; /* outputs are pictures: their row strides matter */
+};
+
+/* Forms besides those of structs (MLRT_STRUCT_*). */
+enum {
+    MLRT_FORM_FRAME = MLRT_STRUCT_COUNT, /* mlrt_hits of a picture */
+    MLRT_FORM_VIEW,                      /* mlrt_camera: the numbers that all cameras have */
+    MLRT_FORM_PINHOLE,                   /* mlrt_camera: those of a pinhole camera */
+    MLRT_FORM_PARALLEL,                  /* mlrt_camera: those of a parallel one */
+    MLRT_FORM_VECTORS,                   /* mlrt_array as an argument: of three floats, in rows */
+    MLRT_FORM_BYTES,                     /* mlrt_array as an argument: of bytes */
+    MLRT_FORM_FLOAT,                     /* a float that must be finite */
+    MLRT_FORM_COUNT
+};
+
+extern const struct mlrt_form mlrt_forms[MLRT_FORM_COUNT];
+
+/* All rules. One struct of arrays: so forms need no addresses, which a shared library would have to be relocated for. */
+extern const struct mlrt_rules {
+    struct mlrt_field host[1], pool_options[1], tree_options[3], kdtree_options[5], load_options[1], trace_options[9],
+        counters[1], ray[1], rays[8], points[3], light[2], hits[8], hit_lists[9], camera[1], view[7], pinhole[1],
+        parallel[1], vectors[1], bytes[1], number[1];
+} mlrt_rules;
+
+/* The first rule of a form; the others follow. */
+static inline const struct mlrt_field *mlrt_rules_of(const struct mlrt_form *form)
+{
+    return (const struct mlrt_field *)(const void *)&mlrt_rules + form->rule;
+}
+
+/* The most lights that a picture may have: its shadows have a byte per pixel, and a light has one bit. */
+#define MLRT_LIGHT_LIMIT 8
+
+/* The most threads of a pool, with the one that calls. */
+#define MLRT_THREAD_LIMIT 1024
+
+/* Inner nodes of a path in a kd-tree, at most: stacks have room for as many. Scenes need no more (mlrta/build.c). */
+#define MLRT_DEPTH_LIMIT 60
+
+#endif
