@@ -139,6 +139,7 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #include <xmmintrin.h>
 #define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */
 #define MLRT_CONTROL_BITS   0xFFC0u /* the other bits are exception flags, and stay */
+#define MLRT_INEXACT_BIT    0x0020u /* the flag that nearly all arithmetic raises, so most programs have it raised */
 MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
 {
     const uint32_t saved = _mm_getcsr();
@@ -148,6 +149,15 @@ MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
 MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
 {
     if (_mm_getcsr() != (uint32_t)saved) _mm_setcsr((uint32_t)saved);
+}
+/*
+ * As mlrt_leave_fp_environment, after arithmetic that raised no flag of <fenv.h> but inexact: if that was raised before,
+ * there is nothing to restore. Reading the register would take 22 cycles.
+ */
+MLRT_INLINE void mlrt_leave_after_inexact(uint64_t saved)
+{
+    const uint32_t kept = MLRT_WANTED_CONTROL | MLRT_INEXACT_BIT;
+    if ((saved & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) != kept) mlrt_leave_fp_environment(saved);
 }
 #elif defined(__aarch64__) && defined(__GNUC__)
 MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
@@ -172,6 +182,12 @@ MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
 MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
 {
     fesetround((int)(uint32_t)saved);
+}
+#endif
+#if !MLRT_HAVE_SSE
+MLRT_INLINE void mlrt_leave_after_inexact(uint64_t saved)
+{
+    mlrt_leave_fp_environment(saved);
 }
 #endif
 

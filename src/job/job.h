@@ -107,6 +107,9 @@ struct mlrt_worker {
     int stopped;                       /* the call is to end */
 };
 
+/* rays/lone_ray.h */
+struct mlrt_lone_ray;
+
 /* trace/ray_tile.h */
 struct mlrt_rectangle;
 struct mlrt_ray_tile;
@@ -145,12 +148,16 @@ struct mlrt_kernels {
     /* The kernels of the kd-tree have none of the following. */
 
     /*
-     * Traces one ray and sets its hit, as mlrt_trace_ray with structs of this version. `skip` is the number of the
-     * triangle that the ray skips. Returns 0, and sets nothing, if float does not carry the ray (trace/single_ray.h).
-     * Kernels that count have NULL.
+     * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, or MLRT_NONE.
+     * Kernels that count have NULL. trace/single_ray.h
      */
-    int (*trace_ray)(const struct mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
-                     mlrt_hit *hit);
+    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray);
+    /*
+     * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
+     * Returns 0, and leaves *number, if float does not carry the ray there.
+     */
+    int (*trace_scaled_ray)(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, int any, uint32_t skip,
+                            uint32_t *number);
     /*
      * Makes a bundle without rays of cells of a camera's picture. Returns 0 if that is not possible.
      * trace/camera_cells.h

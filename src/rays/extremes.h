@@ -10,12 +10,6 @@
 #include "rays/packet.h"
 #include "simd/simd.h"
 
-/*
- * Bounds of reciprocals are moved apart by this share of themselves: more than what roundings change
- * (mlrta/interval_traversal.h, trace/single_ray.h). SLOPE_SLACK in slope_limits.h is that of slopes.
- */
-#define RECIPROCAL_SLACK 0x1p-21f
-
 /* fmaxf but for NaNs, for which the compiler would have to call it. */
 MLRT_INLINE float larger_of(float a, float b)
 {

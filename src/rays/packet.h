@@ -19,6 +19,12 @@
 
 #define MLRT_PACKET_RAYS 16
 
+/*
+ * Bounds of reciprocals are moved apart by this share of themselves: more than what roundings change
+ * (mlrta/interval_traversal.h, trace/single_ray.h). SLOPE_SLACK in slope_limits.h is that of slopes.
+ */
+#define RECIPROCAL_SLACK 0x1p-21f
+
 struct mlrt_packet {
     MLRT_ALIGNED(64) float direction[3][MLRT_PACKET_RAYS];
     MLRT_ALIGNED(64) float origin[3][MLRT_PACKET_RAYS]; /* not set if has_apex */

@@ -48,6 +48,20 @@ MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
     for (int i = 0; i < 4; ++i) bits |= (unsigned)(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) << i;
     return bits;
 }
+/* Are the magnitudes of all lanes of a and b lo .. hi? Both are positive. */
+MLRT_INLINE int f4_are_within(f4 a, f4 b, float lo, float hi)
+{
+    int outside = 0;
+    for (int i = 0; i < 4; ++i) {
+        outside |= !(lo <= fabsf(a.x[i]) && fabsf(a.x[i]) <= hi) | !(lo <= fabsf(b.x[i]) && fabsf(b.x[i]) <= hi);
+    }
+    return !outside;
+}
+/*
+ * p[0], p[1], p[2], p[2], loaded one by one: a vector load of floats that were stored one by one just before would wait
+ * until the stores are done.
+ */
+MLRT_INLINE f4 f4_three(const float *p) { return (f4){{p[0], p[1], p[2], p[2]}}; }
 /* lanes 1, 2, 3, 3 of a */
 MLRT_INLINE f4 f4_rest(f4 a) { return (f4){{a.x[1], a.x[2], a.x[3], a.x[3]}}; }
 /* a where the sign bit of `sign` is set, else b */

@@ -7,6 +7,7 @@
 
 #include <emmintrin.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "base/platform.h"
 
@@ -29,6 +30,22 @@ MLRT_INLINE unsigned f4_zeros_or_within(f4 a, float lo, float hi)
     const __m128 b = _mm_andnot_ps(_mm_set1_ps(-0.0f), a), zero = _mm_cmpeq_ps(a, _mm_setzero_ps());
     const __m128 within = _mm_and_ps(_mm_cmple_ps(_mm_set1_ps(lo), b), _mm_cmple_ps(b, _mm_set1_ps(hi)));
     return (unsigned)_mm_movemask_ps(_mm_or_ps(zero, within));
+}
+MLRT_INLINE int f4_are_within(f4 a, f4 b, float lo, float hi)
+{
+    int32_t least, greatest; /* without signs, magnitudes are in order as unsigned integers: here moved by 2^31 */
+    memcpy(&least, &lo, sizeof least);
+    memcpy(&greatest, &hi, sizeof greatest);
+    const __m128i start = _mm_set1_epi32(2 * least - INT32_MAX - 1);
+    const __m128i end = _mm_set1_epi32(2 * (greatest - least) - INT32_MAX);
+    const __m128i from_a = _mm_sub_epi32(_mm_slli_epi32(_mm_castps_si128(a), 1), start);
+    const __m128i from_b = _mm_sub_epi32(_mm_slli_epi32(_mm_castps_si128(b), 1), start);
+    return _mm_movemask_epi8(_mm_and_si128(_mm_cmpgt_epi32(end, from_a), _mm_cmpgt_epi32(end, from_b))) == 0xFFFF;
+}
+MLRT_INLINE f4 f4_three(const float *p)
+{
+    const __m128 x = _mm_load_ss(p), y = _mm_load_ss(p + 1), z = _mm_load_ss(p + 2);
+    return _mm_movelh_ps(_mm_unpacklo_ps(x, y), _mm_unpacklo_ps(z, z));
 }
 MLRT_INLINE f4 f4_rest(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 2, 1)); }
 MLRT_INLINE f4 f4_by_sign(f4 sign, f4 a, f4 b)

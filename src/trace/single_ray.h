@@ -62,6 +62,7 @@
 #include "hits/undecided.h"
 #include "job/write_arrays.h"
 #include "rays/extremes.h"
+#include "rays/lone_ray.h"
 #include "scene/masks.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
@@ -386,60 +387,11 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
 }
 
 #if !MLRT_COUNTING
-/* One ray with numbers that float carries. Vectors are x, y, z, and z once more. */
-struct lone_ray {
-    f4 origin;
-    f4 direction;
-    f4 near; /* 1 / direction with its slack: see BOXES at the head of this file */
-    f4 far;
-    float t_min;
-    float t_max;
-};
-
-/* Loads three floats of a struct that has a readable float before them. */
-MLRT_INLINE f4 load_three(const float numbers[3])
-{
-    return f4_rest(f4_load_any((const unsigned char *)numbers - sizeof *numbers));
-}
-
-MLRT_INLINE void set_lone_reciprocals(struct lone_ray *ray)
-{
-    const f4 r = f4_div(f4_set1(1), ray->direction);
-    ray->near = f4_mul(r, f4_set1(1 - RECIPROCAL_SLACK));
-    ray->far = f4_mul(r, f4_set1(1 + RECIPROCAL_SLACK));
-}
-
-/* Applies rule R1 (segment.h). Returns 1, or 0 if the ray can hit nothing, or -1 if float does not carry it. */
-MLRT_INLINE int take_lone_ray(const mlrt_ray *given, struct lone_ray *ray)
-{
-    ray->origin = load_three(given->origin);
-    ray->direction = f4_add(load_three(given->direction), f4_set1(0)); /* -0 becomes 0 */
-    if ((f4_zeros_or_within(ray->origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
-         f4_zeros_or_within(ray->direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
-        return -1;
-    }
-    set_lone_reciprocals(ray);
-    ray->t_min = given->t_min < 0 ? 0 : given->t_min;
-    ray->t_max = given->t_max == 0 ? INFINITY : given->t_max;
-    return ray->t_min < ray->t_max && f4_zeros(ray->direction) != 15;
-}
-
-/* Can the ray meet the box of the scene? The arithmetic and its bounds are those of meet_boxes. */
-MLRT_INLINE int meets_scene(const struct lone_ray *ray, const struct mlrt_box *box)
-{
-    const f4 lo = load_three(box->lo), hi = load_three(box->hi);
-    const f4 to_near = f4_sub(f4_by_sign(ray->direction, hi, lo), ray->origin);
-    const f4 to_far = f4_sub(f4_by_sign(ray->direction, lo, hi), ray->origin);
-    const f4 first = f4_max(f4_mul(to_near, ray->near), f4_set1(ray->t_min));
-    const f4 last = f4_min(f4_mul(to_far, ray->far), f4_set1(finite_limit(ray->t_max)));
-    return f4_hmax(first) <= f4_hmin(last);
-}
-
 /*
  * Traces a ray as lane 0 of a packet, and returns the number of the triangle that it hits. The worker is one of this
  * call, of which only the fields set here are used: with room for one plane and one pair of triangles.
  */
-static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ray *ray, uint32_t mask, uint32_t skip,
+static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lone_ray *ray,
                                 struct mlrt_scaled_packet *scaled)
 {
     struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
@@ -447,25 +399,20 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ra
     struct mlrt_known_plane plane;
     struct mlrt_triangle_pair pair;
     struct mlrt_worker worker;
-    MLRT_ALIGNED(16) float numbers[4][4];
-    f4_store(numbers[0], ray->origin);
-    f4_store(numbers[1], ray->direction);
-    f4_store(numbers[2], ray->near);
-    f4_store(numbers[3], ray->far);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
-        packet->origin[k][0] = numbers[0][k];
-        packet->direction[k][0] = numbers[1][k];
-        reciprocals.near[k][0] = numbers[2][k];
-        reciprocals.far[k][0] = numbers[3][k];
+        packet->origin[k][0] = ray->origin[k];
+        packet->direction[k][0] = ray->direction[k];
+        reciprocals.near[k][0] = ray->reciprocal[k] * (1 - RECIPROCAL_SLACK);
+        reciprocals.far[k][0] = ray->reciprocal[k] * (1 + RECIPROCAL_SLACK);
     }
     packet->t_min[0] = ray->t_min;
     packet->t_max[0] = packet->lo[0] = packet->hi[0] = ray->t_max;
     packet->triangle[0] = MLRT_NONE;
-    packet->skip[0] = skip;
-    packet->has_skip = skip != MLRT_NONE;
+    packet->skip[0] = ray->skip;
+    packet->has_skip = ray->skip != MLRT_NONE;
     packet->has_apex = packet->has_masks = 0;
-    worker.mask = mask;
+    worker.mask = ray->mask;
     worker.planes = &plane;
     worker.pairs = &pair;
     worker.plane_mask = worker.pair_mask = 0;
@@ -477,71 +424,48 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct lone_ra
     return packet->triangle[0];
 }
 
-/* Traces a ray that is brought into units. Returns 0 if float does not carry it there. */
-static MLRT_NOINLINE int trace_scaled_ray(const struct mlrt_job *job, const mlrt_ray *given, uint32_t mask,
-                                          uint32_t skip, uint32_t *number)
+/* The function `trace_ray` of job/job.h. */
+static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray)
+{
+    struct mlrt_job job;
+    job.tree = tree;
+    job.any = ray->any;
+    return trace_lone_lane(&job, ray, NULL);
+}
+
+/* The function `trace_scaled_ray` of job/job.h. */
+static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_segment *segment, int any,
+                            uint32_t skip, uint32_t *number)
 {
     struct mlrt_packet packet;
     struct mlrt_scaled_packet scaled;
-    struct mlrt_ray_segment segment;
-    struct lone_ray ray;
-    float origin[4], direction[4];
-    const float t_max = given->t_max == 0 ? INFINITY : given->t_max;
-    if (!mlrt_make_segment(given->origin, given->direction, given->t_min, t_max, &segment)) return 1;
+    struct mlrt_lone_ray ray;
+    struct mlrt_job job;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
         for (int k = 0; k < 3; ++k) {
-            packet.origin[k][lane] = segment.origin[k];
-            packet.direction[k][lane] = segment.direction[k];
+            packet.origin[k][lane] = segment->origin[k];
+            packet.direction[k][lane] = segment->direction[k];
         }
-        packet.t_min[lane] = segment.t_min;
-        packet.t_max[lane] = packet.lo[lane] = packet.hi[lane] = segment.t_max;
+        packet.t_min[lane] = segment->t_min;
+        packet.t_max[lane] = packet.lo[lane] = packet.hi[lane] = segment->t_max;
     }
     packet.triangle[0] = MLRT_NONE;
     packet.skip[0] = skip;
     packet.has_skip = skip != MLRT_NONE;
     packet.has_apex = packet.has_masks = 0;
-    if (!scale_packet(1, job->tree->bvh.unit, &packet, &scaled)) return 0;
-    for (int k = 0; k < 4; ++k) {
-        origin[k] = scaled.rays.origin[k < 3 ? k : 2][0];
-        direction[k] = scaled.rays.direction[k < 3 ? k : 2][0];
+    if (!scale_packet(1, tree->bvh.unit, &packet, &scaled)) return 0;
+    for (int k = 0; k < 3; ++k) {
+        ray.origin[k] = scaled.rays.origin[k][0];
+        ray.direction[k] = scaled.rays.direction[k][0];
+        ray.reciprocal[k] = 1 / ray.direction[k];
     }
-    ray.origin = f4_load_any(origin);
-    ray.direction = f4_load_any(direction);
-    set_lone_reciprocals(&ray);
     ray.t_min = scaled.rays.t_min[0];
     ray.t_max = scaled.rays.hi[0];
-    *number = trace_lone_lane(job, &ray, mask, skip, &scaled);
-    return 1;
-}
-
-/* The function `trace_ray` of job/job.h. */
-static int trace_lone_ray(const struct mlrt_tree *tree, const mlrt_ray *given, int any, uint32_t mask, uint32_t skip,
-                          mlrt_hit *hit)
-{
-    struct lone_ray ray;
-    struct mlrt_job job;
-    uint32_t number = MLRT_NONE;
+    ray.mask = segment->mask;
+    ray.skip = skip;
     job.tree = tree;
     job.any = any;
-    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
-        if (!trace_scaled_ray(&job, given, mask, skip, &number)) return 0;
-    } else {
-        const int is_taken = take_lone_ray(given, &ray);
-        if (MLRT_UNLIKELY(is_taken < 0)) return 0;
-        if (is_taken && tree->bvh.node_count > 0 && meets_scene(&ray, &tree->bvh.whole)) {
-            number = trace_lone_lane(&job, &ray, mask, skip, NULL);
-        }
-    }
-    hit->occluded = number != MLRT_NONE;
-    if (any) return 1;
-    if (number != MLRT_NONE) {
-        mlrt_set_hit(tree, given, number, hit);
-        return 1;
-    }
-    hit->t = INFINITY;
-    hit->u = hit->v = 0;
-    hit->mesh = hit->triangle = MLRT_NONE;
-    hit->facing = 0;
+    *number = trace_lone_lane(&job, &ray, &scaled);
     return 1;
 }
 #endif
