@@ -124,7 +124,7 @@ void mlrt_trace_kdtree_tile(const struct mlrt_job *job, struct mlrt_worker *work
     root.count = 1;
     root.axis_code = NO_OUTLINES;
     root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
-    worker->counters.ray_count += (uint64_t)tile->width * tile->height;
+    worker->counters.ray_count += mlrt_count_rays(&job->source, tile);
     if (job->method == MLRT_METHOD_MULTILEVEL && job->tree->float_safe) {
         trace_level(job, worker, tile, job->initial_tile_size, &root.entries[0]);
     } else {
