@@ -68,21 +68,24 @@ const char *mlrt_write_digits(uint64_t number, char digits[MLRT_DIGITS])
 
 const char *mlrt_meaning_of(int32_t status)
 {
-    static const char *const texts[] = {
-        "ok",
-        "invalid argument",
-        "struct_size is not set or not of any version",
-        "a triangle names a vertex that does not exist",
-        "out of memory",
-        "more triangles, rays or pixels than 32-bit counts allow",
-        "camera of size zero, crop outside of it, numbers that are not finite, or vectors that span no picture",
-        "instruction set not available here, or a method for a tree of the other structure",
-        "the system would not start a thread",
-        "stopped by a callback",
-        "not a saved tree, or one that is damaged, of another version, or of other triangles",
-    };
-    const int32_t count = (int32_t)(sizeof texts / sizeof *texts);
-    return status >= 0 && status < count ? texts[status] : "unknown status";
+    /* One string, because addresses would take three times their place in a shared library. */
+    static const char texts[] =
+        "ok\0"
+        "invalid argument\0"
+        "struct_size is not set or not of any version\0"
+        "a triangle names a vertex that does not exist\0"
+        "out of memory\0"
+        "more triangles, rays or pixels than 32-bit counts allow\0"
+        "camera of size zero, crop outside of it, numbers that are not finite, or vectors that span no picture\0"
+        "instruction set not available here, or a method for a tree of the other structure\0"
+        "the system would not start a thread\0"
+        "stopped by a callback\0"
+        "not a saved tree, or one that is damaged, of another version, or of other triangles\0"
+        "unknown status";
+    const char *text = texts;
+    if (status < MLRT_OK || status > MLRT_ERROR_DATA) status = MLRT_ERROR_DATA + 1;
+    for (int32_t i = 0; i < status; ++text) i += !*text;
+    return text;
 }
 
 int32_t mlrt_fail_plainly(int32_t status)

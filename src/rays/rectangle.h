@@ -34,13 +34,10 @@ MLRT_INLINE uint32_t mlrt_existing_lanes(const struct mlrt_source *source, const
 /* The number of rays in a rectangle: the last row of a list may be short. */
 static inline uint64_t mlrt_count_rays(const struct mlrt_source *source, const struct mlrt_rectangle *area)
 {
-    uint64_t count = 0;
-    for (uint32_t row = 0; row < area->height; ++row) {
-        const uint64_t first = (area->y + (uint64_t)row) * source->width + area->x;
-        const uint64_t left = first < source->count ? source->count - first : 0;
-        count += left < area->width ? left : area->width;
-    }
-    return count;
+    const uint64_t whole = (uint64_t)area->width * area->height;
+    const uint64_t end = (uint64_t)(area->y + area->height - 1) * source->width + area->x + area->width;
+    const uint64_t missing = end > source->count ? end - source->count : 0;
+    return whole - (missing < area->width ? missing : area->width);
 }
 
 #endif
