@@ -126,7 +126,7 @@ static void print_stages(const struct settings *settings, const char *scene, enu
     uint64_t all = s->float_count + s->tie_count + s->double_count + s->exact_count;
     if (settings->csv)
         printf("%s,%s,%s,%zu,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%" PRIu64 "\n", scene, name,
-               rays->is_picture ? "mlrt_camera" : "mlrt_multilevel", rays->count, s->float_count, s->tie_count,
+               rays->is_picture ? "mlrt_tile_camera" : "mlrt_tile", rays->count, s->float_count, s->tie_count,
                s->double_count, s->exact_count);
     else
         printf("%-20s %-12s %12.2f %12.2f %12.2f %12.2f %8.3f %%\n", scene, name, share_of(s->float_count, all, 1e6),

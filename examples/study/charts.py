@@ -385,7 +385,7 @@ def draw_stages(rows, path):
     panels[0][0].set_ylim(len(scenes) - 0.4, -0.6)
     handles = [Line2D([], [], color=colour, linewidth=8, label=title) for _, title, colour in STAGES]
     figure.legend(handles=handles, loc="lower center", ncol=4, frameon=False, fontsize=9.5)
-    figure.suptitle("Which stage of the multi-level method decides", fontsize=12)
+    figure.suptitle("Which stage of method tile decides", fontsize=12)
     figure.tight_layout(rect=(0, 0.5 / figure.get_figheight(), 1, 0.99))
     finish(figure, path)
 

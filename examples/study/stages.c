@@ -8,15 +8,14 @@ static int32_t trace_counting(const struct subject *subject, const struct ray_se
 {
     uint32_t *triangles = malloc((rays->count ? rays->count : 1) * sizeof *triangles);
     if (!triangles) return MLRT_ERROR_OUT_OF_MEMORY;
-    const mlrt_trace_options options = {
-        .struct_size = sizeof options, .method = MLRT_METHOD_MULTILEVEL, .counters = counters};
+    const mlrt_trace_options options = {.struct_size = sizeof options, .counters = counters};
     const mlrt_rays input = {.struct_size = sizeof input,
                              .count = rays->count,
                              .origins = {rays->origins, 0},
                              .directions = {rays->directions, 0}};
     const mlrt_hits output = {.struct_size = sizeof output, .triangle = {triangles, 0, 0}};
-    int32_t status = rays->is_picture ? mlrt_render_tiles(subject->kdtree, &rays->camera, &options, &output, NULL, NULL)
-                                      : mlrt_trace_packet(subject->kdtree, &input, &options, &output);
+    int32_t status = rays->is_picture ? mlrt_render_tiles(subject->boxes, &rays->camera, &options, &output, NULL, NULL)
+                                      : mlrt_trace_packet(subject->boxes, &input, &options, &output);
     free(triangles);
     return status;
 }

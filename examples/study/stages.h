@@ -19,7 +19,7 @@ struct stages {
     uint64_t undecided_test_count; // of these, with at least one pair that the float filter could not decide
 };
 
-/* Traces the rays by the multi-level method (a picture from its camera) and counts. Returns the library's status. */
+/* Traces the rays by the default method, tile (a picture from its camera), and counts. Returns the library's status. */
 int32_t count_stages(const struct subject *subject, const struct ray_set *rays, struct stages *stages);
 
 #endif
