@@ -330,8 +330,10 @@ charts: charts-accuracy charts-speed
 
 # The library without exactness, for charts of what exactness costs.
 GUESSING := build/guess/libmlrt.so
+ifeq ($(GUESS),)
 $(GUESSING): $(wildcard src/*/*.[ch]) include/mlrt.h
 	@$(MAKE) --no-print-directory GUESS=1 $@
+endif
 
 charts-accuracy: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/accuracy $(BUILD)/bin/errors $(BUILD)/bin/pays $(BUILD)/bin/bench $(GUESSING)
