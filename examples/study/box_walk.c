@@ -4,7 +4,7 @@
  * Trumbore in float, one ray at a time, in plain C
  *
  * What a programmer writes in an evening who has the hierarchy already: slabs in float, children on a stack, the
- * nearest on top, triangles from an array of corners. No bound is kept, and no edge belongs to anyone.
+ * nearest on top, triangles from the caller's vertices and indices. No bound is kept, and no edge belongs to anyone.
  *
  * Based on: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997; T. Kay, J. Kajiya, "Ray
  * Tracing Complex Scenes", 1986 (slabs).
@@ -23,6 +23,7 @@ struct pending {
 
 struct walk {
     const struct mlrt_tree *tree;
+    const struct scene *scene;
     float origin[3], direction[3];
     float scaled_origin[3], scaled_reciprocal[3]; // in the units of the boxes
     float nearest_t;
@@ -57,14 +58,17 @@ static void push_children(struct walk *walk, const struct mlrt_bvh_node *node)
 
 static void test_triangle(struct walk *walk, uint32_t number)
 {
-    const struct mlrt_triangle *triangle = &walk->tree->triangles[number];
+    const uint32_t *corners = walk->scene->indices + 3 * (size_t)number;
+    const float *a = walk->scene->vertices + 3 * (size_t)corners[0],
+                *b = walk->scene->vertices + 3 * (size_t)corners[1],
+                *c = walk->scene->vertices + 3 * (size_t)corners[2];
     float e1[3], e2[3], p[3], s[3], q[3];
-    subtract_float(triangle->v[1], triangle->v[0], e1);
-    subtract_float(triangle->v[2], triangle->v[0], e2);
+    subtract_float(b, a, e1);
+    subtract_float(c, a, e2);
     cross_float(walk->direction, e2, p);
     const float determinant = dot_float(e1, p);
     if (determinant == 0) return;
-    subtract_float(walk->origin, triangle->v[0], s);
+    subtract_float(walk->origin, a, s);
     const float u = dot_float(s, p) / determinant;
     if (!(u >= 0 && u <= 1)) return;
     cross_float(s, e1, q);
@@ -98,7 +102,7 @@ static uint32_t trace_ray(struct walk *walk)
 
 static void trace(const struct method_run *run, const struct ray_set *rays, const struct answers *answers)
 {
-    struct walk walk = {.tree = run->subject->boxes};
+    struct walk walk = {.tree = run->subject->boxes, .scene = &run->subject->scene};
     for (size_t i = 0; i < rays->count; i++) {
         for (int k = 0; k < 3; k++) walk.origin[k] = rays->origins[i][k], walk.direction[k] = rays->directions[i][k];
         answers->triangles[i] = trace_ray(&walk);
