@@ -189,7 +189,7 @@ def draw_price(rows, path):
                 ratio = float(row["old_mrays"]) / float(row["mrays"])
                 axes.plot(k + (s - (len(scenes) - 1) / 2) * 0.08, ratio, marks[s % len(marks)], color=colours[s % len(colours)],
                           markersize=6)
-    axes.set_xticks(range(len(kinds)), kinds)
+    axes.set_xticks(range(len(kinds)), kinds, rotation=30, ha="right")
     axes.set_ylabel("time, exact / guessing")
     axes.grid(True, axis="y", color="#dddddd", linewidth=0.6)
     axes.set_axisbelow(True)
@@ -396,7 +396,7 @@ PAYS = {"none": ("a loop over all triangles", "#f0e442"), "fast": ("MLRT_TREE_FA
         "best": ("MLRT_TREE_BEST", PURPLE), "kdtree": ("the paper's kd-tree", GREEN)}
 
 
-PAYS_MESHES = (("scanned surfaces (spheres; below 20 triangles sheets)", ("sheet", "sphere")),
+PAYS_MESHES = (("spheres (below 20 triangles sheets)", ("sheet", "sphere")),
                ("rooms", ("room", "doubled", "office", "building")))
 PAYS_RAYS = (("picture_ns", "rays of pictures"), ("single_ns", "random rays, a call for each"))
 PAYS_TOLERANCE = 1.05  # structures that take no more than this times the least are as good: the first in the list counts
@@ -440,9 +440,9 @@ def draw_pays(rows, path):
         axes.set_xlabel("rays")
     handles = [Line2D([], [], linestyle="", marker="s", markersize=10, color=colour, label=title) for title, colour in PAYS.values()]
     handles.append(Line2D([], [], color="black", label="the default takes so many times as long"))
-    figure.legend(handles=handles, loc="lower center", ncol=6, frameon=False)
+    figure.legend(handles=handles, loc="lower center", ncol=3, frameon=False)
     figure.suptitle("What to build: least time for building and tracing together, one thread", fontsize=12)
-    figure.tight_layout(rect=(0, 0.05, 1, 0.99))
+    figure.tight_layout(rect=(0, 0.075, 1, 0.99))
     finish(figure, path)
 
 
