@@ -34,7 +34,7 @@ void mlrt_write_given(struct mlrt_tree *tree)
             bvh->places[number] = mlrt_pack_place((uint32_t)(place / 4), 1, place % 4);
         }
         float *corner = bvh->corners + 36 * (place / 4) + place % 4;
-        for (uint32_t i = 0; i < 9; ++i) memcpy(&corner[4 * i], &triangle.v[0][i], sizeof *corner);
+        for (uint32_t i = 0; i < 9; ++i) memcpy(&corner[4 * i], &triangle.v[i / 3][i % 3], sizeof *corner);
     }
 }
 
