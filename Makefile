@@ -104,8 +104,10 @@ ISA_FLAGS_avx2   += $(shell $(CC) $(UNALIGNED) -c -x c /dev/null -o /dev/null 2>
 ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
 SOURCES := $(wildcard src/*/*.c)
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) $(if $(IS_X86),,src/mlrta/avx2.c),$(SOURCES))) \
-                   $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
+# The order is that of CMake and Meson (src/packaging), so that libraries are the same, byte for byte.
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) src/mlrta/avx2.c,$(SOURCES))) \
+                   $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(if $(IS_X86),$(BUILD)/obj/mlrta/avx2.o) \
+                   $(COUNTING_KERNELS:%=$(BUILD)/obj/trace/%_counting.o)
 
 # Packages are looked up when they are needed, so that `make deps demo` works in one call.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
