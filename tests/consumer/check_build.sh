@@ -85,7 +85,7 @@ run()
 
 compiled_once()
 {
-    count=$(find "$1" -name '*avx2.c.o' | wc -l)
+    count=$(find "$1" -name '*avx512.c.o' | wc -l)
     [ "$count" -le 1 ] || fail "$1: the library was compiled $count times"
 }
 
