@@ -123,7 +123,7 @@ pub const MLRT_LOG_ERROR: i32 = 0;
 /// something was left out
 pub const MLRT_LOG_WARNING: i32 = 1;
 
-/// a tree was built, its size and time; or the host stopped a build
+/// a tree was built, its size and time; or the host stopped a call
 pub const MLRT_LOG_INFO: i32 = 2;
 
 /// the paper's kd-tree, by mlrt_build_kdtree: for study, and for the paper's tables
@@ -216,7 +216,7 @@ pub const MLRT_SHORTCUT_WHOLE_TILES: u32 = 1;
 /// packets start at a list of leaves, not at the one node above them all
 pub const MLRT_SHORTCUT_ENTRY_LISTS: u32 = 2;
 
-/// terms of a triangle and an origin are kept for the packets that follow
+/// terms of a triangle and an origin are kept for the packets that follow; so does method packet4
 pub const MLRT_SHORTCUT_SHARED_SETUPS: u32 = 4;
 
 /// t
@@ -682,7 +682,7 @@ pub struct mlrt_trace_options {
     pub mask: u32,
     /// whose threads trace; NULL = the calling thread alone
     pub pool: *mut mlrt_pool,
-    /// NULL = nothing is counted, at no cost (but kernels of the kd-tree always count)
+    /// NULL = nothing is counted. With counters, narrower kernels run (MLRT_ISA_\*)
     pub counters: *mut mlrt_counters,
     /// NULL = malloc, and no messages. mlrt_trace_ray does not use it
     pub host: *const mlrt_host,
@@ -724,7 +724,8 @@ impl Default for mlrt_array {
 
 /// ```text
 /// The arrays that receive results. MLRT_QUERY_CLOSEST writes the first six, and with lights also the last;
-/// MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL.
+/// MLRT_QUERY_ANY writes only the last. An array that the query does not write must be NULL, and one must be given, unless
+/// there are no rays, or the call has a callback or counters.
 ///
 /// `mesh`, `triangle` and `facing` tell hits from misses. `t` does not: the t of a hit farther away than the greatest
 /// float rounds to inf, which is that of a miss, and a very small one rounds to 0, though 0 < t.
@@ -1114,8 +1115,8 @@ extern "C" {
     /// MLRT_ERROR_ARGUMENT: an option is out of its range; options->message names the option. MLRT_ERROR_TOO_LARGE: more
     /// than 2^30 - 1 triangles in all.
     ///
-    /// Memory per triangle, its own 36 bytes included: 83 to 92 bytes, and at most 129 while the tree is built (FAST: 83 to
-    /// 85 and 117, BEST: 85 to 101 and 150). Meshes of a few triangles take more, and masks take 4 bytes per triangle.
+    /// Memory per triangle, its own 36 bytes included: 51 to 60 bytes, and at most 134 while the tree is built (FAST: 51 to
+    /// 55 and 123, BEST: 54 to 69 and 151). Meshes of a few triangles take more, and masks take 4 bytes per triangle.
     /// mlrt_tree_info tells how much a tree took.
     ///
     /// Method: surface area heuristic over bins, with spatial splits (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits
