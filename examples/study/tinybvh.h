@@ -12,7 +12,10 @@ extern "C" {
 
 struct tinybvh_scene;
 
-/* Its hierarchy for CPUs, 8 wide, by its builder of high quality. The arrays are copied. NULL = it cannot be built. */
+/*
+ * Its hierarchy for CPUs, 8 wide, by its builder of high quality. The arrays are copied. NULL = it cannot be built:
+ * then all rays count as misses.
+ */
 struct tinybvh_scene *tinybvh_create(const float *vertices, size_t vertex_count, const uint32_t *indices,
                                      size_t triangle_count);
 
