@@ -130,10 +130,12 @@ static void results_on_the_rays(void **state)
                 records[i] = (struct record){{0, 0, (float)i}, 0, {0, 0, 1}, 100};
             }
             const mlrt_rays rays = rays_of(records, count, 1, 1);
-            const mlrt_hits hits = {.struct_size = sizeof hits, .t = {records[1].origin + word, sizeof *records, 0}};
+            const mlrt_hits hits = {.struct_size = sizeof hits, .t = {(char *)&records[1] + 4 * word, sizeof *records, 0}};
             assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &hits), MLRT_OK);
             for (size_t i = 0; i < count; i++) {
-                assert_float_equal(records[i + 1].origin[word], 5 > (float)i ? 5 - (float)i : INFINITY, 0);
+                float t;
+                memcpy(&t, (const char *)&records[i + 1] + 4 * word, sizeof t);
+                assert_float_equal(t, 5 > (float)i ? 5 - (float)i : INFINITY, 0);
             }
         }
     }
