@@ -10,6 +10,7 @@
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
+#include "common/must.h"
 #include "common/options.h"
 #include "common/scene.h"
 #include "common/shapes.h"
@@ -36,21 +37,6 @@ struct settings {
     uint32_t size, rays, runs, limit; // size 0: the study's default; limit 0: all of them
     int csv;
 };
-
-static void *allocate(size_t count, size_t size)
-{
-    void *block = malloc(count * size);
-    if (block) return block;
-    fprintf(stderr, "out of memory\n");
-    exit(1);
-}
-
-static void check(int32_t status)
-{
-    if (status == MLRT_OK) return;
-    fprintf(stderr, "%s\n", mlrt_status_string(status));
-    exit(1);
-}
 
 /* ---- work ---------------------------------------------------------------------------------------------------- */
 
@@ -88,15 +74,15 @@ static int make_rays(const struct scene *scene, const struct settings *settings,
     rays->pixel_count = (size_t)size * size;
     rays->random_count = settings->rays;
     const size_t largest = rays->pixel_count > rays->random_count ? rays->pixel_count : rays->random_count;
-    rays->origins = allocate(rays->pixel_count, sizeof *rays->origins);
-    rays->directions = allocate(rays->pixel_count, sizeof *rays->directions);
-    rays->random_origins = allocate(rays->random_count, sizeof *rays->random_origins);
-    rays->random_directions = allocate(rays->random_count, sizeof *rays->random_directions);
-    rays->t = allocate(largest, sizeof *rays->t);
-    rays->triangles = allocate(largest, sizeof *rays->triangles);
+    rays->origins = must_allocate(rays->pixel_count, sizeof *rays->origins);
+    rays->directions = must_allocate(rays->pixel_count, sizeof *rays->directions);
+    rays->random_origins = must_allocate(rays->random_count, sizeof *rays->random_origins);
+    rays->random_directions = must_allocate(rays->random_count, sizeof *rays->random_directions);
+    rays->t = must_allocate(largest, sizeof *rays->t);
+    rays->triangles = must_allocate(largest, sizeof *rays->triangles);
     draw_random_rays(scene, rays);
     if (camera_of_view(&scene->view, size, size, &rays->camera)) return 1;
-    check(
+    must_succeed(
         mlrt_camera_rays(&rays->camera, &(mlrt_array){.data = rays->origins}, &(mlrt_array){.data = rays->directions}));
     return 0;
 }
@@ -119,7 +105,7 @@ static mlrt_hits hits_of(const struct rays *rays)
 static void render_picture(const mlrt_tree *tree, const struct rays *rays)
 {
     const mlrt_hits frame = hits_of(rays);
-    check(mlrt_render_tiles(tree, &rays->camera, NULL, &frame, NULL, NULL));
+    must_succeed(mlrt_render_tiles(tree, &rays->camera, NULL, &frame, NULL, NULL));
 }
 
 static void trace_array(const mlrt_tree *tree, const struct rays *rays)
@@ -130,7 +116,7 @@ static void trace_array(const mlrt_tree *tree, const struct rays *rays)
                             .count = rays->pixel_count,
                             .origins = {rays->origins, 0},
                             .directions = {rays->directions, 0}};
-    check(mlrt_trace_packet(tree, &list, NULL, &hits));
+    must_succeed(mlrt_trace_packet(tree, &list, NULL, &hits));
 }
 
 static void trace_random_array(const mlrt_tree *tree, const struct rays *rays)
@@ -140,7 +126,7 @@ static void trace_random_array(const mlrt_tree *tree, const struct rays *rays)
                             .count = rays->random_count,
                             .origins = {rays->random_origins, 0},
                             .directions = {rays->random_directions, 0}};
-    check(mlrt_trace_packet(tree, &list, NULL, &hits));
+    must_succeed(mlrt_trace_packet(tree, &list, NULL, &hits));
 }
 
 static void trace_single_rays(const mlrt_tree *tree, const struct rays *rays)
@@ -150,7 +136,7 @@ static void trace_single_rays(const mlrt_tree *tree, const struct rays *rays)
         mlrt_hit hit = {.struct_size = sizeof hit};
         memcpy(ray.origin, rays->random_origins[i], sizeof ray.origin);
         memcpy(ray.direction, rays->random_directions[i], sizeof ray.direction);
-        check(mlrt_trace_ray(tree, &ray, NULL, &hit));
+        must_succeed(mlrt_trace_ray(tree, &ray, NULL, &hit));
         rays->t[i] = hit.t;
         rays->triangles[i] = hit.triangle;
     }
@@ -203,7 +189,7 @@ static struct comparison compare(const struct work *work, const mlrt_tree *tree,
 static mlrt_tree_info info_of(const mlrt_tree *tree)
 {
     mlrt_tree_info info = {.struct_size = sizeof info};
-    check(mlrt_get_tree_info(tree, &info));
+    must_succeed(mlrt_get_tree_info(tree, &info));
     return info;
 }
 
@@ -230,8 +216,8 @@ static void add_triangle(struct scene *scene, uint32_t *state, double size)
 static int make_soup(uint32_t count, struct scene *scene)
 {
     uint32_t state = count;
-    scene->vertices = allocate(9 * (size_t)count, sizeof *scene->vertices);
-    scene->indices = allocate(3 * (size_t)count, sizeof *scene->indices);
+    scene->vertices = must_allocate(9 * (size_t)count, sizeof *scene->vertices);
+    scene->indices = must_allocate(3 * (size_t)count, sizeof *scene->indices);
     for (uint32_t i = 0; i < count; i++) add_triangle(scene, &state, 1 / cbrt(count));
     scene->view = view_from(0.4, 0.9, 3);
     return 0;

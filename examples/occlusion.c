@@ -10,6 +10,7 @@
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
+#include "common/must.h"
 #include "common/options.h"
 #include "common/scene.h"
 #include "common/timer.h"
@@ -27,21 +28,6 @@ struct settings {
     const char *scene, *view, *output;
     uint32_t size, samples, reach, threads;
 };
-
-static void *allocate(size_t count, size_t size)
-{
-    void *block = malloc(count * size + 1);
-    if (block) return block;
-    fprintf(stderr, "out of memory\n");
-    exit(1);
-}
-
-static void check(int32_t status)
-{
-    if (status == MLRT_OK) return;
-    fprintf(stderr, "%s\n", mlrt_status_string(status));
-    exit(1);
-}
 
 /* ---- what the picture shows ---------------------------------------------------------------------------------- */
 
@@ -75,20 +61,20 @@ static struct points find_points(const mlrt_tree *tree, const struct scene *scen
                                  mlrt_pool *pool)
 {
     const size_t pixel_count = (size_t)camera->width * camera->height;
-    struct points points = {.pixels = allocate(pixel_count, sizeof *points.pixels),
-                            .positions = allocate(pixel_count, sizeof *points.positions),
-                            .normals = allocate(pixel_count, sizeof *points.normals),
-                            .skip = allocate(pixel_count, sizeof *points.skip)};
-    float *u = allocate(pixel_count, sizeof *u), *v = allocate(pixel_count, sizeof *v);
-    uint32_t *triangles = allocate(pixel_count, sizeof *triangles);
-    int32_t *facing = allocate(pixel_count, sizeof *facing);
+    struct points points = {.pixels = must_allocate(pixel_count, sizeof *points.pixels),
+                            .positions = must_allocate(pixel_count, sizeof *points.positions),
+                            .normals = must_allocate(pixel_count, sizeof *points.normals),
+                            .skip = must_allocate(pixel_count, sizeof *points.skip)};
+    float *u = must_allocate(pixel_count, sizeof *u), *v = must_allocate(pixel_count, sizeof *v);
+    uint32_t *triangles = must_allocate(pixel_count, sizeof *triangles);
+    int32_t *facing = must_allocate(pixel_count, sizeof *facing);
     const mlrt_trace_options options = {.struct_size = sizeof options, .pool = pool};
     const mlrt_hits frame = {.struct_size = sizeof frame,
                              .u = {u, 0, 0},
                              .v = {v, 0, 0},
                              .triangle = {triangles, 0, 0},
                              .facing = {facing, 0, 0}};
-    check(mlrt_render_tiles(tree, camera, &options, &frame, NULL, NULL));
+    must_succeed(mlrt_render_tiles(tree, camera, &options, &frame, NULL, NULL));
     for (size_t i = 0; i < pixel_count; i++) {
         const size_t n = points.count;
         if (triangles[i] == MLRT_NONE) continue;
@@ -149,7 +135,7 @@ static void trace_samples(const mlrt_tree *tree, const struct points *points, ui
                             .t_max = {&reach, MLRT_STRIDE_ALL}}; // one for all
     const mlrt_trace_options options = {.struct_size = sizeof options, .query = MLRT_QUERY_ANY, .pool = pool};
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = {occluded, 0, 0}};
-    check(mlrt_trace_packet(tree, &rays, &options, &hits));
+    must_succeed(mlrt_trace_packet(tree, &rays, &options, &hits));
 }
 
 /* Bytes of grey: 255 where every ray is free. */
@@ -194,8 +180,8 @@ static int draw_scene(const struct settings *settings, const struct scene *scene
     const size_t pixel_count = (size_t)camera.width * camera.height;
     struct points points = find_points(tree, scene, &camera, pool);
     const size_t ray_count = points.count * settings->samples;
-    float(*directions)[3] = allocate(ray_count, sizeof *directions);
-    uint8_t *occluded = allocate(ray_count, 1), *grey = allocate(pixel_count, 1);
+    float(*directions)[3] = must_allocate(ray_count, sizeof *directions);
+    uint8_t *occluded = must_allocate(ray_count, 1), *grey = must_allocate(pixel_count, 1);
     for (size_t i = 0; i < points.count; i++) {
         const uint32_t mixed = points.pixels[i] * 2654435761u; // neighbours differ in its upper bits
         sample_hemisphere(points.normals[i], settings->samples, 6.2831853f / 4294967296.0f * (float)mixed,
@@ -241,7 +227,7 @@ int main(int argc, char **argv)
     double seconds;
     int failed = load_scene(settings.scene, &scene) || (settings.view && read_view(settings.view, &scene.view)) ||
                  build_tree(&scene, &(struct tree_settings){.kind = TREE_DEFAULT}, &tree, &seconds);
-    if (!failed && settings.threads > 1) check(mlrt_create_pool(settings.threads, &pool));
+    if (!failed && settings.threads > 1) must_succeed(mlrt_create_pool(settings.threads, &pool));
     if (!failed) failed = draw_scene(&settings, &scene, tree, pool);
     mlrt_destroy_pool(pool);
     mlrt_destroy_tree(tree);

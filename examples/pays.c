@@ -14,6 +14,7 @@
  * Rays: a picture of 256 x 256 pixels from the camera, and as many random rays, a call for each. Medians of processor
  * time of one thread. Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
+#include "common/must.h"
 #include "common/options.h"
 #include "common/scene.h"
 #include "common/steady_math.h"
@@ -22,6 +23,7 @@
 #include "common/tree.h"
 #include "common/view.h"
 #include "study/meshes.h"
+#include "study/vector.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -42,21 +44,6 @@ struct settings {
     uint32_t runs, largest; // largest: level of the largest sphere
     int csv;
 };
-
-static void *allocate(size_t count, size_t size)
-{
-    void *block = malloc(count * size + 1);
-    if (block) return block;
-    fprintf(stderr, "out of memory\n");
-    exit(1);
-}
-
-static void check(int32_t status)
-{
-    if (status == MLRT_OK) return;
-    fprintf(stderr, "%s\n", mlrt_status_string(status));
-    exit(1);
-}
 
 /* ---- rays ---------------------------------------------------------------------------------------------------- */
 
@@ -84,14 +71,14 @@ static void draw_random_rays(const struct scene *scene, struct rays *rays)
 
 static int make_rays(const struct scene *scene, struct rays *rays)
 {
-    rays->picture = allocate(RAY_COUNT, sizeof *rays->picture);
-    rays->random = allocate(RAY_COUNT, sizeof *rays->random);
-    rays->triangles = allocate(RAY_COUNT, sizeof *rays->triangles);
+    rays->picture = must_allocate(RAY_COUNT, sizeof *rays->picture);
+    rays->random = must_allocate(RAY_COUNT, sizeof *rays->random);
+    rays->triangles = must_allocate(RAY_COUNT, sizeof *rays->triangles);
     draw_random_rays(scene, rays);
     if (camera_of_view(&scene->view, SIDE, SIDE, &rays->camera)) return 1;
     const mlrt_array origins = {rays->picture[0][0], sizeof *rays->picture, 0},
                      directions = {rays->picture[0][1], sizeof *rays->picture, 0};
-    check(mlrt_camera_rays(&rays->camera, &origins, &directions));
+    must_succeed(mlrt_camera_rays(&rays->camera, &origins, &directions));
     return 0;
 }
 
@@ -107,7 +94,7 @@ static void free_rays(struct rays *rays)
 static void render_picture(const mlrt_tree *tree, const struct rays *rays)
 {
     const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {rays->triangles, 0, 0}};
-    check(mlrt_render_tiles(tree, &rays->camera, NULL, &hits, NULL, NULL));
+    must_succeed(mlrt_render_tiles(tree, &rays->camera, NULL, &hits, NULL, NULL));
 }
 
 static void trace_singly(const mlrt_tree *tree, const struct rays *rays)
@@ -117,21 +104,9 @@ static void trace_singly(const mlrt_tree *tree, const struct rays *rays)
     for (size_t i = 0; i < RAY_COUNT; i++) {
         memcpy(ray.origin, rays->random[i][0], sizeof ray.origin);
         memcpy(ray.direction, rays->random[i][1], sizeof ray.direction);
-        check(mlrt_trace_ray(tree, &ray, NULL, &hit));
+        must_succeed(mlrt_trace_ray(tree, &ray, NULL, &hit));
         rays->triangles[i] = hit.triangle;
     }
-}
-
-static void cross(const float a[3], const float b[3], float result[3])
-{
-    result[0] = a[1] * b[2] - a[2] * b[1];
-    result[1] = a[2] * b[0] - a[0] * b[2];
-    result[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static float dot(const float a[3], const float b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 static uint32_t loop_over_triangles(const struct scene *scene, const float origin[3], const float direction[3])
@@ -143,12 +118,12 @@ static uint32_t loop_over_triangles(const struct scene *scene, const float origi
         const float *a = scene->vertices + 3 * (size_t)corners[0], *b = scene->vertices + 3 * (size_t)corners[1],
                     *c = scene->vertices + 3 * (size_t)corners[2];
         float e1[3], e2[3], p[3], q[3], s[3];
-        for (int k = 0; k < 3; k++) e1[k] = b[k] - a[k], e2[k] = c[k] - a[k], s[k] = origin[k] - a[k];
-        cross(direction, e2, p);
-        const float determinant = dot(e1, p), reciprocal = 1 / determinant, u = dot(s, p) * reciprocal;
+        subtract_float(b, a, e1), subtract_float(c, a, e2), subtract_float(origin, a, s);
+        cross_float(direction, e2, p);
+        const float determinant = dot_float(e1, p), reciprocal = 1 / determinant, u = dot_float(s, p) * reciprocal;
         if (determinant == 0 || !(u >= 0 && u <= 1)) continue;
-        cross(s, e1, q);
-        const float v = dot(direction, q) * reciprocal, t = dot(e2, q) * reciprocal;
+        cross_float(s, e1, q);
+        const float v = dot_float(direction, q) * reciprocal, t = dot_float(e2, q) * reciprocal;
         if (v >= 0 && u + v <= 1 && t > 0 && t < nearest_t) nearest_t = t, nearest = i;
     }
     return nearest;
@@ -220,7 +195,7 @@ static int measure_tree(const struct scene *scene, const struct structure *struc
         build[i] = (built - start) / builds;
         picture[i] = rendered - built;
         single[i] = thread_seconds_now() - rendered;
-        check(mlrt_get_tree_info(tree, &info));
+        must_succeed(mlrt_get_tree_info(tree, &info));
         mlrt_destroy_tree(tree);
     }
     const double leaves = (double)(info.leaf_count - info.empty_leaf_count);

@@ -16,13 +16,14 @@
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
 #define _GNU_SOURCE
+#include "common/loaded_library.h"
+#include "common/must.h"
 #include "common/options.h"
 #include "common/scene.h"
 #include "common/timer.h"
 #include "common/tree.h"
 #include "common/view.h"
 
-#include <dlfcn.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -36,41 +37,6 @@ struct settings {
     const char *views, *guess;
     uint32_t size, runs, worst;
 };
-
-/* A library: this program's own, or one that is loaded beside it. */
-struct library {
-    void *handle;
-    int32_t (*build_tree)(const mlrt_mesh *, size_t, const mlrt_tree_options *, mlrt_tree **);
-    void (*destroy_tree)(mlrt_tree *);
-    int32_t (*render_tiles)(const mlrt_tree *, const mlrt_camera *, const mlrt_trace_options *, const mlrt_hits *,
-                            mlrt_tile_callback, void *);
-};
-
-static const struct library exact = {NULL, mlrt_build_tree, mlrt_destroy_tree, mlrt_render_tiles};
-
-static int load_library(const char *path, struct library *library)
-{
-    library->handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!library->handle) {
-        fprintf(stderr, "%s\nIt is built by: make GUESS=1 library\n", dlerror());
-        return 1;
-    }
-    // A cast from void * to a function pointer is POSIX's, not C's: copying the bits says the same.
-    void *symbol[3] = {dlsym(library->handle, "mlrt_build_tree"), dlsym(library->handle, "mlrt_destroy_tree"),
-                       dlsym(library->handle, "mlrt_render_tiles")};
-    memcpy(&library->build_tree, &symbol[0], sizeof symbol[0]);
-    memcpy(&library->destroy_tree, &symbol[1], sizeof symbol[1]);
-    memcpy(&library->render_tiles, &symbol[2], sizeof symbol[2]);
-    return 0;
-}
-
-static void *allocate(size_t count, size_t size)
-{
-    void *block = calloc(count ? count : 1, size);
-    if (block) return block;
-    fprintf(stderr, "out of memory\n");
-    exit(1);
-}
 
 static mlrt_mesh mesh_of(const struct scene *scene)
 {
@@ -87,9 +53,9 @@ static double render(const struct library *library, const mlrt_tree *tree, const
                      uint32_t *triangles)
 {
     const mlrt_hits frame = {.struct_size = sizeof frame, .triangle = {.data = triangles}};
-    const double start = seconds_now();
+    const double start = thread_seconds_now();
     if (library->render_tiles(tree, camera, NULL, &frame, NULL, NULL) != MLRT_OK) exit(1);
-    return seconds_now() - start;
+    return thread_seconds_now() - start;
 }
 
 /* Rays by what became of them, per million. */
@@ -107,13 +73,13 @@ static void compare(const char *name, const struct scene *scene, const mlrt_came
 {
     const mlrt_mesh mesh = mesh_of(scene);
     mlrt_tree *tree, *other_tree;
-    if (exact.build_tree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
+    if (mlrt_build_tree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
     if (guess->build_tree(&mesh, 1, NULL, &other_tree) != MLRT_OK) exit(1);
     const size_t pixels = (size_t)camera->width * camera->height;
-    uint32_t *triangles = allocate(pixels, sizeof *triangles), *guessed = allocate(pixels, sizeof *guessed);
+    uint32_t *triangles = must_allocate(pixels, sizeof *triangles), *guessed = must_allocate(pixels, sizeof *guessed);
     double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS], ratios[MAXIMUM_RUNS];
     for (uint32_t run = 0; run < runs; run++) {
-        times[run] = render(&exact, tree, camera, triangles);
+        times[run] = render(&this_library, tree, camera, triangles);
         other_times[run] = render(guess, other_tree, camera, guessed);
         ratios[run] = times[run] / other_times[run];
     }
@@ -131,7 +97,7 @@ static void compare(const char *name, const struct scene *scene, const mlrt_came
     fflush(stdout);
     free(triangles);
     free(guessed);
-    exact.destroy_tree(tree);
+    mlrt_destroy_tree(tree);
     guess->destroy_tree(other_tree);
 }
 
@@ -147,7 +113,7 @@ struct rays {
 static double trace(const mlrt_tree *tree, const struct rays *rays, uint32_t *triangles)
 {
     const size_t count = (size_t)rays->side * rays->side;
-    float(*origins)[3] = allocate(count, sizeof *origins);
+    float(*origins)[3] = must_allocate(count, sizeof *origins);
     for (size_t i = 0; i < count; i++) memcpy(origins[i], rays->origin, sizeof *origins);
     const mlrt_rays list = {.struct_size = sizeof list,
                             .row_length = rays->side,
@@ -155,9 +121,9 @@ static double trace(const mlrt_tree *tree, const struct rays *rays, uint32_t *tr
                             .origins = {origins, 0},
                             .directions = {rays->directions, 0}};
     const mlrt_hits hits = {.struct_size = sizeof hits, .triangle = {.data = triangles}};
-    const double start = seconds_now();
+    const double start = thread_seconds_now();
     if (mlrt_trace_packet(tree, &list, NULL, &hits) != MLRT_OK) exit(1);
-    const double seconds = seconds_now() - start;
+    const double seconds = thread_seconds_now() - start;
     free(origins);
     return seconds;
 }
@@ -178,8 +144,8 @@ static void aim_at_vertices(const struct scene *scene, const mlrt_tree *tree, co
                             struct rays *rays)
 {
     const uint32_t side = rays->side;
-    uint32_t *triangles = allocate((size_t)side * side, sizeof *triangles);
-    float *u = allocate((size_t)side * side, sizeof *u), *v = allocate((size_t)side * side, sizeof *v);
+    uint32_t *triangles = must_allocate((size_t)side * side, sizeof *triangles);
+    float *u = must_allocate((size_t)side * side, sizeof *u), *v = must_allocate((size_t)side * side, sizeof *v);
     const mlrt_hits frame = {
         .struct_size = sizeof frame, .triangle = {.data = triangles}, .u = {.data = u}, .v = {.data = v}};
     if (mlrt_render_tiles(tree, camera, NULL, &frame, NULL, NULL) != MLRT_OK) exit(1);
@@ -236,8 +202,8 @@ static void measure_vertices(const char *name, const struct scene *scene, const 
     if (from_zero) moved.eye[0] = moved.eye[1] = moved.eye[2] = 0;
     struct rays rays = {.side = camera->width};
     memcpy(rays.origin, moved.eye, sizeof rays.origin);
-    rays.directions = allocate((size_t)rays.side * rays.side, sizeof *rays.directions);
-    uint32_t *triangles = allocate((size_t)rays.side * rays.side, sizeof *triangles);
+    rays.directions = must_allocate((size_t)rays.side * rays.side, sizeof *rays.directions);
+    uint32_t *triangles = must_allocate((size_t)rays.side * rays.side, sizeof *triangles);
     aim_at_vertices(scene, tree, &moved, &rays);
     struct rays other = rays;
     other.origin[0] += 0.001f * diagonal_of(scene);
@@ -259,11 +225,11 @@ static void measure_alignment(const char *name, const struct scene *scene, const
     align(scene, &aligned);
     mlrt_camera moved = aligned;
     for (int k = 0; k < 3; k++) moved.eye[k] += 0.000577f * diagonal_of(scene);
-    uint32_t *triangles = allocate((size_t)camera->width * camera->height, sizeof *triangles);
+    uint32_t *triangles = must_allocate((size_t)camera->width * camera->height, sizeof *triangles);
     double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS];
     for (uint32_t run = 0; run < runs; run++) {
-        times[run] = render(&exact, tree, &aligned, triangles);
-        other_times[run] = render(&exact, tree, &moved, triangles);
+        times[run] = render(&this_library, tree, &aligned, triangles);
+        other_times[run] = render(&this_library, tree, &moved, triangles);
     }
     print_worst(name, "axis-parallel, eye in planes", times, other_times, runs, (double)camera->width * camera->height);
     free(triangles);
@@ -275,11 +241,11 @@ static void measure_doubling(const char *name, const struct scene *scene, const 
     const mlrt_mesh meshes[2] = {mesh_of(scene), mesh_of(scene)};
     mlrt_tree *doubled;
     if (mlrt_build_tree(meshes, 2, NULL, &doubled) != MLRT_OK) exit(1);
-    uint32_t *triangles = allocate((size_t)camera->width * camera->height, sizeof *triangles);
+    uint32_t *triangles = must_allocate((size_t)camera->width * camera->height, sizeof *triangles);
     double times[MAXIMUM_RUNS], other_times[MAXIMUM_RUNS];
     for (uint32_t run = 0; run < runs; run++) {
-        times[run] = render(&exact, doubled, camera, triangles);
-        other_times[run] = render(&exact, tree, camera, triangles);
+        times[run] = render(&this_library, doubled, camera, triangles);
+        other_times[run] = render(&this_library, tree, camera, triangles);
     }
     print_worst(name, "everything drawn twice", times, other_times, runs, (double)camera->width * camera->height);
     free(triangles);
@@ -302,8 +268,11 @@ static void measure_worst_cases(const char *name, const struct scene *scene, con
 
 static int run(const struct settings *settings)
 {
-    struct library guess = {NULL, NULL, NULL, NULL};
-    if (!settings->worst && load_library(settings->guess, &guess)) return 1;
+    struct library guess = {.handle = NULL};
+    if (!settings->worst && load_library(settings->guess, &guess)) {
+        fprintf(stderr, "It is built by: make GUESS=1 library\n");
+        return 1;
+    }
     if (settings->worst) {
         printf("%-18s %-34s %9s %9s %8s\n", "scene", "worst case", "ns/ray", "plain", "ratio");
     } else {

@@ -2,42 +2,16 @@
 /* guess.c - the library without exactness as a method: see guess.h */
 #include "guess.h"
 
+#include "common/loaded_library.h"
 #include "method.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
-#include <string.h>
 
-static struct {
-    int32_t (*build_tree)(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
-                          mlrt_tree **tree);
-    void (*destroy_tree)(mlrt_tree *tree);
-    int32_t (*trace_packet)(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
-                            const mlrt_hits *hits);
-    int32_t (*render_tiles)(const mlrt_tree *tree, const mlrt_camera *camera, const mlrt_trace_options *options,
-                            const mlrt_hits *frame, mlrt_tile_callback callback, void *user);
-} guess;
-
-// A cast from void * to a function pointer is POSIX's, not C's: copying the bits says the same.
-static int find_function(void *handle, const char *name, void *function)
-{
-    void *symbol = dlsym(handle, name);
-    if (!symbol) fprintf(stderr, "%s\n", dlerror());
-    memcpy(function, &symbol, sizeof symbol);
-    return !symbol;
-}
+static struct library guess; // until the program ends
 
 int load_guess(const char *path)
 {
-    void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL); // until the program ends
-    if (!handle) {
-        fprintf(stderr, "%s\n", dlerror());
-        return 1;
-    }
-    return find_function(handle, "mlrt_build_tree", &guess.build_tree) |
-           find_function(handle, "mlrt_destroy_tree", &guess.destroy_tree) |
-           find_function(handle, "mlrt_trace_packet", &guess.trace_packet) |
-           find_function(handle, "mlrt_render_tiles", &guess.render_tiles);
+    return load_library(path, &guess);
 }
 
 static int create(struct method_run *run)
