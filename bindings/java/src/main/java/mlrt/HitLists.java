@@ -19,7 +19,7 @@ import java.lang.foreign.Arena;
  * @param crossingTotal ints, one per ray: how many of these cross the surface
  */
 public record HitLists(int capacity, Array t, Array u, Array v, Array mesh, Array triangle, Array facing, Array crossing,
-                       Array total, Array crossingTotal) {
+                       Array total, Array crossingTotal) implements HitArrays {
     /**
      * Room for all of it.
      *
@@ -48,66 +48,6 @@ public record HitLists(int capacity, Array t, Array u, Array v, Array mesh, Arra
         call.output(struct, "total", total, rays, 1, 4);
         call.output(struct, "crossing_total", crossingTotal, rays, 1, 4);
         return struct;
-    }
-
-    /**
-     * The distance in units of the direction's length; infinite for a miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public float t(long i) {
-        return t.getFloat(i);
-    }
-
-    /**
-     * The weight of the triangle's second vertex.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public float u(long i) {
-        return u.getFloat(i);
-    }
-
-    /**
-     * The weight of its third.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public float v(long i) {
-        return v.getFloat(i);
-    }
-
-    /**
-     * The id of the mesh; {@link Mlrt#NONE} = miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public int mesh(long i) {
-        return mesh.getInt(i);
-    }
-
-    /**
-     * The number of the triangle in its mesh; {@link Mlrt#NONE} = miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public int triangle(long i) {
-        return triangle.getInt(i);
-    }
-
-    /**
-     * The sign of direction . normal; 0 = miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public int facing(long i) {
-        return facing.getInt(i);
     }
 
     /**

@@ -15,7 +15,8 @@ import java.lang.foreign.Arena;
  * @param occluded bytes: with {@link TraceOptions.Query#ANY} 1 = something is hit; with lights, bit k is 1 if light k does
  *     not reach the hit
  */
-public record Hits(Array t, Array u, Array v, Array mesh, Array triangle, Array facing, Array occluded) {
+public record Hits(Array t, Array u, Array v, Array mesh, Array triangle, Array facing, Array occluded)
+        implements HitArrays {
     /**
      * Room for closest hits.
      *
@@ -68,66 +69,6 @@ public record Hits(Array t, Array u, Array v, Array mesh, Array triangle, Array 
         call.output(struct, "facing", facing, columns, rows, 4);
         call.output(struct, "occluded", occluded, columns, rows, 1);
         return struct;
-    }
-
-    /**
-     * The distance in units of the direction's length; infinite for a miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public float t(long i) {
-        return t.getFloat(i);
-    }
-
-    /**
-     * The weight of the triangle's second vertex.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public float u(long i) {
-        return u.getFloat(i);
-    }
-
-    /**
-     * The weight of its third.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public float v(long i) {
-        return v.getFloat(i);
-    }
-
-    /**
-     * The id of the mesh; {@link Mlrt#NONE} = miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public int mesh(long i) {
-        return mesh.getInt(i);
-    }
-
-    /**
-     * The number of the triangle in its mesh; {@link Mlrt#NONE} = miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public int triangle(long i) {
-        return triangle.getInt(i);
-    }
-
-    /**
-     * The sign of direction . normal; 0 = miss.
-     *
-     * @param i the number of the element
-     * @return the value
-     */
-    public int facing(long i) {
-        return facing.getInt(i);
     }
 
     /**
