@@ -10,6 +10,7 @@
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
+#include "common/interior.h"
 #include "common/must.h"
 #include "common/options.h"
 #include "common/scene.h"
@@ -225,8 +226,10 @@ int main(int argc, char **argv)
     mlrt_tree *tree = NULL;
     mlrt_pool *pool = NULL;
     double seconds;
-    int failed = load_scene(settings.scene, &scene) || (settings.view && read_view(settings.view, &scene.view)) ||
-                 build_tree(&scene, &(struct tree_settings){.kind = TREE_DEFAULT}, &tree, &seconds);
+    int failed = load_scene(settings.scene, &scene);
+    if (!failed && !settings.view) look_from_inside(&scene);
+    failed = failed || (settings.view && read_view(settings.view, &scene.view)) ||
+             build_tree(&scene, &(struct tree_settings){.kind = TREE_DEFAULT}, &tree, &seconds);
     if (!failed && settings.threads > 1) must_succeed(mlrt_create_pool(settings.threads, &pool));
     if (!failed) failed = draw_scene(&settings, &scene, tree, pool);
     mlrt_destroy_pool(pool);

@@ -8,6 +8,7 @@
 #define _POSIX_C_SOURCE 200112L
 
 #include "common/hash.h"
+#include "common/interior.h"
 #include "common/map.h"
 #include "common/options.h"
 #include "common/png_write.h"
@@ -126,6 +127,8 @@ static int choose_view(const struct settings *s, struct scene *scene)
     if (s->view) {
         if (read_view(s->view, &scene->view)) return 1;
         scene->light_range = 0;
+    } else {
+        look_from_inside(scene);
     }
     keep_given(scene->view.eye, s->camera.eye, 3);
     keep_given(scene->view.look, s->camera.look, 3);

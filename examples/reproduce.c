@@ -15,6 +15,7 @@
 
 #include "bench/peer_frame.h"
 #include "common/hash.h"
+#include "common/interior.h"
 #include "common/options.h"
 #include "common/scene.h"
 #include "common/terminal.h"
@@ -1106,6 +1107,7 @@ static int load_subject(struct subject *subject, const char *word)
     if (name_scene(word, path, name, &is_file)) return 1;
     show_work("%s: loading ...", name);
     if (load_scene(path, &subject->scene)) return 1;
+    if (!settings->views) look_from_inside(&subject->scene);
     snprintf(specification, sizeof specification, "%.*s:%s/view1", PATH_SIZE, settings->views ? settings->views : "",
              name);
     if (is_file && settings->views && read_view(specification, &subject->scene.view)) return 1;
@@ -1177,8 +1179,7 @@ static int read_settings(struct settings *s, int argc, char **argv, int *exit_co
         {OPTION_COUNT, "--size", &s->size, "N", "pixels along each side, a multiple of 64 (default: 1024)", 64, 8192},
         {OPTION_SET, "--only", &s->tables, "1,2,3,4,5,6,7", "the tables to make, a list (default: all)", 0, 0},
         {OPTION_COUNT, "--runs", &s->runs, "N", "times are medians of this many runs (default: 5)", 1, 1000},
-        {OPTION_COUNT, "--threads", &s->threads, "N", "threads of what is not measured with one (default: 2)", 1,
-         1024},
+        {OPTION_COUNT, "--threads", &s->threads, "N", "threads of what is not measured with one (default: 2)", 1, 1024},
         {OPTION_HEADING, 0, 0, 0, "Tile sizes, where they are not what is varied:", 0, 0},
         {OPTION_POWER_OF_TWO, "--its", &s->tiles.initial_tile_size, "N", "initial tile size in pixels, a power of two",
          4, 1024},

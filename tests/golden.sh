@@ -17,7 +17,7 @@ if [ $# -gt 1 ]; then
     include=$1 library=$2 program=$3
     shift 3
     scenes=
-    for file in scene interior import ply_check room office building doubled scan furniture shapes steady_math; do
+    for file in scene import ply_check room office building doubled scan furniture shapes steady_math; do
         scenes="$scenes examples/common/$file.c"
     done
     # shellcheck disable=SC2086 # a list

@@ -123,6 +123,7 @@ static void make_box(const float size[3], int fronts_inside, struct scene *scene
         indices[i][2] = corners[i][fronts_inside ? 1 : 2];
     }
     memset(scene, 0, sizeof *scene);
+    scene->is_imported = 1;
     scene->vertices = vertices[0], scene->vertex_count = 8;
     scene->indices = indices[0], scene->triangle_count = 12;
     scene->view.eye[0] = 1000;
@@ -159,7 +160,7 @@ static void rooms_are_seen_from_inside(void **state)
 
 static void scenes_without_triangles_keep_their_view(void **state)
 {
-    struct scene scene = {.view = {.eye = {1, 2, 3}}};
+    struct scene scene = {.view = {.eye = {1, 2, 3}}, .is_imported = 1};
     (void)state;
     look_from_inside(&scene);
     assert_true(scene.view.eye[2] == 3);

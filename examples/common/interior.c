@@ -129,7 +129,7 @@ void look_from_inside(struct scene *scene)
                             .indices = scene->indices,
                             .triangle_count = scene->triangle_count};
     const mlrt_tree_options options = {.struct_size = sizeof options, .preset = MLRT_TREE_FAST};
-    struct survey *survey = malloc(sizeof *survey);
+    struct survey *survey = scene->is_imported ? malloc(sizeof *survey) : NULL;
     mlrt_tree *tree = NULL;
     if (survey && mlrt_build_tree(&mesh, 1, &options, &tree) == MLRT_OK) {
         float minimum[3], maximum[3];

@@ -3,7 +3,6 @@
 #include "scene.h"
 
 #include "import.h"
-#include "interior.h"
 #include "procedural.h"
 
 #include <math.h>
@@ -113,7 +112,7 @@ int load_scene(const char *name_or_path, struct scene *scene)
         return 1;
     }
     look_at_all(scene);
-    look_from_inside(scene);
+    scene->is_imported = 1;
     return 0;
 }
 

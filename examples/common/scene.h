@@ -40,7 +40,8 @@ struct scene {
     size_t vertex_count;
     size_t triangle_count;
     struct material materials[MATERIAL_COUNT];
-    struct view view;   /* a good one */
+    struct view view;   /* a good one; of a mesh file the whole from outside, before look_from_inside */
+    int is_imported;    /* 1 = from a mesh file, which has no view of its own */
     double light_range; /* the distance at which the light has half its strength; 0 = the same everywhere */
 };
 

@@ -2,6 +2,8 @@
 /* view.c - views, and the library's camera: see view.h */
 #include "view.h"
 
+#include "interior.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -66,6 +68,7 @@ int load_scene_and_view(const char *word, const char *views, char name[SCENE_NAM
     if (load_scene(path, scene)) return 1;
     const char *file = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     snprintf(name, SCENE_NAME_SIZE, "%.*s", (int)strcspn(file, "."), file);
+    if (!views) look_from_inside(scene);
     if (!views || !strchr(path, '.')) return 0;
     snprintf(view, sizeof view, "%.*s:%s", PATH_SIZE - 1, views, name);
     return read_view(view, &scene->view);

@@ -2,6 +2,7 @@
 /* subject.c - a mesh, its trees and its oracle: see subject.h */
 #include "subject.h"
 
+#include "common/interior.h"
 #include "common/tree.h"
 #include "common/view.h"
 #include "meshes.h"
@@ -54,6 +55,7 @@ int load_subject(const char *word, const char *views, struct subject *subject)
     if (name_subject(word, path, subject->name, &is_file)) return 1;
     int failed = strcmp(subject->name, "sphere") == 0 ? make_sphere(SPHERE_LEVEL, NULL, &subject->scene)
                                                       : load_scene(path, &subject->scene);
+    if (!failed && !views) look_from_inside(&subject->scene);
     if (!failed && is_file && views) failed = read_subject_view(views, subject->name, &subject->scene.view);
     return failed || complete_subject(subject);
 }
