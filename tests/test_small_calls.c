@@ -130,7 +130,8 @@ static void results_on_the_rays(void **state)
                 records[i] = (struct record){{0, 0, (float)i}, 0, {0, 0, 1}, 100};
             }
             const mlrt_rays rays = rays_of(records, count, 1, 1);
-            const mlrt_hits hits = {.struct_size = sizeof hits, .t = {(char *)&records[1] + 4 * word, sizeof *records, 0}};
+            const mlrt_hits hits = {.struct_size = sizeof hits,
+                                    .t = {(char *)&records[1] + 4 * word, sizeof *records, 0}};
             assert_int_equal(mlrt_trace_packet(tree, &rays, NULL, &hits), MLRT_OK);
             for (size_t i = 0; i < count; i++) {
                 float t;
@@ -212,7 +213,8 @@ static void mistakes_are_errors(void **state)
         if (mistake == 8) options.query = 2;
         if (mistake == 9) options.query = MLRT_QUERY_ANY;
         const int32_t status = mlrt_trace_packet(tree, &rays, &options, &hits);
-        if (status != (mistake ? MLRT_ERROR_ARGUMENT : MLRT_OK)) fail_msg("mistake %d: status %d", mistake, (int)status);
+        if (status != (mistake ? MLRT_ERROR_ARGUMENT : MLRT_OK))
+            fail_msg("mistake %d: status %d", mistake, (int)status);
     }
     mlrt_destroy_tree(tree);
 }
@@ -256,12 +258,9 @@ static void exception_flags_stay(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_as_in_one_call),
-        cmocka_unit_test(results_on_the_rays),
-        cmocka_unit_test(bytes_between_results_stay),
-        cmocka_unit_test(trees_without_nodes),
-        cmocka_unit_test(mistakes_are_errors),
-        cmocka_unit_test(exception_flags_stay),
+        cmocka_unit_test(same_as_in_one_call),        cmocka_unit_test(results_on_the_rays),
+        cmocka_unit_test(bytes_between_results_stay), cmocka_unit_test(trees_without_nodes),
+        cmocka_unit_test(mistakes_are_errors),        cmocka_unit_test(exception_flags_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,7 +41,8 @@ static void print_option(const char *name, const char *values, const char *help)
 static void print_help(const char *purpose, const struct option *options, size_t count)
 {
     puts(purpose);
-    if (find_option(options, count, SCENES, strlen(SCENES))) puts("A word without a dash is a scene, as after " SCENES ".");
+    if (find_option(options, count, SCENES, strlen(SCENES)))
+        puts("A word without a dash is a scene, as after " SCENES ".");
     for (size_t i = 0; i < count; i++) {
         if (options[i].kind == OPTION_HEADING)
             printf("\n%s\n", options[i].help);

@@ -169,14 +169,14 @@ static int are_simple_hits(const mlrt_hits *hits, int any)
 {
     if (hits->struct_size != sizeof *hits || hits->reserved) return 0;
     if (!any) {
-        const int has_results = hits->t.data || hits->u.data || hits->v.data || hits->mesh.data ||
-                                hits->triangle.data || hits->facing.data;
+        const int has_results =
+            hits->t.data || hits->u.data || hits->v.data || hits->mesh.data || hits->triangle.data || hits->facing.data;
         return has_results && !hits->occluded.data && is_simple_result(&hits->t, 4) && is_simple_result(&hits->u, 4) &&
                is_simple_result(&hits->v, 4) && is_simple_result(&hits->mesh, 4) &&
                is_simple_result(&hits->triangle, 4) && is_simple_result(&hits->facing, 4);
     }
-    return hits->occluded.data && !hits->t.data && !hits->u.data && !hits->v.data && !hits->mesh.data && !hits->triangle.data &&
-           !hits->facing.data && is_simple_result(&hits->occluded, 1);
+    return hits->occluded.data && !hits->t.data && !hits->u.data && !hits->v.data && !hits->mesh.data &&
+           !hits->triangle.data && !hits->facing.data && is_simple_result(&hits->occluded, 1);
 }
 
 MLRT_INLINE void take_element(const mlrt_const_array *array, size_t i, size_t size, void *element)

@@ -65,9 +65,8 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const mlrt_ray *given, co
     const f4 origin = f4_three(given->origin);
     const f4 direction = f4_add(f4_three(given->direction), f4_set1(0)); /* -0 becomes 0 */
     const int is_usual = f4_are_within(origin, direction, 0x1p-40f, 0x1p40f);
-    if (MLRT_UNLIKELY(!is_usual) &&
-        (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
-         f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
+    if (MLRT_UNLIKELY(!is_usual) && (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
+                                     f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
         return MLRT_LONE_RAY_NOT_CARRIED;
     }
     const float t_max = given->t_max == 0 ? INFINITY : given->t_max;

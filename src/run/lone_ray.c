@@ -63,7 +63,7 @@ static const struct mlrt_kernels *kernels_of(const struct mlrt_lone_ray *ray)
 
 /* Traces one ray in double. */
 static MLRT_NOINLINE int trace_in_double(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
-                                          mlrt_hit *hit)
+                                         mlrt_hit *hit)
 {
     mlrt_trace_by_ray(tree, given, ray->any, ray->mask, ray->skip, NULL, hit);
     return 0;
@@ -71,7 +71,7 @@ static MLRT_NOINLINE int trace_in_double(const mlrt_tree *tree, const mlrt_ray *
 
 /* Traces one ray through boxes whose unit is not 1. */
 static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
-                                         mlrt_hit *hit)
+                                        mlrt_hit *hit)
 {
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
@@ -88,7 +88,7 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *g
 
 /* Traces one ray that meets the box of the scene. */
 static MLRT_NOINLINE int trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
-                                         mlrt_hit *hit)
+                                        mlrt_hit *hit)
 {
     const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray) : MLRT_NONE;
     set_result(tree, given, number, ray->any, hit);

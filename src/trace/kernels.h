@@ -40,8 +40,7 @@ const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_OF_BOXES, .picture = &mlrt
 #else
 const struct mlrt_picture_kernels PICTURE = {fetch_block, check_block, read_packets, write_packet, decide_lanes};
 const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES, .picture = &PICTURE, .trace_ray = trace_lone_ray,
-                                     .trace_scaled_ray = trace_scaled_ray,
-                                     .make_shadow_packet = make_shadow_packet};
+                                     .trace_scaled_ray = trace_scaled_ray, .make_shadow_packet = make_shadow_packet};
 #endif
 
 #endif
