@@ -17,6 +17,7 @@
 #include "bvh/build.h"
 #include "bvh/check.h"
 #include "bvh/node.h"
+#include "job/structure.h"
 #include "support.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
@@ -98,7 +99,7 @@ static void test_no_triangles_make_no_nodes(void **state)
     assert_int_equal(tree.info.node_count, 0);
     assert_int_equal(tree.info.leaf_count, 0);
     assert_true(tree.bounds.lo[0] == 0 && tree.bounds.hi[2] == 0);
-    assert_true(tree.float_safe && tree.bvh.unit == 1);
+    assert_true(tree.bvh.unit == 1);
     free_hierarchy(&tree);
 }
 
@@ -366,10 +367,10 @@ static void test_the_report_is_filled(void **state)
     mlrt_tree_info info = {.struct_size = sizeof info};
     assert_int_equal(mlrt_build_tree(&mesh, 1, &options, &tree), MLRT_OK);
     assert_int_equal(mlrt_get_tree_info(tree, &info), MLRT_OK);
-    assert_int_equal(tree->structure, MLRT_STRUCTURE_BVH);
+    assert_ptr_equal(tree->structure, &mlrt_structure_bvh);
     assert_int_equal(info.structure, MLRT_STRUCTURE_BVH);
-    assert_null(tree->nodes);
-    assert_int_equal(tree->node_count, 0);
+    assert_null(tree->kdtree.nodes);
+    assert_int_equal(tree->kdtree.node_count, 0);
     assert_int_equal(info.triangle_count, soup.count);
     assert_int_equal(info.node_count, tree->bvh.node_count);
     assert_true(info.reference_count >= soup.count && info.leaf_count * 16 >= info.reference_count);

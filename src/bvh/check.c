@@ -116,7 +116,7 @@ static void add_subtree(const struct mlrt_bvh *bvh, uint32_t number, uint32_t de
     }
 }
 
-static void set_info(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
+void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
     struct totals totals = {0, 0, 0, 0, 0, progress};
@@ -133,12 +133,6 @@ static void set_info(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs,
     info->peak_memory_size = tree->memory.peak_size;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
-}
-
-void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
-{
-    tree->float_safe = mlrt_has_safe_bounds(tree);
-    set_info(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */

@@ -10,7 +10,7 @@
 #include "scene/tree.h"
 
 /*
- * Sets tree->float_safe and the members of tree->info that follow from the hierarchy: depth, the counts of nodes,
+ * Sets the members of tree->info that follow from the hierarchy: depth, the counts of nodes,
  * leaves and references, tree_hash, sah_cost (in units of costs->node), the bounds, and the peak of memory. If the call
  * is cancelled meanwhile, these values may be wrong.
  */

@@ -4,6 +4,8 @@
  */
 #include "hits/finish.h"
 
+#include "hits/shadow_ray.h"
+#include "job/structure.h"
 #include "job/write_arrays.h"
 #include "simd/sixteen.h"
 
@@ -17,8 +19,8 @@ void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct m
         mlrt_get_segment(packet, lane, &ray);
         if (!packet->has_masks) ray.mask = job->source.common_mask;
         if (counters) ++counters->packet_count;
-        packet->triangle[lane] =
-            job->trace_segment(job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE, job->any, counters);
+        packet->triangle[lane] = job->tree->structure->tracer.trace_ray(
+            job->tree, &ray, packet->has_skip ? packet->skip[lane] : MLRT_NONE, job->any, NULL, counters);
     }
 }
 
@@ -70,6 +72,35 @@ void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_wor
         write_shadows_to(shadows, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
     }
 }
+
+void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
+                     const struct mlrt_rectangle *block, struct mlrt_packet *packet)
+{
+    if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, &worker->counters);
+    job->kernels->picture->write_packet(job, worker, packet, lanes, block);
+    if (MLRT_LIKELY(!job->light_count)) return;
+    uint8_t shadows[MLRT_PACKET_RAYS];
+    mlrt_find_shadows(job, packet, lanes, shadows, &worker->counters);
+    mlrt_write_packet_shadows(job, worker, shadows, lanes, block);
+}
+
+void mlrt_trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+{
+    worker->counters.ray_count += mlrt_count_rays(&job->source, tile);
+    for (uint32_t j = 0; j < tile->height; j += 4) {
+        for (uint32_t i = 0; i < tile->width; i += 4) {
+            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
+            const uint32_t lanes = mlrt_existing_lanes(&job->source, &block);
+            struct mlrt_packet packet;
+            mlrt_get_packet(job, &block, lanes, &packet);
+            packet.single |= packet.active;
+            mlrt_end_packet(job, worker, lanes, &block, &packet);
+        }
+    }
+}
+
+const struct mlrt_kernels mlrt_kernels_ray = {
+    .trace_tile = mlrt_trace_by_rays, .counts = 1, .picture = &mlrt_plain_picture};
 
 /* Writes the hits of one triangle in a block if t, u, v or facing are wanted: these need rays. */
 static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,

@@ -38,4 +38,11 @@ void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_wor
                                const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
                                const struct mlrt_rectangle *block);
 
+/* Traces the single rays of a packet, and writes the results of all, and their shadows. */
+void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
+                     const struct mlrt_rectangle *block, struct mlrt_packet *packet);
+
+/* trace_tile (job/job.h) of MLRT_METHOD_RAY: traces all rays of a tile one by one in double. It always counts. */
+void mlrt_trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile);
+
 #endif

@@ -7,17 +7,27 @@
 #define MLRT_JOB_JOB_H
 
 #include "base/forms.h"
+#include "base/tuning.h"
 #include "job/hit_terms.h"
 #include "job/write_arrays.h"
 #include "rays/source.h"
 
 /* State of workers that only one structure uses: trace/bundle.h and mlrta/setups.h. */
 struct mlrt_bundle;
-struct mlrt_bundle_cache;
-struct mlrt_triangle_setup;
+struct mlrt_bundles;
+struct mlrt_setups;
 
 /* base/progress.h */
 struct mlrt_progress;
+
+/* The options of the kd-tree. */
+struct mlrt_multilevel {
+    int32_t culling;
+    int culling_check;
+    uint32_t shortcuts; /* MLRT_SHORTCUT_*: those that are on */
+    uint32_t minimum_tile_size;
+    uint32_t split_divisor; /* pieces per side: the root of the split factor */
+};
 
 /* One call of the interface, as all workers see it. */
 struct mlrt_job {
@@ -25,21 +35,11 @@ struct mlrt_job {
     const struct mlrt_kernels *kernels;
     struct mlrt_source source;
     int32_t method; /* resolved: not DEFAULT */
-    int32_t culling;
-    int culling_check;
-    /* Shortcuts of the multi-level method that the paper does not have. */
-    int whole_tiles;
-    int entry_lists;
-    int shared_setups;
     int any;
-    /* Traces one ray with any numbers, in double: mlrt_trace_segment (run/trace_ray.h). */
-    uint32_t (*trace_segment)(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
-                              mlrt_counters *counters);
     const struct mlrt_job *lights; /* a job for each light: its source, with `any` set */
     uint32_t light_count;
     uint32_t initial_tile_size;
-    uint32_t minimum_tile_size;
-    uint32_t split_divisor; /* pieces per side: the root of the split factor */
+    struct mlrt_multilevel multilevel;
     struct mlrt_sink frame;
     int has_frame;
     uint32_t outputs; /* of the callback */
@@ -75,26 +75,24 @@ struct mlrt_known_plane {
 #define MLRT_PAIR_BITS        6
 #define MLRT_FEW_PAIR_BITS    4
 
-/* The state of one worker, in cache lines of its own. Pairs of counts are for closest hits and for any hit. */
+/* 1 if there are so few rays that large tables of workers would not pay. */
+static inline int mlrt_is_small(const struct mlrt_job *job)
+{
+    return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
+}
+
+/* The state of one worker, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
     struct mlrt_triangle_pair *pairs; /* entry (first ^ second) & pair_mask */
     uint32_t pair_mask;               /* length of the table, a power of two, less one */
     struct mlrt_known_plane *planes;  /* entry number & plane_mask */
     uint32_t plane_mask;
-    struct mlrt_triangle_setup *setups; /* mlrta/setups.h: entry number & setup_mask; for rays from `apex` */
-    uint32_t setup_mask;                /* length of the table, a power of two, less one */
-    float apex[3];
+    /* What the kernels of the tree's structure keep (trace/bundle.h, mlrta/setups.h); the other is not set. */
+    struct mlrt_bundles *bundles;
+    struct mlrt_setups *setups;
     struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    /*
-     * trace/bundle.h: one for closest hits and one for any hit, since a picture's tiles and their shadows take turns.
-     */
-    struct mlrt_bundle_cache *bundle_caches;
-    uint32_t mask;            /* of all rays; MLRT_MASK_ALL if each has its own, or triangles have none */
-    uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets */
-    uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane */
-    uint32_t open_tiles;      /* how many of the next tiles begin with open cells (trace/levels.c) */
-    uint32_t open_squares;    /* how many of the next squares are traced tile by tile */
+    uint32_t mask;         /* of all rays; MLRT_MASK_ALL if each has its own, or triangles have none */
     struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the mesh that was hit last */
     uint32_t tile_x;
@@ -175,7 +173,10 @@ struct mlrt_kernels {
                                    struct mlrt_packet *packet);
 };
 
-/* The Makefile says which of them are compiled; run/dispatch.c chooses among these. */
+/* Method ray, of any structure (hits/finish.c). */
+extern const struct mlrt_kernels mlrt_kernels_ray;
+
+/* The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set. */
 extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;

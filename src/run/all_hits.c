@@ -11,8 +11,8 @@
 #include "base/run_options.h"
 #include "base/scheduler.h"
 #include "exact/hit_list.h"
+#include "job/structure.h"
 #include "job/write_arrays.h"
-#include "run/trace_ray.h"
 
 #define ITEM_RAYS 256
 
@@ -114,7 +114,8 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
     ++worker->counters.ray_count;
     if (mlrt_get_ray(source, i % source->width, i / source->width, &ray, &skip)) {
         ++worker->counters.packet_count;
-        mlrt_gather_hits(run->tree, &ray, skip, list, counters);
+        (void)run->tree->structure->tracer.trace_ray(run->tree, &ray, skip, 0, list, counters);
+        mlrt_remove_repetitions(list);
         mlrt_order_hits(&run->tree->by_number, &ray, run->capacity, list, counters);
     }
     if (list->failed) return 0;

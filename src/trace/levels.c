@@ -79,8 +79,10 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 {
     struct mlrt_ray_tile *tile = bundle->tile;
     if (gather_picture_cells(job, &tile->area, 4, bundle)) {
-        job->kernels->trace_cells(job, worker, worker->open_tiles != 0, bundle);
-        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !bundle->closed ? MLRT_TILE_RUN : 0;
+        job->kernels->trace_cells(job, worker, worker->bundles->open_tiles != 0, bundle);
+        worker->bundles->open_tiles = worker->bundles->open_tiles ? worker->bundles->open_tiles - 1
+                                      : !bundle->closed           ? MLRT_TILE_RUN
+                                                                  : 0;
         return;
     }
     tile->made = 0xFFFF;
@@ -145,11 +147,11 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     struct mlrt_bundle bundle;
     bundle.tile = NULL;
     bundle.closed = 0;
-    if (worker->open_squares) {
-        --worker->open_squares;
+    if (worker->bundles->open_squares) {
+        --worker->bundles->open_squares;
     } else if (gather_picture_cells(job, area, 16, &bundle)) {
         job->kernels->trace_cells(job, worker, 0, &bundle);
-        if (!bundle.closed) worker->open_squares = MLRT_SQUARE_RUN;
+        if (!bundle.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
     }
     struct mlrt_known_lights known[MLRT_CELL_COUNT];
     uint32_t known_cells = bundle.closed;
