@@ -84,19 +84,33 @@ void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uin
     mlrt_write_packet_shadows(job, worker, shadows, lanes, block);
 }
 
-void mlrt_trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+MLRT_NOINLINE void mlrt_trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                     const struct mlrt_rectangle *tile, const struct entry_list *list,
+                                     mlrt_trace_block *trace_block)
 {
-    worker->counters.ray_count += mlrt_count_rays(&job->source, tile);
     for (uint32_t j = 0; j < tile->height; j += 4) {
         for (uint32_t i = 0; i < tile->width; i += 4) {
             const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
-            const uint32_t lanes = mlrt_existing_lanes(&job->source, &block);
-            struct mlrt_packet packet;
-            mlrt_get_packet(job, &block, lanes, &packet);
-            packet.single |= packet.active;
-            mlrt_end_packet(job, worker, lanes, &block, &packet);
+            trace_block(job, worker, &block, list);
         }
     }
+}
+
+static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
+                        const struct entry_list *list)
+{
+    const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
+    struct mlrt_packet packet;
+    (void)list;
+    mlrt_get_packet(job, block, lanes, &packet);
+    packet.single |= packet.active;
+    mlrt_end_packet(job, worker, lanes, block, &packet);
+}
+
+void mlrt_trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+{
+    worker->counters.ray_count += mlrt_count_rays(&job->source, tile);
+    mlrt_trace_blocks(job, worker, tile, NULL, trace_block);
 }
 
 const struct mlrt_kernels mlrt_kernels_ray = {

@@ -42,6 +42,10 @@ void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_wor
 void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
                      const struct mlrt_rectangle *block, struct mlrt_packet *packet);
 
+/* Traces the blocks of 4x4 rays of a tile. `list` is that of the kd-tree's blocks. */
+void mlrt_trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
+                       const struct entry_list *list, mlrt_trace_block *trace_block);
+
 /* trace_tile (job/job.h) of MLRT_METHOD_RAY: traces all rays of a tile one by one in double. It always counts. */
 void mlrt_trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile);
 

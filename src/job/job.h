@@ -131,6 +131,10 @@ struct mlrt_picture_kernels {
                              struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 };
 
+/* Traces a block of at most 4x4 rays, and writes their results. */
+typedef void mlrt_trace_block(const struct mlrt_job *job, struct mlrt_worker *worker,
+                              const struct mlrt_rectangle *block, const struct entry_list *list);
+
 /* The functions of an instruction set. */
 struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
@@ -139,9 +143,8 @@ struct mlrt_kernels {
 
     const struct mlrt_picture_kernels *picture;
 
-    /* Traces a block of at most 4x4 rays from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
-    void (*trace_block)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
-                        const struct entry_list *list);
+    /* Traces a block from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
+    mlrt_trace_block *trace_block;
 
     /* The kernels of the kd-tree have none of the following. */
 

@@ -14,17 +14,6 @@
 #include "mlrta/cell_outline.h"
 #include "mlrta/entry_point.h"
 
-static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
-                         const struct entry_list *list)
-{
-    for (uint32_t j = 0; j < tile->height; j += 4) {
-        for (uint32_t i = 0; i < tile->width; i += 4) {
-            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
-            job->kernels->trace_block(job, worker, &block, list);
-        }
-    }
-}
-
 /* Writes the results of a tile for BEAM_MISSES or BEAM_IS_COVERED: none of its rays has to be traced. */
 static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
                         const struct mlrt_rectangle *tile)
@@ -46,7 +35,7 @@ static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
         ++worker->counters.entry_point_count;
         worker->counters.entry_point_depth_sum += list->entries[i].depth;
     }
-    trace_blocks(job, worker, tile, list);
+    mlrt_trace_blocks(job, worker, tile, list, job->kernels->trace_block);
 }
 
 /* Sets the outlines of a list's entries, if the beam has an apex. */
@@ -132,6 +121,6 @@ void mlrt_trace_kdtree_tile(const struct mlrt_job *job, struct mlrt_worker *work
     if (job->method == MLRT_METHOD_MULTILEVEL) {
         trace_level(job, worker, tile, job->initial_tile_size, &root.entries[0]);
     } else {
-        trace_blocks(job, worker, tile, &root);
+        mlrt_trace_blocks(job, worker, tile, &root, job->kernels->trace_block);
     }
 }
