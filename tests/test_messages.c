@@ -395,7 +395,7 @@ static void check_damage(size_t size)
 
     mlrt_tree *const two = build_structure(now.meshes, 2, MLRT_STRUCTURE_BVH);
 #define FORGE(change, text)                                                                                            \
-    forged = *two, forged.mesh_first = first, forged.mesh_by_id = by_id, forged.mesh_ids = ids;                        \
+    forged = *two, forged.meshes.first = first, forged.meshes.by_id = by_id, forged.meshes.ids = ids;                  \
     CHECK(change, load_tree(&forged), DATA, text);                                                                     \
     first[0] = 0, first[1] = 1, first[2] = 2, by_id[0] = 0, ids[0] = 4
     FORGE(first[0] = 1, "data: meshes are out of order");

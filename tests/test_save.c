@@ -341,8 +341,8 @@ static void test_meshes_come_back(void **state)
 static void give_masks(mlrt_tree *tree, const uint32_t masks[MESH_COUNT])
 {
     if (tree->masks == NULL) tree->masks = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->masks);
-    for (uint32_t mesh = 0; mesh < tree->mesh_count; mesh++) {
-        for (uint32_t i = tree->mesh_first[mesh]; i < tree->mesh_first[mesh + 1]; i++) tree->masks[i] = masks[mesh];
+    for (uint32_t mesh = 0; mesh < tree->meshes.count; mesh++) {
+        for (uint32_t i = tree->meshes.first[mesh]; i < tree->meshes.first[mesh + 1]; i++) tree->masks[i] = masks[mesh];
     }
 }
 
@@ -1177,25 +1177,25 @@ static void forge(mlrt_tree *tree, enum forged_thing thing)
 {
     switch ((int)thing) {
     case MESH_START:
-        tree->mesh_first[0] = 1;
+        tree->meshes.first[0] = 1;
         break;
     case MESH_BACK:
-        tree->mesh_first[1] = tree->mesh_first[2] + 1;
+        tree->meshes.first[1] = tree->meshes.first[2] + 1;
         break;
     case MESH_END:
-        tree->mesh_first[tree->mesh_count]--;
+        tree->meshes.first[tree->meshes.count]--;
         break;
     case MESH_ID_TWICE:
-        tree->mesh_ids[0] = tree->mesh_ids[1];
+        tree->meshes.ids[0] = tree->meshes.ids[1];
         break;
     case MESH_ID_NONE:
-        tree->mesh_ids[2] = MLRT_NONE;
+        tree->meshes.ids[2] = MLRT_NONE;
         break;
     case MESH_POSITION:
-        tree->mesh_by_id[0] = tree->mesh_count;
+        tree->meshes.by_id[0] = tree->meshes.count;
         break;
     case MESH_POSITION_TWICE:
-        tree->mesh_by_id[1] = tree->mesh_by_id[0];
+        tree->meshes.by_id[1] = tree->meshes.by_id[0];
         break;
     case BOUNDS_LARGER:
         tree->info.bounds_max[0] = next_float(tree->info.bounds_max[0], 1);
@@ -1670,12 +1670,12 @@ static void test_triangles_need_meshes(void **state)
     (void)state;
     for (uint32_t structure = MLRT_STRUCTURE_KDTREE; structure <= MLRT_STRUCTURE_BVH; structure++) {
         mlrt_tree *tree = small_tree(40, structure);
-        const uint32_t mesh_count = tree->mesh_count;
+        const uint32_t mesh_count = tree->meshes.count;
         assert_true(is_accepted(tree));
-        tree->mesh_count = 0;
-        tree->mesh_first[0] = tree->triangle_count;
+        tree->meshes.count = 0;
+        tree->meshes.first[0] = tree->triangle_count;
         assert_false(is_accepted(tree));
-        tree->mesh_count = mesh_count;
+        tree->meshes.count = mesh_count;
         mlrt_destroy_tree(tree);
     }
 }

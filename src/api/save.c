@@ -99,9 +99,9 @@ typedef char header_is_packed[sizeof(struct header) == 88 + 144 + 176 ? 1 : -1];
 /* The sections of all trees. The first of the counts, the structure, is never 0, and so also stands for "always". */
 static const struct mlrt_section common_sections[] = {
     MLRT_SECTION(triangles, triangle_count, sizeof(struct mlrt_triangle), 0, ORDERED, ORDERED),
-    MLRT_SECTION(mesh_ids, mesh_count, 4, 0, MESHES, STRUCTURE),
-    MLRT_SECTION(mesh_first, mesh_count, 4, 4, MESHES, STRUCTURE),
-    MLRT_SECTION(mesh_by_id, mesh_count, 4, 0, MESHES, STRUCTURE),
+    MLRT_SECTION(meshes.ids, meshes.count, 4, 0, MESHES, STRUCTURE),
+    MLRT_SECTION(meshes.first, meshes.count, 4, 4, MESHES, STRUCTURE),
+    MLRT_SECTION(meshes.by_id, meshes.count, 4, 0, MESHES, STRUCTURE),
     MLRT_SECTION(masks, triangle_count, 4, 0, MASKS, MASKS),
 };
 
@@ -184,10 +184,10 @@ static uint64_t hash_tree_geometry(const struct mlrt_tree *tree)
 {
     struct mlrt_hash hash;
     mlrt_start_hash(&hash);
-    mlrt_add_words(&hash, &tree->mesh_count, 1);
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
-        const uint32_t first = tree->mesh_first[i], count = tree->mesh_first[i + 1] - first;
-        add_mesh(&hash, tree->mesh_ids[i], count, tree->masks && count > 0 ? tree->masks[first] : MLRT_MASK_ALL);
+    mlrt_add_words(&hash, &tree->meshes.count, 1);
+    for (uint32_t i = 0; i < tree->meshes.count; ++i) {
+        const uint32_t first = tree->meshes.first[i], count = tree->meshes.first[i + 1] - first;
+        add_mesh(&hash, tree->meshes.ids[i], count, tree->masks && count > 0 ? tree->masks[first] : MLRT_MASK_ALL);
     }
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
@@ -362,22 +362,22 @@ static int take_sections(const struct header *header, const unsigned char *data,
 }
 
 /*
- * Checks the tables of meshes. If ids ascend strictly in mesh_by_id, all positions are different, and so are all ids.
+ * Checks the tables of meshes. If ids ascend strictly in meshes.by_id, all positions are different, and so are all ids.
  */
 static const char *check_meshes(const struct mlrt_tree *tree)
 {
     uint32_t first = 0;
-    if (tree->mesh_first[0] != 0) return "meshes are out of order"; // also where there are none
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
-        if (tree->mesh_first[i] < first) return "meshes are out of order";
-        first = tree->mesh_first[i];
-        if (tree->mesh_by_id[i] >= tree->mesh_count) return "a position is not that of a mesh";
-        const uint32_t id = tree->mesh_ids[tree->mesh_by_id[i]];
-        if (id == MLRT_NONE || (i > 0 && id <= tree->mesh_ids[tree->mesh_by_id[i - 1]])) {
+    if (tree->meshes.first[0] != 0) return "meshes are out of order"; // also where there are none
+    for (uint32_t i = 0; i < tree->meshes.count; ++i) {
+        if (tree->meshes.first[i] < first) return "meshes are out of order";
+        first = tree->meshes.first[i];
+        if (tree->meshes.by_id[i] >= tree->meshes.count) return "a position is not that of a mesh";
+        const uint32_t id = tree->meshes.ids[tree->meshes.by_id[i]];
+        if (id == MLRT_NONE || (i > 0 && id <= tree->meshes.ids[tree->meshes.by_id[i - 1]])) {
             return "ids of meshes are not in order, or not different";
         }
     }
-    const uint32_t last = tree->mesh_first[tree->mesh_count];
+    const uint32_t last = tree->meshes.first[tree->meshes.count];
     return last == tree->triangle_count && last >= first ? NULL : "meshes have not as many triangles as the tree";
 }
 

@@ -20,8 +20,8 @@
 MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
                                       int is_first, struct mlrt_packet_values *values)
 {
-    const vi first = i_set1(tree->mesh_first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->mesh_ids[mesh]);
-    const vi count = i_set1(tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]);
+    const vi first = i_set1(tree->meshes.first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->meshes.ids[mesh]);
+    const vi count = i_set1(tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]);
     uint32_t found = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi place = i_sub(i_load(packet->triangle + v), first);

@@ -75,6 +75,23 @@ struct mlrt_known_plane {
 #define MLRT_PAIR_BITS        6
 #define MLRT_FEW_PAIR_BITS    4
 
+/* Answers about triangles that a worker keeps, since neighbouring rays need the same ones (undecided.h). */
+struct mlrt_known_triangles {
+    struct mlrt_triangle_pair *pairs; /* entry (first ^ second) & pair_mask */
+    uint32_t pair_mask;               /* length of the table, a power of two, less one */
+    uint32_t plane_mask;
+    struct mlrt_known_plane *planes; /* entry number & plane_mask */
+};
+
+/* How a worker looks up in the middle of an item (stop.h). */
+struct mlrt_watch {
+    struct mlrt_progress *progress; /* NULL = the host has no progress function */
+    uint64_t environment;           /* floating-point environment of the caller */
+    double pixels_told;             /* pixels of the current item that progress has counted */
+    uint32_t slow_steps;            /* counts calls of mlrt_is_stopped_in_step */
+    int stopped;                    /* the call is to end */
+};
+
 /* 1 if there are so few rays that large tables of workers would not pay. */
 static inline int mlrt_is_small(const struct mlrt_job *job)
 {
@@ -84,10 +101,7 @@ static inline int mlrt_is_small(const struct mlrt_job *job)
 /* The state of one worker, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;
-    struct mlrt_triangle_pair *pairs; /* entry (first ^ second) & pair_mask */
-    uint32_t pair_mask;               /* length of the table, a power of two, less one */
-    struct mlrt_known_plane *planes;  /* entry number & plane_mask */
-    uint32_t plane_mask;
+    struct mlrt_known_triangles known;
     /* What the kernels of the tree's structure keep (trace/bundle.h, mlrta/setups.h); the other is not set. */
     struct mlrt_bundles *bundles;
     struct mlrt_setups *setups;
@@ -97,12 +111,8 @@ struct mlrt_worker {
     uint32_t mesh; /* position of the mesh that was hit last */
     uint32_t tile_x;
     uint32_t tile_y;
-    struct mlrt_progress *progress;    /* stop.h; NULL = the host has no progress function */
-    uint64_t environment;              /* floating-point environment of the caller */
-    double pixels_told;                /* pixels of the current item that progress has counted */
-    uint32_t slow_steps;               /* counts calls of mlrt_is_stopped_in_step */
+    struct mlrt_watch watch;
     struct mlrt_scaled_packet *scaled; /* the packet in units while its rays go alone (trace/units.h), else NULL */
-    int stopped;                       /* the call is to end */
 };
 
 /* rays/lone_ray.h */

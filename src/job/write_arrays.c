@@ -110,10 +110,10 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink)
 
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
-    uint32_t below = 0, above = tree->mesh_count;
+    uint32_t below = 0, above = tree->meshes.count;
     while (above - below > 1) {
         uint32_t middle = below + (above - below) / 2;
-        if (tree->mesh_first[middle] <= number) {
+        if (tree->meshes.first[middle] <= number) {
             below = middle;
         } else {
             above = middle;
@@ -127,8 +127,8 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *mesh = *triangle = MLRT_NONE;
     if (number == MLRT_NONE) return;
     const uint32_t position = mlrt_mesh_of_triangle(tree, number);
-    *mesh = tree->mesh_ids[position];
-    *triangle = number - tree->mesh_first[position];
+    *mesh = tree->meshes.ids[position];
+    *triangle = number - tree->meshes.first[position];
 }
 
 void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)

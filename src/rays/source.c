@@ -127,19 +127,19 @@ static const float *float_at(const mlrt_const_array *array, uint32_t i)
 struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
 {
     const struct mlrt_mesh_range none = {0, 0};
-    uint32_t below = 0, above = tree->mesh_count;
+    uint32_t below = 0, above = tree->meshes.count;
     while (below < above) {
         uint32_t middle = below + (above - below) / 2;
-        if (tree->mesh_ids[tree->mesh_by_id[middle]] < mesh_id) {
+        if (tree->meshes.ids[tree->meshes.by_id[middle]] < mesh_id) {
             below = middle + 1;
         } else {
             above = middle;
         }
     }
-    if (below == tree->mesh_count) return none;
-    const uint32_t mesh = tree->mesh_by_id[below];
-    if (tree->mesh_ids[mesh] != mesh_id) return none;
-    return (struct mlrt_mesh_range){tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
+    if (below == tree->meshes.count) return none;
+    const uint32_t mesh = tree->meshes.by_id[below];
+    if (tree->meshes.ids[mesh] != mesh_id) return none;
+    return (struct mlrt_mesh_range){tree->meshes.first[mesh], tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]};
 }
 
 MLRT_INLINE uint32_t number_in_mesh(struct mlrt_mesh_range mesh, uint32_t triangle)

@@ -72,17 +72,17 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     const struct mlrt_rectangle area =
         mlrt_cut_piece(&whole, item % run->column_count * size, item / run->column_count * size, size);
 
-    worker->pixels_told = 0;
-    worker->environment = mlrt_enter_fp_environment();
+    worker->watch.pixels_told = 0;
+    worker->watch.environment = mlrt_enter_fp_environment();
     trace_item(run, worker, &area);
-    mlrt_leave_fp_environment(worker->environment);
-    if (worker->stopped) return 1;
+    mlrt_leave_fp_environment(worker->watch.environment);
+    if (worker->watch.stopped) return 1;
     if (job->callback) {
         mlrt_tile tile;
         describe_tile(job, worker, number, area.width, area.height, &tile);
         if (job->callback(job->user, &tile) != 0) return 1;
     }
-    return mlrt_advance(&run->progress, (double)area.width * area.height - worker->pixels_told);
+    return mlrt_advance(&run->progress, (double)area.width * area.height - worker->watch.pixels_told);
 }
 
 /* 1 if the callback gets this channel. */
@@ -131,10 +131,10 @@ static void lay_out_share(const struct mlrt_job *job, unsigned char *next, struc
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
     next += job->tree->structure->tracer.lay_out(job, next, worker);
-    worker->planes = (struct mlrt_known_plane *)(void *)next;
-    next += sizeof *worker->planes << known_plane_bits(job);
-    worker->pairs = (struct mlrt_triangle_pair *)(void *)next;
-    next += sizeof *worker->pairs << pair_bits(job);
+    worker->known.planes = (struct mlrt_known_plane *)(void *)next;
+    next += sizeof *worker->known.planes << known_plane_bits(job);
+    worker->known.pairs = (struct mlrt_triangle_pair *)(void *)next;
+    next += sizeof *worker->known.pairs << pair_bits(job);
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
         worker->tile.channel[c].data = next;
@@ -153,17 +153,18 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
     worker->mask = job->source.common_mask;
     worker->mesh = 0;
-    worker->progress = NULL;
-    worker->slow_steps = 0;
+    worker->watch.progress = NULL;
+    worker->watch.slow_steps = 0;
     worker->scaled = NULL;
-    worker->stopped = 0;
+    worker->watch.stopped = 0;
 }
 
 static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
                          struct run *run)
 {
     mlrt_begin_progress(&options->host, (double)run->job->source.width * run->job->source.height, &run->progress);
-    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w) run->workers[w].progress = &run->progress;
+    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w)
+        run->workers[w].watch.progress = &run->progress;
     const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
     for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
         mlrt_add_counters(options->counters, &run->workers[w].counters);

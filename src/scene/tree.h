@@ -3,7 +3,7 @@
  * The tree as a whole: the triangles of the scene, and the structure over them, a hierarchy of boxes (bvh/node.h) or a
  * kd-tree (mlrta/kdtree.h).
  *
- * Triangles keep the order of the input: triangle i of mesh m has the number mesh_first[m] + i everywhere in the
+ * Triangles keep the order of the input: triangle i of mesh m has the number meshes.first[m] + i everywhere in the
  * library, so the order of numbers is the order of ties in the hit rule. Triangles that are left out (not finite, or
  * without area) are stored too, but no leaf holds them. A kd-tree keeps an array of the triangles. In a hierarchy of
  * boxes the leaves have them already (bvh/places.h).
@@ -47,16 +47,21 @@ struct mlrt_kdtree {
     int float_safe; /* 1 = every split plane and every bound is mlrt_is_float_safe */
 };
 
+/* Mesh m is at position m of the caller's array. */
+struct mlrt_mesh_table {
+    uint32_t count;
+    uint32_t *ids;   /* count: the ids that results report */
+    uint32_t *first; /* count + 1: number of the first triangle of each mesh, ascending */
+    uint32_t *by_id; /* count: positions of the meshes in the order of their ids */
+};
+
 struct mlrt_tree {
     const struct mlrt_structure *structure;
     struct mlrt_memory memory;
     struct mlrt_triangles by_number; /* how to read a triangle */
     struct mlrt_triangle *triangles; /* triangle_count, in order; NULL = they lie in the hierarchy of boxes */
     uint32_t triangle_count;
-    uint32_t mesh_count;
-    uint32_t *mesh_ids;     /* mesh_count: the ids that results report */
-    uint32_t *mesh_first;   /* mesh_count + 1: number of the first triangle of each mesh, ascending */
-    uint32_t *mesh_by_id;   /* mesh_count: positions of the meshes in the order of their ids */
+    struct mlrt_mesh_table meshes;
     uint32_t *masks;        /* triangle_count: the mask of each triangle's mesh; NULL = all are MLRT_MASK_ALL */
     int borrowed;           /* 1 = all arrays lie in the caller's memory and are not freed (api/save.c) */
     struct mlrt_box bounds; /* of all triangles not left out, not rounded; all 0 if there are none */

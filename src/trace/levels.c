@@ -189,7 +189,7 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
         for (uint32_t i = 0; i < area->width; i += 64) {
             const struct mlrt_rectangle square = mlrt_cut_piece(area, i, j, 64);
             trace_square(job, worker, &square);
-            if (worker->stopped) return;
+            if (worker->watch.stopped) return;
         }
     }
 }
