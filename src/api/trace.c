@@ -232,7 +232,6 @@ static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_r
     mlrt_make_ray_source(tree, rays, &job->source);
     if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
     mlrt_make_sink(hits, job->source.width, 1, &job->frame);
-    job->has_frame = 1;
     return resolve_options(tree, &call->options, job);
 }
 
@@ -427,7 +426,6 @@ static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const s
         if (status != MLRT_OK) return status;
         jobs[i] = *job;
         jobs[i].any = 1;
-        jobs[i].has_frame = 0;
         jobs[i].callback = NULL;
         jobs[i].light_count = 0;
         mlrt_set_light(&light, &jobs[i].source);
@@ -448,7 +446,6 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
     if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
     if (status != MLRT_OK) return status;
     mlrt_make_sink(frame, job->source.width, 0, &job->frame);
-    job->has_frame = !mlrt_sink_is_empty(&job->frame);
     if (light_count && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
         job->lights = light_jobs;
         job->light_count = light_count;
@@ -531,7 +528,6 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     mlrt_make_light_source(tree, points, light, &job->source);
     mlrt_make_sink(&hits, job->source.width, 1, &job->frame);
-    job->has_frame = 1;
     return resolve_options(tree, &call->options, job);
 }
 

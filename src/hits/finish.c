@@ -24,12 +24,9 @@ void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct m
     }
 }
 
-static void write_misses_to(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+static void write_misses(struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
-    if (job->has_frame) mlrt_write_misses(tile->x, tile->y, tile->width, tile->height, &job->frame);
-    if (job->callback) {
-        mlrt_write_misses(tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width, tile->height, &worker->tile);
-    }
+    for (uint32_t i = 0; i < worker->sink_count; ++i) mlrt_write_misses(area, worker->sinks[i]);
 }
 
 /* The last row of a list may be short; it is written by itself. */
@@ -41,36 +38,21 @@ void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *w
     if (MLRT_UNLIKELY(last + tile->width > job->source.count)) {
         const struct mlrt_rectangle row = {tile->x, tile->y + tile->height - 1,
                                            last < job->source.count ? (uint32_t)(job->source.count - last) : 0, 1};
-        write_misses_to(job, worker, &row);
+        write_misses(worker, &row);
         --part.height;
     }
-    write_misses_to(job, worker, &part);
+    write_misses(worker, &part);
 }
 
-void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
-                               const struct mlrt_rectangle *tile)
+void mlrt_write_picture_shadow(const struct mlrt_worker *worker, uint8_t shadow, const struct mlrt_rectangle *tile)
 {
-    if (job->has_frame) mlrt_write_same_shadow(shadow, tile->x, tile->y, tile->width, tile->height, &job->frame);
-    if (job->callback) {
-        mlrt_write_same_shadow(shadow, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width, tile->height,
-                               &worker->tile);
-    }
+    for (uint32_t i = 0; i < worker->sink_count; ++i) mlrt_write_same_shadow(shadow, tile, worker->sinks[i]);
 }
 
-static void write_shadows_to(const uint8_t *shadows, uint32_t lanes, uint32_t x, uint32_t y,
-                             const struct mlrt_sink *sink)
+void mlrt_write_packet_shadows(const struct mlrt_worker *worker, const uint8_t shadows[MLRT_PACKET_RAYS],
+                               uint32_t lanes, const struct mlrt_rectangle *block)
 {
-    if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_shadows(shadows, lanes, x, y, sink);
-}
-
-void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
-                               const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
-                               const struct mlrt_rectangle *block)
-{
-    if (job->has_frame) write_shadows_to(shadows, lanes, block->x, block->y, &job->frame);
-    if (job->callback) {
-        write_shadows_to(shadows, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
-    }
+    for (uint32_t i = 0; i < worker->sink_count; ++i) mlrt_write_shadows(shadows, lanes, block, worker->sinks[i]);
 }
 
 void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
@@ -81,7 +63,7 @@ void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uin
     if (MLRT_LIKELY(!job->light_count)) return;
     uint8_t shadows[MLRT_PACKET_RAYS];
     mlrt_find_shadows(job, packet, lanes, shadows, &worker->counters);
-    mlrt_write_packet_shadows(job, worker, shadows, lanes, block);
+    mlrt_write_packet_shadows(worker, shadows, lanes, block);
 }
 
 MLRT_NOINLINE void mlrt_trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
@@ -131,14 +113,10 @@ static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *
 void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
                       const struct mlrt_rectangle *tile)
 {
-    if (job->any) mlrt_write_picture_shadow(job, worker, 1, tile);
+    if (job->any) mlrt_write_picture_shadow(worker, 1, tile);
     if (!job->frame.numbers && !worker->tile.numbers) {
-        if (job->has_frame) {
-            mlrt_write_same_ids(job->tree, number, tile->x, tile->y, tile->width, tile->height, &job->frame);
-        }
-        if (job->callback) {
-            mlrt_write_same_ids(job->tree, number, tile->x - worker->tile_x, tile->y - worker->tile_y, tile->width,
-                                tile->height, &worker->tile);
+        for (uint32_t i = 0; i < worker->sink_count; ++i) {
+            mlrt_write_same_ids(job->tree, number, tile, worker->sinks[i]);
         }
         return;
     }

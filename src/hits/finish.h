@@ -30,13 +30,11 @@ void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, ui
                       const struct mlrt_rectangle *tile);
 
 /* Writes one value of `occluded` to a rectangle of a picture. */
-void mlrt_write_picture_shadow(const struct mlrt_job *job, struct mlrt_worker *worker, uint8_t shadow,
-                               const struct mlrt_rectangle *tile);
+void mlrt_write_picture_shadow(const struct mlrt_worker *worker, uint8_t shadow, const struct mlrt_rectangle *tile);
 
 /* Writes the lights that do not reach the hits of a packet's lanes. */
-void mlrt_write_packet_shadows(const struct mlrt_job *job, const struct mlrt_worker *worker,
-                               const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes,
-                               const struct mlrt_rectangle *block);
+void mlrt_write_packet_shadows(const struct mlrt_worker *worker, const uint8_t shadows[MLRT_PACKET_RAYS],
+                               uint32_t lanes, const struct mlrt_rectangle *block);
 
 /* Traces the single rays of a packet, and writes the results of all, and their shadows. */
 void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,

@@ -40,9 +40,8 @@ struct mlrt_job {
     uint32_t light_count;
     uint32_t initial_tile_size;
     struct mlrt_multilevel multilevel;
-    struct mlrt_sink frame;
-    int has_frame;
-    uint32_t outputs; /* of the callback */
+    struct mlrt_sink frame; /* the caller's arrays; empty if there are none */
+    uint32_t outputs;       /* of the callback */
     mlrt_tile_callback callback;
     void *user;
 };
@@ -105,12 +104,12 @@ struct mlrt_worker {
     /* What the kernels of the tree's structure keep (trace/bundle.h, mlrta/setups.h); the other is not set. */
     struct mlrt_bundles *bundles;
     struct mlrt_setups *setups;
-    struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    uint32_t mask;         /* of all rays; MLRT_MASK_ALL if each has its own, or triangles have none */
+    struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
+    const struct mlrt_sink *sinks[2]; /* of frame and tile, those that are not empty */
+    uint32_t sink_count;
+    uint32_t mask; /* of all rays; MLRT_MASK_ALL if each has its own, or triangles have none */
     struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the mesh that was hit last */
-    uint32_t tile_x;
-    uint32_t tile_y;
     struct mlrt_watch watch;
     struct mlrt_scaled_packet *scaled; /* the packet in units while its rays go alone (trace/units.h), else NULL */
 };

@@ -36,8 +36,8 @@ static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *
     const struct mlrt_sink *sink = &worker->tile;
     *tile = (mlrt_tile){sizeof *tile,
                         number,
-                        job->source.view.first_x + worker->tile_x,
-                        job->source.view.first_y + worker->tile_y,
+                        job->source.view.first_x + sink->x,
+                        job->source.view.first_y + sink->y,
                         width,
                         height,
                         (const float *)(const void *)sink->channel[MLRT_CHANNEL_T].data,
@@ -57,8 +57,8 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
         worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
     }
     mlrt_group_channels(&worker->tile);
-    worker->tile_x = area->x;
-    worker->tile_y = area->y;
+    worker->tile.x = area->x;
+    worker->tile.y = area->y;
     run->job->kernels->trace_tile(run->job, worker, area);
 }
 
@@ -149,6 +149,9 @@ static void begin_worker(const struct mlrt_job *job, unsigned char *share, struc
     memset(&worker->counters, 0, sizeof worker->counters);
     memset(&worker->tile, 0, sizeof worker->tile);
     lay_out_share(job, share, worker);
+    worker->sink_count = 0;
+    if (!mlrt_sink_is_empty(&job->frame)) worker->sinks[worker->sink_count++] = &job->frame;
+    if (job->callback) worker->sinks[worker->sink_count++] = &worker->tile;
     mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
     worker->mask = job->source.common_mask;

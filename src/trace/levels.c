@@ -87,9 +87,7 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
     }
     tile->made = 0xFFFF;
     const uint32_t waiting = mlrt_make_packets(job, tile);
-    if (job->has_frame && !is_list(&job->source)) {
-        mlrt_prefetch_sink(tile->area.x, tile->area.y, tile->area.width, tile->area.height, &job->frame);
-    }
+    if (!is_list(&job->source)) mlrt_prefetch_sink(&tile->area, &job->frame);
     job->kernels->trace_bundle(job, worker, bundle, waiting);
     bundle->closed = 0;
 }
@@ -163,7 +161,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
             if (known_cells >> place & 1) {
                 write_closed(job, worker, cover, &tile);
                 if (MLRT_UNLIKELY(job->light_count) && cover != MLRT_NONE) {
-                    mlrt_write_picture_shadow(job, worker, known[place].dark, &tile);
+                    mlrt_write_picture_shadow(worker, known[place].dark, &tile);
                 }
             } else {
                 trace_ray_tile(job, worker, &tile, bundle.closed >> place & 1 ? &known[place] : NULL);
