@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whole hierarchies of boxes: every one must keep the invariants of bvh/node.h (mlrt_check_bvh), whatever the triangles are,
+ * Whole hierarchies of boxes: every one must keep the invariants of bvh/node.h (check_bvh), whatever the triangles are,
  * and be the same for any number of threads.
  */
 #include <setjmp.h>
@@ -18,6 +18,7 @@
 #include "bvh/check.h"
 #include "bvh/node.h"
 #include "job/structure.h"
+#include "invariants.h"
 #include "support.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
@@ -55,7 +56,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     mlrt_read_in_order(&tree);
     tree.triangle_count = count;
     assert_int_equal(mlrt_build_bvh(&tree, options, NULL), MLRT_OK);
-    const char *wrong = mlrt_check_bvh(&tree);
+    const char *wrong = check_bvh(&tree);
     if (wrong != NULL) fail_msg("%s", wrong);
     return tree;
 }
@@ -265,7 +266,7 @@ static void test_large_triangles_are_cut(void **state)
     assert_true(info.reference_count > 4100);
 }
 
-/* Cutting at any height, also through vertices and along edges, must leave no gap: mlrt_check_bvh looks at edges. */
+/* Cutting at any height, also through vertices and along edges, must leave no gap: check_bvh looks at edges. */
 static void test_cut_triangles_that_share_edges(void **state)
 {
     (void)state;

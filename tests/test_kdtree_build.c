@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whole trees: every one must keep the invariants of kdtree.h (mlrt_check_tree), whatever the triangles are.
+ * Whole trees: every one must keep the invariants of kdtree.h (check_kdtree), whatever the triangles are.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 #include <math.h>
 
 #include "mlrta/build.h"
-#include "mlrta/check.h"
+#include "invariants.h"
 #include "mlrta/kdtree.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
@@ -58,7 +58,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     mlrt_read_in_order(&tree);
     tree.triangle_count = count;
     assert_int_equal(mlrt_build_nodes(&tree, options ? options : &tuned, NULL), MLRT_OK);
-    const char *wrong = mlrt_check_tree(&tree);
+    const char *wrong = check_kdtree(&tree);
     if (wrong != NULL) fail_msg("%s", wrong);
     return tree;
 }
@@ -511,18 +511,18 @@ static void test_the_check_sees_what_is_broken(void **state)
     struct mlrt_tree tree = build_with(triangles, 200, NULL);
     struct mlrt_node root = tree.kdtree.nodes[0];
     tree.kdtree.nodes[0].u.split = 100;
-    assert_non_null(mlrt_check_tree(&tree));
+    assert_non_null(check_kdtree(&tree));
     tree.kdtree.nodes[0].u.split = 0.5f * (root.u.split + tree.bounds.lo[mlrt_node_axis(&root)]);
-    assert_non_null(mlrt_check_tree(&tree));
+    assert_non_null(check_kdtree(&tree));
     tree.kdtree.nodes[0] = root;
     tree.kdtree.nodes[0].word += 4;
-    assert_non_null(mlrt_check_tree(&tree));
+    assert_non_null(check_kdtree(&tree));
     tree.kdtree.nodes[0] = root;
     uint32_t entry = tree.kdtree.references[tree.kdtree.reference_count - 1];
     tree.kdtree.references[tree.kdtree.reference_count - 1] = 200;
-    assert_non_null(mlrt_check_tree(&tree));
+    assert_non_null(check_kdtree(&tree));
     tree.kdtree.references[tree.kdtree.reference_count - 1] = entry;
-    assert_null(mlrt_check_tree(&tree));
+    assert_null(check_kdtree(&tree));
     free_tree(&tree);
 }
 

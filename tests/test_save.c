@@ -14,7 +14,7 @@
 
 #include "bvh/check.h"
 #include "forged_files.h"
-#include "mlrta/check.h"
+#include "invariants.h"
 #include "bvh/node.h"
 #include "bvh/places.h"
 #include "job/structure.h"
@@ -171,8 +171,8 @@ static void assert_same_tree(const mlrt_tree *tree, const struct file *file, con
     if (tree->bvh.node_count > 0)
         assert_memory_equal(&tree->bvh.unit, &loaded->bvh.unit, 2 * sizeof tree->bvh.unit + 2 * sizeof tree->bvh.core);
     assert_int_equal(tree->masks == NULL, loaded->masks == NULL);
-    assert_true(loaded->kdtree.node_count == 0 || mlrt_check_tree(loaded) == NULL);
-    assert_true(loaded->bvh.node_count == 0 || mlrt_check_bvh(loaded) == NULL);
+    assert_true(loaded->kdtree.node_count == 0 || check_kdtree(loaded) == NULL);
+    assert_true(loaded->bvh.node_count == 0 || check_bvh(loaded) == NULL);
 }
 
 /* Saves it, loads it in every way, and frees it. */

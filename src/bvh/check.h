@@ -23,10 +23,4 @@ void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs
  */
 const char *mlrt_check_boxes(const struct mlrt_tree *tree);
 
-/*
- * Checks invariants B1 to B5. B3 is checked for points of each triangle that are exact in double: its vertices, and
- * where possible points of its edges and inside. Returns NULL, or a static string with the first error.
- */
-const char *mlrt_check_bvh(const struct mlrt_tree *tree);
-
 #endif

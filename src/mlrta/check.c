@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/progress.h"
-#include "exact/check_point.h"
 #include "exact/predicate.h"
 #include "mlrta/kdtree.h"
 
@@ -172,72 +171,4 @@ const char *mlrt_check_nodes(const struct mlrt_tree *tree)
     }
     if (next != tree->kdtree.node_count) return "I1: there are nodes without a parent";
     return next_entry == tree->kdtree.reference_count ? NULL : "there are entries without a leaf";
-}
-
-static int leaf_refers_to(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t triangle)
-{
-    uint32_t first = leaf->u.offset, last = first + mlrt_leaf_count(leaf);
-    while (first < last) {
-        uint32_t middle = first + (last - first) / 2;
-        if (tree->kdtree.references[middle] < triangle)
-            first = middle + 1;
-        else
-            last = middle;
-    }
-    return first < leaf->u.offset + mlrt_leaf_count(leaf) && tree->kdtree.references[first] == triangle;
-}
-
-static int is_found_at(const struct mlrt_tree *tree, uint32_t triangle, const double point[3])
-{
-    uint32_t waiting[MLRT_DEPTH_LIMIT + 2];
-    uint32_t count = 1;
-    waiting[0] = 0;
-    while (count > 0) {
-        const struct mlrt_node *node = &tree->kdtree.nodes[waiting[--count]];
-        if (mlrt_node_is_leaf(node)) {
-            if (leaf_refers_to(tree, node, triangle)) return 1;
-            continue;
-        }
-        double x = point[mlrt_node_axis(node)];
-        if (x >= node->u.split) waiting[count++] = mlrt_node_child(node) + 1;
-        if (x <= node->u.split) waiting[count++] = mlrt_node_child(node);
-    }
-    return 0;
-}
-
-static int is_inside(const struct mlrt_box *box, const struct mlrt_triangle *triangle)
-{
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (!(box->lo[k] <= triangle->v[i][k] && triangle->v[i][k] <= box->hi[k])) return 0;
-    return 1;
-}
-
-static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
-{
-    static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
-                                     {4, 4, 8},  {4, 8, 4},  {8, 4, 4},  {1, 15, 0}, {3, 0, 13}, {0, 11, 5}};
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
-    if (!is_inside(&tree->bounds, triangle)) return "a triangle is outside of the bounds";
-    for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
-        double point[3];
-        if (mlrt_find_check_point(triangle, WEIGHTS[i], point) && !is_found_at(tree, number, point))
-            return "I3: a point of a triangle is in no leaf that refers to it";
-    }
-    return NULL;
-}
-
-static const char *check_triangles(const struct mlrt_tree *tree)
-{
-    for (uint32_t i = 0; i < tree->triangle_count; i++) {
-        const char *wrong = mlrt_is_left_out(tree, i) ? NULL : check_triangle(tree, i);
-        if (wrong != NULL) return wrong;
-    }
-    return NULL;
-}
-
-const char *mlrt_check_tree(const struct mlrt_tree *tree)
-{
-    const char *wrong = mlrt_check_nodes(tree);
-    return wrong != NULL ? wrong : check_triangles(tree);
 }
