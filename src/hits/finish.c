@@ -30,8 +30,8 @@ static void write_misses(struct mlrt_worker *worker, const struct mlrt_rectangle
 }
 
 /* The last row of a list may be short; it is written by itself. */
-void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
-                               const struct mlrt_rectangle *tile)
+static void write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                 const struct mlrt_rectangle *tile)
 {
     const uint64_t last = (uint64_t)(tile->y + tile->height - 1) * job->source.width + tile->x;
     struct mlrt_rectangle part = *tile;
@@ -110,20 +110,24 @@ static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *
 }
 
 /* Without channels for t, u, v and facing, no ray is made: all pixels get the same ids. */
-void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                      const struct mlrt_rectangle *tile)
+void mlrt_write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
+                       const struct mlrt_rectangle *tile)
 {
+    if (cover == MLRT_NONE) {
+        write_picture_misses(job, worker, tile);
+        return;
+    }
     if (job->any) mlrt_write_picture_shadow(worker, 1, tile);
     if (!job->frame.numbers && !worker->tile.numbers) {
         for (uint32_t i = 0; i < worker->sink_count; ++i) {
-            mlrt_write_same_ids(job->tree, number, tile, worker->sinks[i]);
+            mlrt_write_same_ids(job->tree, cover, tile, worker->sinks[i]);
         }
         return;
     }
     for (uint32_t j = 0; j < tile->height; j += 4) {
         for (uint32_t i = 0; i < tile->width; i += 4) {
             const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
-            write_cover_numbers(job, worker, number, &block);
+            write_cover_numbers(job, worker, cover, &block);
         }
     }
 }

@@ -21,13 +21,12 @@ static inline void mlrt_get_packet(const struct mlrt_job *job, const struct mlrt
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                             mlrt_counters *counters);
 
-/* Writes misses to a rectangle of a picture. */
-void mlrt_write_picture_misses(const struct mlrt_job *job, struct mlrt_worker *worker,
-                               const struct mlrt_rectangle *tile);
-
-/* Writes hits of one triangle to a rectangle of a picture. A picture with lights keeps its values of `occluded`. */
-void mlrt_write_cover(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,
-                      const struct mlrt_rectangle *tile);
+/*
+ * Writes hits of one triangle to a rectangle of a picture, or misses if `cover` is MLRT_NONE. With hits, a picture with
+ * lights keeps its values of `occluded`.
+ */
+void mlrt_write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
+                       const struct mlrt_rectangle *tile);
 
 /* Writes one value of `occluded` to a rectangle of a picture. */
 void mlrt_write_picture_shadow(const struct mlrt_worker *worker, uint8_t shadow, const struct mlrt_rectangle *tile);

@@ -18,13 +18,8 @@
 static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
                         const struct mlrt_rectangle *tile)
 {
-    if (found == BEAM_MISSES) {
-        ++worker->counters.missed_beam_count;
-        mlrt_write_picture_misses(job, worker, tile);
-    } else {
-        ++worker->counters.covered_beam_count;
-        mlrt_write_cover(job, worker, cover, tile);
-    }
+    ++*(found == BEAM_MISSES ? &worker->counters.missed_beam_count : &worker->counters.covered_beam_count);
+    mlrt_write_closed(job, worker, found == BEAM_MISSES ? MLRT_NONE : cover, tile);
 }
 
 /* Counts the nodes of `list` and traces the rays of a tile from them. */

@@ -26,17 +26,6 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_re
     return mlrt_is_pinhole(&job->source) && job->kernels->gather_camera_cells(job, area, side, bundle);
 }
 
-/* Writes the results of a closed cell: hits of the triangle `cover`, or misses if that is MLRT_NONE. */
-static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
-                         const struct mlrt_rectangle *area)
-{
-    if (cover == MLRT_NONE) {
-        mlrt_write_picture_misses(job, worker, area);
-    } else {
-        mlrt_write_cover(job, worker, cover, area);
-    }
-}
-
 /* Traces the rays of a packet that float does not carry, and writes the results of the packet. */
 static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                          uint32_t place)
@@ -111,7 +100,7 @@ static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
         if (bundle->closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-            write_closed(job, worker, bundle->hulls.cover[place], &block);
+            mlrt_write_closed(job, worker, bundle->hulls.cover[place], &block);
         } else {
             finish_block(job, worker, tile, place);
         }
@@ -131,7 +120,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     if (known) {
         gather_picture_cells(job, area, 4, &bundle);
         mlrt_fill_words(bundle.hulls.cover, known->cover);
-        write_closed(job, worker, known->cover, area);
+        mlrt_write_closed(job, worker, known->cover, area);
     } else {
         trace_packets(job, worker, &bundle);
         write_packets(job, worker, &tile, &bundle);
@@ -159,7 +148,7 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
             const struct mlrt_rectangle tile = mlrt_cut_piece(area, i, j, 16);
             const uint32_t place = j / 4 + i / 16, cover = bundle.hulls.cover[place];
             if (known_cells >> place & 1) {
-                write_closed(job, worker, cover, &tile);
+                mlrt_write_closed(job, worker, cover, &tile);
                 if (MLRT_UNLIKELY(job->light_count) && cover != MLRT_NONE) {
                     mlrt_write_picture_shadow(worker, known[place].dark, &tile);
                 }
