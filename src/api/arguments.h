@@ -12,7 +12,8 @@
 
 /* The options of a call, and what it runs with. */
 struct mlrt_call {
-    mlrt_trace_options options;
+    const mlrt_trace_options *options; /* the caller's, or `own` */
+    mlrt_trace_options own;
     struct mlrt_run_options run;
 };
 
@@ -32,8 +33,9 @@ static inline int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t stat
 int32_t mlrt_check_options(const mlrt_trace_options *options);
 int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count);
 
-int32_t mlrt_take_rays(const mlrt_rays *given, mlrt_rays *rays);
-int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *points);
+/* Return the struct that was checked: `given`, or `own` if it is of another version. NULL unless *status is MLRT_OK. */
+const mlrt_rays *mlrt_take_rays(const mlrt_rays *given, mlrt_rays *own, int32_t *status);
+const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status);
 
 /*
  * Check that the call writes all arrays that are given, and that there is one. None is needed if `may_be_empty`: for a

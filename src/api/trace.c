@@ -133,160 +133,51 @@ MLRT_INLINE int are_plain(const mlrt_trace_options *of)
             words_of(&of->counters, sizeof *of - last)) == 0;
 }
 
-/* ---- few rays ---- */
-
-/*
- * A call of this many rays, or fewer, traces them one by one, and needs no job. Of rays of one point, 4 so take 0.75 of
- * the time of a job and 8 take 1.24 of it; of rays that have nothing in common, 4 take 0.78 and 8 take 0.87 (AVX-512,
- * 10,000 triangles in a cube).
- */
-#define FEW_RAYS 4
-
-/* Has the array elements of `size` bytes that can be read, or written, one by one? Others are checked by a job. */
-static int is_simple(const void *data, size_t stride, size_t size)
-{
-    const size_t unit = size < 4 ? size : 4;
-    return (uintptr_t)data % unit == 0 &&
-           (stride == 0 || (stride >= size && stride % unit == 0 && stride <= MLRT_STRIDE_LIMIT));
-}
-
-static int are_simple_rays(const mlrt_rays *rays)
-{
-    if (rays->struct_size != sizeof *rays || rays->count - 1 >= FEW_RAYS || rays->row_length) return 0;
-    if (rays->rays_per_origin || rays->reserved || rays->skip.data || rays->mask.data) return 0;
-    return rays->origins.data && rays->directions.data && is_simple(rays->origins.data, rays->origins.stride, 12) &&
-           is_simple(rays->directions.data, rays->directions.stride, 12) &&
-           is_simple(rays->t_min.data, rays->t_min.stride, 4) && is_simple(rays->t_max.data, rays->t_max.stride, 4);
-}
-
-static int is_simple_result(const mlrt_array *array, size_t size)
-{
-    return !array->data || (!array->row_stride && is_simple(array->data, array->stride, size));
-}
-
-/* Are all arrays of results simple, and none but those that the query writes? */
-static int are_simple_hits(const mlrt_hits *hits, int any)
-{
-    if (hits->struct_size != sizeof *hits || hits->reserved) return 0;
-    if (!any) {
-        const int has_results =
-            hits->t.data || hits->u.data || hits->v.data || hits->mesh.data || hits->triangle.data || hits->facing.data;
-        return has_results && !hits->occluded.data && is_simple_result(&hits->t, 4) && is_simple_result(&hits->u, 4) &&
-               is_simple_result(&hits->v, 4) && is_simple_result(&hits->mesh, 4) &&
-               is_simple_result(&hits->triangle, 4) && is_simple_result(&hits->facing, 4);
-    }
-    return hits->occluded.data && !hits->t.data && !hits->u.data && !hits->v.data && !hits->mesh.data &&
-           !hits->triangle.data && !hits->facing.data && is_simple_result(&hits->occluded, 1);
-}
-
-MLRT_INLINE void take_element(const mlrt_const_array *array, size_t i, size_t size, void *element)
-{
-    if (!array->data) return;
-    memcpy(element, (const unsigned char *)array->data + i * (array->stride ? array->stride : size), size);
-}
-
-/* Writes a field of all hits to its array. `field` is that of the first. */
-static void give_field(const mlrt_hit *hits, size_t count, const void *field, const mlrt_array *array)
-{
-    const size_t stride = array->stride ? array->stride : 4;
-    for (size_t i = 0; i < count && array->data; ++i) {
-        memcpy((unsigned char *)array->data + i * stride, (const unsigned char *)field + i * sizeof *hits, 4);
-    }
-}
-
-/* Traces few rays one by one. All are read before a result is written, since arrays may overlap. */
-static MLRT_NOINLINE void trace_few_rays(const mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_lone_ray *lone,
-                                         const mlrt_hits *results)
-{
-    mlrt_hit hits[FEW_RAYS];
-    for (size_t i = 0; i < rays->count; ++i) {
-        mlrt_ray ray = {.t_max = INFINITY};
-        take_element(&rays->origins, i, sizeof ray.origin, ray.origin);
-        take_element(&rays->directions, i, sizeof ray.direction, ray.direction);
-        take_element(&rays->t_min, i, sizeof ray.t_min, &ray.t_min);
-        take_element(&rays->t_max, i, sizeof ray.t_max, &ray.t_max);
-        if (ray.t_max == 0) ray.t_max = -1; /* 0 is a limit in an array, and none in mlrt_ray */
-        (void)mlrt_trace_lone_ray(tree, &ray, lone, &hits[i]);
-    }
-    if (lone->any) {
-        const size_t stride = results->occluded.stride ? results->occluded.stride : 1;
-        uint8_t *occluded = results->occluded.data;
-        for (size_t i = 0; i < rays->count && occluded; ++i) occluded[i * stride] = (uint8_t)hits[i].occluded;
-        return;
-    }
-    give_field(hits, rays->count, &hits->t, &results->t);
-    give_field(hits, rays->count, &hits->u, &results->u);
-    give_field(hits, rays->count, &hits->v, &results->v);
-    give_field(hits, rays->count, &hits->mesh, &results->mesh);
-    give_field(hits, rays->count, &hits->triangle, &results->triangle);
-    give_field(hits, rays->count, &hits->facing, &results->facing);
-}
-
-/* Sets *lone from options that are plain. Returns 0 for others. */
-MLRT_INLINE int take_plain_options(const mlrt_trace_options *options, struct mlrt_lone_ray *lone)
-{
-    *lone = (struct mlrt_lone_ray){.kernels = NULL, .mask = MLRT_MASK_ALL, .skip = MLRT_NONE, .any = 0};
-    if (!options) return 1;
-    if (options->struct_size != sizeof *options || !are_plain(options) || options->isa) return 0;
-    lone->any = options->query;
-    if (options->mask) lone->mask = options->mask;
-    return 1;
-}
-
 /* ---- rays ---- */
 
-static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
-                                             const mlrt_hits *hits, struct mlrt_job *job)
+static int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
+                               const mlrt_hits *hits, struct mlrt_job *job)
 {
     mlrt_make_ray_source(tree, rays, &job->source);
     if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
     mlrt_make_sink(hits, job->source.width, 1, &job->frame);
     job->has_frame = 1;
-    return resolve_options(tree, &call->options, job);
+    return resolve_options(tree, call->options, job);
 }
 
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
     if (!tree || !rays || !hits) return mlrt_fail_null("tree rays hits", !tree + 2 * !rays);
-    struct mlrt_lone_ray lone;
-    if (tree->structure == MLRT_STRUCTURE_BVH && are_simple_rays(rays) && take_plain_options(options, &lone) &&
-        are_simple_hits(hits, lone.any)) {
-        const uint64_t environment = mlrt_enter_fp_environment();
-        trace_few_rays(tree, rays, &lone, hits);
-        mlrt_leave_fp_environment(environment);
-        return MLRT_OK;
-    }
     mlrt_rays own_rays;
     mlrt_hits own_hits;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = mlrt_take_rays(rays, &own_rays);
-    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HITS, "hits", 0, hits, &own_hits);
+    if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
+    if (status == MLRT_OK) hits = mlrt_see_struct(MLRT_STRUCT_HITS, "hits", hits, &own_hits, &status);
     if (status == MLRT_OK) {
-        status = mlrt_check_hits("hits", &own_hits, &call.options, 0, !own_rays.count || call.run.counters);
+        status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     }
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job = {.callback = NULL};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_packet_job(tree, &own_rays, &call, &own_hits, &job);
-    mlrt_leave_fp_environment(environment);
+    status = make_packet_job(tree, rays, &call, hits, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }
 
-static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
+/* The t_max of a ray. Its bits are looked at, as the caller's floating-point environment may take a denormal for 0. */
+static float resolve_t_max(const mlrt_ray *ray)
 {
-    return ray->t_max == 0 ? INFINITY : ray->t_max;
+    uint32_t bits;
+    memcpy(&bits, &ray->t_max, sizeof bits);
+    return bits << 1 ? ray->t_max : INFINITY;
 }
 
 /* Traces one ray, by a method other than ray, as a list of one. The arrays of the list are the fields of `hit`. */
 static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
                              mlrt_hit *hit)
 {
-    const uint64_t environment = mlrt_enter_fp_environment(); /* the caller's may take a denormal t_max for 0 */
     const float t_max = resolve_t_max(ray);
-    mlrt_leave_fp_environment(environment);
     const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
     const mlrt_rays rays = {.struct_size = sizeof rays,
                             .count = 1,
@@ -321,19 +212,19 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     struct mlrt_call call;
     struct mlrt_job job = {.callback = NULL};
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
+    if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;
-    if (call.options.method != MLRT_METHOD_DEFAULT && call.options.method != MLRT_METHOD_RAY) {
-        return trace_as_list(tree, ray, &call.options, job.any, hit);
+    if (call.options->method != MLRT_METHOD_DEFAULT && call.options->method != MLRT_METHOD_RAY) {
+        return trace_as_list(tree, ray, call.options, job.any, hit);
     }
     mlrt_counters own = {.struct_size = 0};
-    mlrt_counters *counters = call.options.counters;
+    mlrt_counters *counters = call.options->counters;
     const uint64_t environment = mlrt_enter_fp_environment();
     if (job.method == MLRT_METHOD_TILE && !counters && job.kernels->trace_ray) {
         lone->kernels = job.kernels;
-        (void)mlrt_trace_lone_ray(tree, ray, lone, hit);
+        (void)mlrt_trace_lone_ray(tree, lone, hit);
     } else {
-        mlrt_trace_by_ray(tree, ray, lone->any, lone->mask, lone->skip, counters ? &own : NULL, hit);
+        mlrt_trace_by_ray(tree, lone, counters ? &own : NULL, hit);
     }
     mlrt_leave_fp_environment(environment);
     if (counters) mlrt_add_counters(counters, &own);
@@ -366,6 +257,10 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     if (MLRT_UNLIKELY(ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit)) {
         return trace_versioned_ray(tree, ray, options, hit);
     }
+    lone.given_origin = ray->origin;
+    lone.given_direction = ray->direction;
+    lone.t_min = ray->t_min;
+    lone.t_max = resolve_t_max(ray);
     lone.kernels = NULL;
     lone.any = 0;
     lone.mask = MLRT_MASK_ALL;
@@ -388,7 +283,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     }
     if (MLRT_UNLIKELY(tree->structure != MLRT_STRUCTURE_BVH)) return trace_as_call(tree, ray, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (mlrt_trace_lone_ray(tree, ray, &lone, hit)) {
+    if (mlrt_trace_lone_ray(tree, &lone, hit)) {
         mlrt_leave_after_inexact(environment);
     } else {
         mlrt_leave_fp_environment(environment);
@@ -396,11 +291,11 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     return MLRT_OK;
 }
 
-static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
+static int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
                                            struct mlrt_job *job)
 {
     mlrt_make_ray_source(tree, rays, &job->source);
-    return resolve_options(tree, &call->options, job);
+    return resolve_options(tree, call->options, job);
 }
 
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
@@ -411,14 +306,12 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     mlrt_hit_lists own_lists;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = mlrt_take_rays(rays, &own_rays);
+    if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HIT_LISTS, "lists", 0, lists, &own_lists);
-    if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !own_rays.count || call.run.counters);
+    if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     struct mlrt_job job = {.callback = NULL};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_list_job(tree, &own_rays, &call, &job);
-    mlrt_leave_fp_environment(environment);
+    status = make_list_job(tree, rays, &call, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -448,7 +341,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
                                              const struct mlrt_call *call, const mlrt_hits *frame, struct mlrt_job *job,
                                              struct mlrt_job light_jobs[MLRT_LIGHT_LIMIT])
 {
-    mlrt_trace_options options = call->options;
+    mlrt_trace_options options = *call->options;
     const mlrt_light *lights;
     uint32_t light_count;
     int32_t status = mlrt_make_view_source(camera, &job->source);
@@ -477,7 +370,7 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_CAMERA, "camera", 0, camera, &own_camera);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_FORM_FRAME, "frame", 0, frame, &own_frame);
     if (status == MLRT_OK) {
-        status = mlrt_check_hits("frame", &own_frame, &call.options, call.options.light_count != 0,
+        status = mlrt_check_hits("frame", &own_frame, call.options, call.options->light_count != 0,
                                  callback || call.run.counters);
     }
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
@@ -533,7 +426,7 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
     return status;
 }
 
-static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+static int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
                                             const struct mlrt_call *call, const mlrt_array *occluded,
                                             struct mlrt_job *job)
 {
@@ -541,7 +434,7 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
     mlrt_make_light_source(tree, points, light, &job->source);
     mlrt_make_sink(&hits, job->source.width, 1, &job->frame);
     job->has_frame = 1;
-    return resolve_options(tree, &call->options, job);
+    return resolve_options(tree, call->options, job);
 }
 
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
@@ -555,15 +448,13 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     mlrt_light own_light;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = mlrt_take_points(points, &own_points);
+    if (status == MLRT_OK) points = mlrt_take_points(points, &own_points, &status);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    call.options.query = MLRT_QUERY_ANY;
     struct mlrt_job job = {.callback = NULL};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
-    mlrt_leave_fp_environment(environment);
+    status = make_light_job(tree, points, &own_light, &call, occluded, &job);
+    job.any = 1;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }

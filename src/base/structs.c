@@ -91,6 +91,19 @@ int32_t mlrt_take_struct(int number, const char *path, size_t index, const void 
     return status == MLRT_OK ? mlrt_check_fields(number, path, index, own) : status;
 }
 
+const void *mlrt_see_struct(int number, const char *path, const void *given, void *own, int32_t *status)
+{
+    const struct mlrt_form *form = &mlrt_forms[number];
+    const void *seen = given;
+    if (MLRT_UNLIKELY(size_of(given) != form->own_size)) {
+        *status = mlrt_copy_struct(number, path, 0, given, own);
+        if (*status != MLRT_OK) return NULL;
+        seen = own;
+    }
+    *status = mlrt_check_fields(number, path, 0, seen);
+    return *status == MLRT_OK ? seen : NULL;
+}
+
 void mlrt_give_struct(const void *own, size_t own_size, void *given)
 {
     const size_t size = size_of(given), known = size < own_size ? size : own_size;

@@ -21,7 +21,13 @@
  */
 int32_t mlrt_take_struct(int form, const char *path, size_t index, const void *given, void *own);
 
-/* The same without the rules, for structs that say where messages go. */
+/*
+ * As mlrt_take_struct, but copies only a struct of another size than this version's. Returns the struct that was
+ * checked, `given` or `own`, and sets *status. Returns NULL unless that is MLRT_OK.
+ */
+const void *mlrt_see_struct(int form, const char *path, const void *given, void *own, int32_t *status);
+
+/* As mlrt_take_struct, without the rules, for structs that say where messages go. */
 int32_t mlrt_copy_struct(int form, const char *path, size_t index, const void *given, void *own);
 
 /* Checks the fields of a struct of this version. Returns MLRT_OK, or the status of the form. */

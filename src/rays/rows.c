@@ -65,10 +65,18 @@ static uint32_t find_period(const mlrt_const_array *vectors, uint32_t count)
     return length;
 }
 
-uint32_t mlrt_find_row_length(const struct mlrt_source *rays)
+static MLRT_NOINLINE uint32_t find_row_length(const struct mlrt_source *rays)
 {
-    if (rays->count < FEWEST_ROWS * SHORTEST_ROW || rays->rays_per_origin > 1) return 0;
     const int directions_are_equal =
         step_length(&rays->directions, 0, 1) == 0 && step_length(&rays->directions, 1, 2) == 0;
     return find_period(directions_are_equal ? &rays->points : &rays->directions, rays->count);
+}
+
+uint32_t mlrt_find_row_length(const struct mlrt_source *rays)
+{
+    if (rays->count < FEWEST_ROWS * SHORTEST_ROW || rays->rays_per_origin > 1) return 0;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const uint32_t length = find_row_length(rays);
+    mlrt_leave_fp_environment(environment);
+    return length;
 }

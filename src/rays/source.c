@@ -23,14 +23,6 @@ static mlrt_const_array resolve_array(const mlrt_const_array *array, size_t elem
     return (mlrt_const_array){array->data, stride};
 }
 
-void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
-{
-    source->width = row_length && source->rays_per_origin <= 1 ? row_length : 4;
-    const uint32_t widest = source->count > 4 ? source->count : 4;
-    if (source->width > widest) source->width = widest;
-    source->height = source->count / source->width + (source->count % source->width != 0);
-}
-
 /* 1 if the elements of two arrays lie within 63 bytes of each other, as in one struct. */
 static int lie_together(const mlrt_const_array *array, const mlrt_const_array *other)
 {
@@ -38,12 +30,11 @@ static int lie_together(const mlrt_const_array *array, const mlrt_const_array *o
     return array->stride == other->stride && apart + 63 <= 126;
 }
 
-/* Finds the arrays that are prefetched: those with an element for each ray; of those that lie together, the first. */
+/* Finds the arrays that are prefetched, of which there are none so far: those with an element for each ray; of those that lie together, the first. */
 static void find_streams(struct mlrt_source *source)
 {
     const mlrt_const_array *const arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
                                                &source->skip};
-    source->stream_count = 0;
     for (int i = 0; i < 5; ++i) {
         if (!arrays[i]->data || !arrays[i]->stride) continue;
         uint32_t j = 0;
@@ -52,9 +43,17 @@ static void find_streams(struct mlrt_source *source)
     }
 }
 
+void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
+{
+    const int is_list = !row_length || source->rays_per_origin > 1 || source->count <= MLRT_PACKET_RAYS;
+    source->width = is_list ? 4 : row_length < source->count ? row_length : source->count;
+    source->height = source->count / source->width + (source->count % source->width != 0);
+    source->stream_count = 0;
+    if (source->width > 4) find_streams(source);
+}
+
 static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
 {
-    find_streams(source);
     source->count = (uint32_t)count;
     mlrt_set_rows(row_length, source);
 }
@@ -158,11 +157,10 @@ MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
     return MLRT_LIKELY(group == 1) ? i : i / group;
 }
 
-/* The number of the triangle that ray i passes through, or MLRT_NONE. */
-static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
+/* The number of the triangle that an element of `skip` names, or MLRT_NONE. */
+static uint32_t skip_at(const struct mlrt_source *source, uint32_t element)
 {
     if (!source->skip.data) return MLRT_NONE;
-    const uint32_t element = element_of_ray(i, source->rays_per_origin);
     const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->skip, element);
     return mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
@@ -183,19 +181,26 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
                           : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
 }
 
-/* Ray i of arrays. */
-static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray)
+void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
 {
     const uint32_t origin = element_of_ray(i, source->rays_per_origin);
     const float *point = float_at(&source->points, origin);
+    ray->given_origin = point;
+    ray->given_direction = source->light;
+    ray->t_min = 0;
+    ray->t_max = INFINITY;
+    ray->skip = skip_at(source, origin);
+    ray->mask = mask_at(source, i);
     if (source->kind == MLRT_SOURCE_RAYS) {
-        return mlrt_make_segment(point, float_at(&source->directions, i),
-                                 source->t_min.data ? *float_at(&source->t_min, origin) : 0,
-                                 source->t_max.data ? *float_at(&source->t_max, i) : INFINITY, ray);
+        ray->given_direction = float_at(&source->directions, i);
+        if (source->t_min.data) ray->t_min = *float_at(&source->t_min, origin);
+        if (source->t_max.data) ray->t_max = *float_at(&source->t_max, i);
+    } else if (source->kind == MLRT_SOURCE_POINT_LIGHT) {
+        for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
+        ray->given_origin = source->light;
+        ray->given_direction = room;
+        ray->t_max = 1;
     }
-    if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return mlrt_make_segment(point, source->light, 0, INFINITY, ray);
-    const float direction[3] = {point[0] - source->light[0], point[1] - source->light[1], point[2] - source->light[2]};
-    return mlrt_make_segment(source->light, direction, 0, 1, ray);
 }
 
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
@@ -208,10 +213,12 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
     }
     const uint64_t position = (uint64_t)y * source->width + x;
     if (position >= source->count) return 0;
-    const uint32_t i = (uint32_t)position;
-    if (skip) *skip = skip_at(source, i);
-    if (!get_array_ray(source, i, ray)) return 0;
-    ray->mask = mask_at(source, i);
+    struct mlrt_lone_ray given;
+    float room[3];
+    mlrt_read_ray(source, (uint32_t)position, room, &given);
+    if (skip) *skip = given.skip;
+    if (!mlrt_make_segment(given.given_origin, given.given_direction, given.t_min, given.t_max, ray)) return 0;
+    ray->mask = given.mask;
     return 1;
 }
 

@@ -10,17 +10,27 @@
 #include "rays/lone_ray.h"
 
 /*
- * Traces a ray through boxes; in double if float does not carry it. The caller has set kernels, mask, `skip` and `any`
- * of *ray, which is used for nothing else afterwards. Returns 1 if it raised no flag of <fenv.h> but inexact, or 0 if it
+ * Traces a ray through boxes; in double if float does not carry it. The caller has set its numbers as given, and kernels,
+ * mask, `skip` and `any`, which are left as they are. Returns 1 if it raised no flag of <fenv.h> but inexact, or 0 if it
  * may have.
  */
-int mlrt_trace_lone_ray(const mlrt_tree *tree, const mlrt_ray *given, struct mlrt_lone_ray *ray, mlrt_hit *hit);
+int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit);
+
+/* Traces a ray in double, through any structure. `counters` may be NULL. */
+void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_counters *counters, mlrt_hit *hit);
+
+/* job/job.h */
+struct mlrt_job;
 
 /*
- * Traces a ray in double, through any structure. `skip` is the number of the triangle that it passes through, or
- * MLRT_NONE. `counters` may be NULL.
+ * A call of so many rays or fewer traces them one by one, in place of a worker.
  */
-void mlrt_trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
-                       mlrt_counters *counters, mlrt_hit *hit);
+#define MLRT_FEWEST_RAYS 4
+
+/*
+ * Traces the rays of a job, which are at most MLRT_FEWEST_RAYS of arrays, one by one through boxes, and writes the results
+ * to the frame. All rays are read before a result is written, since arrays may overlap. Returns as mlrt_trace_lone_ray.
+ */
+int mlrt_trace_few_rays(const struct mlrt_job *job);
 
 #endif

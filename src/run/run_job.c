@@ -15,6 +15,7 @@
 #include "hits/undecided.h"
 #include "job/write_arrays.h"
 #include "mlrta/setups.h"
+#include "run/lone_ray.h"
 #include "rays/rectangle.h"
 #include "simd/sixteen.h"
 #include "trace/bundle.h"
@@ -109,6 +110,12 @@ static size_t tile_buffer_size(const struct mlrt_job *job)
     return size;
 }
 
+/* Are the rays one block of a list? Then no bundle is made of them. */
+static int is_block(const struct mlrt_job *job)
+{
+    return job->source.kind != MLRT_SOURCE_CAMERA && job->source.count <= MLRT_PACKET_RAYS;
+}
+
 /* 1 if there are so few rays that large tables would not pay. */
 static int is_small(const struct mlrt_job *job)
 {
@@ -131,24 +138,24 @@ static uint32_t known_plane_bits(const struct mlrt_job *job)
     return is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
 }
 
+static int uses_bundles(const struct mlrt_job *job)
+{
+    return job->method == MLRT_METHOD_TILE && !is_block(job);
+}
+
 /*
  * 1 if workers keep set-ups of leaves for closest hits (any = 0) or any hits (1). These have tables of their own, since
  * a picture's tiles and their shadows are traced in turns.
  */
 static int keeps_leaves(const struct mlrt_job *job, int any)
 {
-    return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
-}
-
-static int uses_bundles(const struct mlrt_job *job)
-{
-    return job->method == MLRT_METHOD_TILE;
+    return uses_bundles(job) && (any ? job->any || job->light_count : !job->any);
 }
 
 /* The entries of a worker's table of triangle set-ups: only multilevel shares set-ups among packets. */
 static uint32_t setup_count(const struct mlrt_job *job)
 {
-    return uses_bundles(job) ? 0 : job->shared_setups ? MLRT_SETUP_COUNT : 1;
+    return job->method == MLRT_METHOD_TILE ? 0 : job->shared_setups ? MLRT_SETUP_COUNT : 1;
 }
 
 /* The bytes of a worker's share of memory, beside its state: its tables and its tile buffer. */
@@ -244,14 +251,50 @@ static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_c
     return mlrt_end_progress(&run->progress, answer ? MLRT_ERROR_CANCELLED : MLRT_OK);
 }
 
-int32_t mlrt_run_job(const struct mlrt_job *job, const struct mlrt_run_options *options)
+/* Memory for one worker of a call whose rays are one block: it is on the stack of the caller. */
+struct block_worker {
+    struct mlrt_worker worker;
+    MLRT_ALIGNED(64) unsigned char share[1024];
+};
+
+static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
+    struct block_worker own;
+    struct run run = {.job = job, .workers = &own.worker, .column_count = 1};
+    begin_worker(job, own.share, &own.worker);
+    return run_items(options, 1, 1, &run);
+}
+
+/* Can the rays be traced one by one, without a worker? A host that watches progress may end the call, so it needs one. */
+static int go_one_by_one(const struct mlrt_job *job, const struct mlrt_run_options *options)
+{
+    return is_block(job) && job->source.count <= MLRT_FEWEST_RAYS && job->kernels->trace_ray && !options->host.progress;
+}
+
+static void trace_one_by_one(const struct mlrt_job *job)
+{
+    const uint64_t environment = mlrt_enter_fp_environment();
+    if (mlrt_trace_few_rays(job)) {
+        mlrt_leave_after_inexact(environment);
+    } else {
+        mlrt_leave_fp_environment(environment);
+    }
+}
+
+int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *options)
+{
+    if (job->source.count && go_one_by_one(job, options)) {
+        trace_one_by_one(job);
+        return MLRT_OK;
+    }
+    mlrt_group_channels(&job->frame);
     const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
     const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
     if (item_count == 0) return mlrt_end_nothing(&options->host);
 
-    const uint32_t worker_count = mlrt_worker_count(options->pool);
     const size_t share = share_size(job);
+    if (is_block(job) && item_count == 1 && share <= sizeof((struct block_worker *)NULL)->share) return run_block(job, options);
+    const uint32_t worker_count = item_count == 1 ? 1 : mlrt_worker_count(options->pool);
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
     struct run run = {.job = job, .column_count = columns};
     run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers + share);
