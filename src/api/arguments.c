@@ -5,8 +5,6 @@
  */
 #include "api/arguments.h"
 
-#include <string.h>
-
 #include "base/host.h"
 
 static int32_t fail_argument(const char *field, const char *rule)
@@ -21,6 +19,12 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
     memset(&call->run, 0, sizeof call->run);
     call->options = &none;
     if (!given) return MLRT_OK;
+    if (MLRT_LIKELY(given->struct_size == sizeof *given && mlrt_are_plain(given) &&
+                    (uint32_t)given->isa <= MLRT_ISA_AVX512)) {
+        call->options = given;
+        call->run.pool = given->pool;
+        return MLRT_OK;
+    }
     const mlrt_trace_options *options =
         mlrt_see_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", given, &call->own, &status);
     if (!options) return status;
@@ -62,6 +66,37 @@ int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights,
     return *lights || !*count ? MLRT_OK : fail_argument("options.lights", "NULL, but light_count is not 0");
 }
 
+/*
+ * Calls of few rays spend a good part of their time on checks. So structs as most callers give them, without a broken
+ * rule, are told from others here; what is wrong with those the tables say.
+ */
+MLRT_INLINE int is_right_input(const mlrt_const_array *array)
+{
+    const size_t stride = array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
+    return !array->data || mlrt_is_right_array(array->data, stride, 4, 0);
+}
+
+static int are_right_rays(const mlrt_rays *rays)
+{
+    return rays->struct_size == sizeof *rays && !rays->reserved && rays->count <= INT32_MAX &&
+           is_right_input(&rays->origins) && is_right_input(&rays->directions) && is_right_input(&rays->t_min) &&
+           is_right_input(&rays->t_max) && is_right_input(&rays->skip) && is_right_input(&rays->mask);
+}
+
+/* A stride of 0 is right, and any other multiple of 4 has room for 4 bytes. */
+MLRT_INLINE int is_right_output(const mlrt_array *array, size_t unit)
+{
+    return !array->data || mlrt_is_right_array(array->data, array->stride, unit, 0);
+}
+
+static int are_right_hits(const mlrt_hits *hits)
+{
+    return hits->struct_size == sizeof *hits && !hits->reserved && is_right_output(&hits->t, 4) &&
+           is_right_output(&hits->u, 4) && is_right_output(&hits->v, 4) && is_right_output(&hits->mesh, 4) &&
+           is_right_output(&hits->triangle, 4) && is_right_output(&hits->facing, 4) &&
+           is_right_output(&hits->occluded, 1);
+}
+
 /* The rules between fields of rays. */
 static int32_t check_rays(const mlrt_rays *rays)
 {
@@ -75,9 +110,15 @@ static int32_t check_rays(const mlrt_rays *rays)
 
 const mlrt_rays *mlrt_take_rays(const mlrt_rays *given, mlrt_rays *own, int32_t *status)
 {
-    const mlrt_rays *rays = mlrt_see_struct(MLRT_STRUCT_RAYS, "rays", given, own, status);
+    const mlrt_rays *rays =
+        MLRT_LIKELY(are_right_rays(given)) ? given : mlrt_see_struct(MLRT_STRUCT_RAYS, "rays", given, own, status);
     if (rays) *status = check_rays(rays);
     return *status == MLRT_OK ? rays : NULL;
+}
+
+const mlrt_hits *mlrt_take_hits(const mlrt_hits *given, mlrt_hits *own, int32_t *status)
+{
+    return MLRT_LIKELY(are_right_hits(given)) ? given : mlrt_see_struct(MLRT_STRUCT_HITS, "hits", given, own, status);
 }
 
 const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status)

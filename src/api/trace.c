@@ -74,14 +74,17 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
 }
 
 /*
- * Checks the options, and sets the fields of a job that follow from them and the tree. The job's source is set
- * already.
+ * Checks the options, and sets the fields of a job that follow from them and the tree, those of a call without lights and
+ * callback. The job's source is set already.
  */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     int32_t status = mlrt_check_options(options);
     if (status == MLRT_OK) status = resolve_method(options->method, tree, &job->method);
     if (status != MLRT_OK) return status;
+    job->lights = NULL;
+    job->light_count = 0;
+    job->callback = NULL;
     job->tree = tree;
     job->trace_segment = mlrt_trace_segment;
     job->any = options->query == MLRT_QUERY_ANY;
@@ -107,32 +110,6 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     return choose_kernels(options->isa, job->method, options->counters != NULL, &job->kernels);
 }
 
-/* All words of a part of a struct, or-ed together. `size` is a multiple of 4. */
-MLRT_INLINE uint64_t words_of(const void *part, size_t size)
-{
-    uint64_t all = 0, two;
-    uint32_t one;
-    MLRT_UNROLL
-    for (size_t i = 0; i + sizeof two <= size; i += sizeof two) {
-        memcpy(&two, (const unsigned char *)part + i, sizeof two);
-        all |= two;
-    }
-    if (size % sizeof two) {
-        memcpy(&one, (const unsigned char *)part + size - sizeof one, sizeof one);
-        all |= one;
-    }
-    return all;
-}
-
-/* Are all options 0, except for the query, the instruction set, the mask and the pool? */
-MLRT_INLINE int are_plain(const mlrt_trace_options *of)
-{
-    const size_t first = offsetof(mlrt_trace_options, culling), last = offsetof(mlrt_trace_options, counters);
-    return ((uint32_t)of->method | (of->query & ~MLRT_QUERY_ANY) |
-            words_of(&of->culling, offsetof(mlrt_trace_options, mask) - first) |
-            words_of(&of->counters, sizeof *of - last)) == 0;
-}
-
 /* ---- rays ---- */
 
 static int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
@@ -154,12 +131,12 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
-    if (status == MLRT_OK) hits = mlrt_see_struct(MLRT_STRUCT_HITS, "hits", hits, &own_hits, &status);
+    if (status == MLRT_OK) hits = mlrt_take_hits(hits, &own_hits, &status);
     if (status == MLRT_OK) {
         status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     }
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job = {.callback = NULL};
+    struct mlrt_job job;
     status = make_packet_job(tree, rays, &call, hits, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
@@ -210,7 +187,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
                                            const mlrt_trace_options *options, struct mlrt_lone_ray *lone, mlrt_hit *hit)
 {
     struct mlrt_call call;
-    struct mlrt_job job = {.callback = NULL};
+    struct mlrt_job job;
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;
@@ -273,7 +250,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         if (MLRT_UNLIKELY(options->struct_size != sizeof *options)) return trace_versioned_ray(tree, ray, options, hit);
         lone.any = options->query;
         if (options->mask) lone.mask = options->mask;
-        if (MLRT_UNLIKELY(!are_plain(options))) return trace_as_call(tree, ray, options, &lone, hit);
+        if (MLRT_UNLIKELY(!mlrt_are_plain(options))) return trace_as_call(tree, ray, options, &lone, hit);
         if (options->isa) {
             lone.kernels = (uint32_t)options->isa <= MLRT_ISA_AVX512
                                ? mlrt_select_kernels(options->isa, MLRT_METHOD_TILE, 0)
@@ -310,7 +287,7 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HIT_LISTS, "lists", 0, lists, &own_lists);
     if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job = {.callback = NULL};
+    struct mlrt_job job;
     status = make_list_job(tree, rays, &call, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
     return mlrt_end_traced(&call, status);
@@ -330,8 +307,6 @@ static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const s
         jobs[i] = *job;
         jobs[i].any = 1;
         jobs[i].has_frame = 0;
-        jobs[i].callback = NULL;
-        jobs[i].light_count = 0;
         mlrt_set_light(&light, &jobs[i].source);
     }
     return MLRT_OK;
@@ -374,10 +349,12 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
                                  callback || call.run.counters);
     }
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
+    struct mlrt_job job, light_jobs[MLRT_LIGHT_LIMIT];
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_render_job(tree, &own_camera, &call, &own_frame, &job, light_jobs);
     mlrt_leave_fp_environment(environment);
+    job.callback = callback;
+    job.user = user;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -452,7 +429,7 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job = {.callback = NULL};
+    struct mlrt_job job;
     status = make_light_job(tree, points, &own_light, &call, occluded, &job);
     job.any = 1;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));

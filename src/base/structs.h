@@ -46,6 +46,12 @@ int32_t mlrt_check_equal_sizes(const char *path, size_t index, const void *first
 int32_t mlrt_check_array(const char *path, size_t index, const char *field, const void *data, size_t stride,
                          size_t unit, size_t least);
 
+/* Does an array keep these rules? `unit` may be a constant. */
+static inline int mlrt_is_right_array(const void *data, size_t stride, size_t unit, size_t least)
+{
+    return ((((uintptr_t)data | stride) & (unit - 1)) == 0) & (stride - least <= MLRT_STRIDE_LIMIT - least);
+}
+
 /* Copies *own to a caller's struct: the fields that it has, and 0 to those that this version does not know. */
 void mlrt_give_struct(const void *own, size_t own_size, void *given);
 

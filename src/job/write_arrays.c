@@ -6,6 +6,7 @@
 #include "job/write_arrays.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "rays/lone_ray.h"
@@ -89,12 +90,12 @@ void mlrt_group_channels(struct mlrt_sink *sink)
 
 void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, struct mlrt_sink *sink)
 {
-    const mlrt_array *const arrays[MLRT_CHANNEL_COUNT] = {&hits->t,        &hits->u,      &hits->v,       &hits->mesh,
-                                                          &hits->triangle, &hits->facing, &hits->occluded};
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        const mlrt_array *array = arrays[c];
-        const size_t stride = array->stride ? array->stride : mlrt_channel_size((enum mlrt_channel)c);
+    const unsigned char *const arrays = (const unsigned char *)hits + offsetof(mlrt_hits, t);
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) { /* the arrays lie in the order of channels */
+        const mlrt_array *array = (const mlrt_array *)(const void *)(arrays + c * sizeof *array);
         sink->channel[c].data = array->data;
+        if (!array->data) continue;
+        const size_t stride = array->stride ? array->stride : mlrt_channel_size((enum mlrt_channel)c);
         sink->channel[c].stride = stride;
         sink->channel[c].row_stride = packed_rows || !array->row_stride ? stride * width : array->row_stride;
     }

@@ -45,10 +45,12 @@ static void find_streams(struct mlrt_source *source)
 
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
 {
-    const int is_list = !row_length || source->rays_per_origin > 1 || source->count <= MLRT_PACKET_RAYS;
-    source->width = is_list ? 4 : row_length < source->count ? row_length : source->count;
-    source->height = source->count / source->width + (source->count % source->width != 0);
     source->stream_count = 0;
+    source->width = 4;
+    source->height = (source->count + 3) / 4;
+    if (!row_length || source->rays_per_origin > 1 || source->count <= MLRT_PACKET_RAYS) return;
+    source->width = row_length < source->count ? row_length : source->count;
+    source->height = source->count / source->width + (source->count % source->width != 0);
     if (source->width > 4) find_streams(source);
 }
 
