@@ -205,6 +205,22 @@ void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], 
     }
 }
 
+int mlrt_are_alike(const struct mlrt_source *source)
+{
+    if (source->kind != MLRT_SOURCE_RAYS) return 1;
+    const float *first = float_at(&source->points, 0);
+    uint32_t all = 0, common = 7;
+    int have_origin = 1;
+    for (uint32_t i = 0; i < source->count; ++i) {
+        const uint32_t signs = f4_signs(f4_three(float_at(&source->directions, i))) & 7;
+        const float *point = float_at(&source->points, element_of_ray(i, source->rays_per_origin));
+        have_origin &= memcmp(point, first, 12) == 0;
+        all |= signs;
+        common &= signs;
+    }
+    return have_origin || all == common;
+}
+
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
 {
     if (skip) *skip = MLRT_NONE;
@@ -243,11 +259,6 @@ MLRT_INLINE uint32_t element_of_lane(const struct block *block, uint32_t lane)
     return block->first + (block->lanes >> lane & 1 ? row * block->row_length + column : 0);
 }
 
-MLRT_INLINE int is_whole(const struct block *block)
-{
-    return block->lanes == 0xFFFF;
-}
-
 /* Stores two rows of a block, an even one and the next, in the order of lanes: as two squares of 2x2. */
 MLRT_INLINE void put_rows(f4 even, f4 odd, void *lanes)
 {
@@ -261,20 +272,35 @@ struct row {
     size_t step;
 };
 
-/*
- * 1 if the rows of a block can be read as struct row: all lanes exist, and if an element serves several rays, whole
- * rows share one.
- */
-MLRT_INLINE int has_rows(const struct block *block, uint32_t group)
+/* The lanes of each row of a block. */
+static const uint16_t lanes_of_row[4] = {0x0033, 0x00CC, 0x3300, 0xCC00};
+
+/* Copies elements of `word_count` words that are not evenly spaced, so that they are. */
+static MLRT_NOINLINE struct row copy_row(const mlrt_const_array *array, const struct block *block, uint32_t group,
+                                         uint32_t row, uint32_t word_count, float room[4][4])
 {
-    return MLRT_LIKELY(is_whole(block) && group % 4 <= (group == 1));
+    for (uint32_t column = 0; column < 4; ++column) {
+        const uint32_t lane = (column & 1) | (row & 1) << 1 | (column & 2) << 1 | (row & 2) << 2;
+        const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
+        for (uint32_t k = 0; k < word_count; ++k) memcpy(&room[column][k], element + k, 4);
+    }
+    return (struct row){(const unsigned char *)room, sizeof *room};
 }
 
+/*
+ * A row of a block in an array that has an element of `word_count` words for each `group` rays. `room` takes the elements
+ * if lanes are cut off, or if rays share elements and not whole rows do.
+ */
 MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct block *block, uint32_t group,
-                                    uint32_t row)
+                                    uint32_t row, uint32_t word_count, float room[4][4])
 {
-    const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
-    return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
+    const uint32_t lanes = block->lanes & lanes_of_row[row];
+    if (MLRT_LIKELY(lanes == lanes_of_row[row] && group % 4 <= (group == 1))) {
+        const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
+        return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
+    }
+    if (lanes) return copy_row(array, block, group, row, word_count, room);
+    return (struct row){(const unsigned char *)float_at(array, element_of_ray(block->first, group)), 0};
 }
 
 /* Loads the vectors of a row: by_axis[k] receives component k of all four. */
@@ -288,27 +314,14 @@ MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
     }
 }
 
-/* Copies elements lane by lane: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
-static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
-                        void *const *words)
-{
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
-        for (int k = 0; k < word_count; ++k) memcpy((unsigned char *)words[k] + 4 * lane, element + k, 4);
-    }
-}
-
 static void fetch_vectors(const mlrt_const_array *array, const struct block *block, uint32_t group,
                           float vectors[3][MLRT_PACKET_RAYS])
 {
-    if (!has_rows(block, group)) {
-        fetch_lanes(array, block, group, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
-        return;
-    }
+    float room[4][4];
     for (uint32_t row = 0; row < 4; row += 2) {
         f4 even[3], odd[3];
-        load_vectors(row_of_block(array, block, group, row), even);
-        load_vectors(row_of_block(array, block, group, row + 1), odd);
+        load_vectors(row_of_block(array, block, group, row, 3, room), even);
+        load_vectors(row_of_block(array, block, group, row + 1, 3, room), odd);
         put_rows(even[0], odd[0], vectors[0] + 4 * row);
         put_rows(even[1], odd[1], vectors[1] + 4 * row);
         put_rows(even[2], odd[2], vectors[2] + 4 * row);
@@ -335,13 +348,10 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
         fill(standard, numbers);
         return;
     }
-    if (!has_rows(block, group)) {
-        fetch_lanes(array, block, group, 1, (void *const[]){numbers});
-        return;
-    }
+    float room[4][4];
     for (uint32_t row = 0; row < 4; row += 2) {
-        put_rows(load_numbers(row_of_block(array, block, group, row)),
-                 load_numbers(row_of_block(array, block, group, row + 1)), numbers + 4 * row);
+        const f4 even = load_numbers(row_of_block(array, block, group, row, 1, room));
+        put_rows(even, load_numbers(row_of_block(array, block, group, row + 1, 1, room)), numbers + 4 * row);
     }
 }
 
@@ -365,14 +375,12 @@ void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, 
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_skip = array->data != NULL;
     if (!array->data) return;
-    if (!has_rows(&block, source->rays_per_origin)) {
-        fetch_lanes(array, &block, source->rays_per_origin, 2, (void *const[]){packet->skip_mesh, packet->skip});
-        return;
-    }
+    float room[4][4];
+    const uint32_t group = source->rays_per_origin;
     for (uint32_t row = 0; row < 4; row += 2) {
         f4 even[2], odd[2];
-        load_pairs(row_of_block(array, &block, source->rays_per_origin, row), &even[0], &even[1]);
-        load_pairs(row_of_block(array, &block, source->rays_per_origin, row + 1), &odd[0], &odd[1]);
+        load_pairs(row_of_block(array, &block, group, row, 2, room), &even[0], &even[1]);
+        load_pairs(row_of_block(array, &block, group, row + 1, 2, room), &odd[0], &odd[1]);
         put_rows(even[0], odd[0], packet->skip_mesh + 4 * row);
         put_rows(even[1], odd[1], packet->skip + 4 * row);
     }
@@ -460,13 +468,12 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {
-    static const uint16_t rows[4] = {0x0033, 0x00CC, 0x3300, 0xCC00}, columns[4] = {0x0505, 0x0A0A, 0x5050, 0xA0A0};
     uint32_t inside = 0;
     for (uint32_t row = 0; row < 4; ++row) {
         const uint64_t first = (y + (uint64_t)row) * source->width + x;
-        for (uint32_t column = 0; column < 4 && first + column < source->count; ++column) {
-            inside |= rows[row] & columns[column];
-        }
+        if (first >= source->count) break;
+        const uint64_t left = source->count - first;
+        inside |= lanes_of_row[row] & mlrt_block_lanes(left < 4 ? (uint32_t)left : 4, 4);
     }
     return lanes & inside;
 }

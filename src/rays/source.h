@@ -91,6 +91,9 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
  */
 void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray);
 
+/* Have rays of arrays, of which there is one at least, one origin, or directions with the same signs? */
+int mlrt_are_alike(const struct mlrt_source *source);
+
 /* 1 if float arithmetic carries the vector, or the ray, without overflow or loss (packet.h). */
 int mlrt_are_float_safe(const float vector[3]);
 

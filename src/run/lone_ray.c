@@ -109,7 +109,7 @@ int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_h
 
 int mlrt_trace_few_rays(const struct mlrt_job *job)
 {
-    mlrt_hit hits[MLRT_FEWEST_RAYS];
+    mlrt_hit hits[MLRT_PACKET_RAYS];
     struct mlrt_lone_ray ray;
     int are_quiet = 1;
     ray.kernels = job->kernels;

@@ -23,12 +23,7 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
 struct mlrt_job;
 
 /*
- * A call of so many rays or fewer traces them one by one, in place of a worker.
- */
-#define MLRT_FEWEST_RAYS 4
-
-/*
- * Traces the rays of a job, which are at most MLRT_FEWEST_RAYS of arrays, one by one through boxes, and writes the results
+ * Traces the rays of a job, which are at most MLRT_PACKET_RAYS of arrays, one by one through boxes, and writes the results
  * to the frame. All rays are read before a result is written, since arrays may overlap. Returns as mlrt_trace_lone_ray.
  */
 int mlrt_trace_few_rays(const struct mlrt_job *job);

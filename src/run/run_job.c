@@ -265,10 +265,14 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
     return run_items(options, 1, 1, &run);
 }
 
+/* Rays that are alike are traced together if there are more than so many. */
+#define FEWEST_RAYS 5
+
 /* Can the rays be traced one by one, without a worker? A host that watches progress may end the call, so it needs one. */
 static int go_one_by_one(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
-    return is_block(job) && job->source.count <= MLRT_FEWEST_RAYS && job->kernels->trace_ray && !options->host.progress;
+    if (!is_block(job) || !job->kernels->trace_ray || options->host.progress) return 0;
+    return job->source.count <= FEWEST_RAYS || !mlrt_are_alike(&job->source);
 }
 
 static void trace_one_by_one(const struct mlrt_job *job)
