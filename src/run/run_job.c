@@ -266,7 +266,7 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
 }
 
 /* Rays that are alike are traced together if there are more than so many. */
-#define FEWEST_RAYS 5
+#define FEWEST_RAYS 6
 
 /* Can the rays be traced one by one, without a worker? A host that watches progress may end the call, so it needs one. */
 static int go_one_by_one(const struct mlrt_job *job, const struct mlrt_run_options *options)
