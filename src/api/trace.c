@@ -14,6 +14,7 @@
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
 #include "job/write_arrays.h"
+#include "rays/meet_scene.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
@@ -226,50 +227,92 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
     return status;
 }
 
+/* Sets what of a ray follows from options, which are plain; NULL = defaults. */
+MLRT_INLINE void set_lone_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                              struct mlrt_lone_ray *lone)
+{
+    lone->given_origin = ray->origin;
+    lone->given_direction = ray->direction;
+    lone->kernels = NULL;
+    lone->any = options ? options->query : 0;
+    lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
+    lone->skip = ray->flags ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
+}
+
+/* As mlrt_trace_ray, for any arguments. */
+static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray *ray,
+                                           const mlrt_trace_options *options, mlrt_hit *hit)
+{
+    struct mlrt_lone_ray lone;
+    if (!tree || !ray || !hit) return mlrt_fail_null("tree ray hit", !tree + 2 * !ray);
+    if (ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit ||
+        (options && options->struct_size != sizeof *options)) {
+        return trace_versioned_ray(tree, ray, options, hit);
+    }
+    if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
+    set_lone_ray(tree, ray, options, &lone);
+    lone.t_min = ray->t_min;
+    lone.t_max = resolve_t_max(ray);
+    int is_plain = tree->structure == MLRT_STRUCTURE_BVH && (!options || mlrt_are_plain(options));
+    if (is_plain && options && options->isa) {
+        is_plain = (uint32_t)options->isa <= MLRT_ISA_AVX512;
+        if (is_plain) lone.kernels = mlrt_select_kernels(options->isa, MLRT_METHOD_TILE, 0);
+        is_plain &= lone.kernels && lone.kernels->trace_ray;
+    }
+    if (!is_plain) return trace_as_call(tree, ray, options, &lone, hit);
+    const uint64_t environment = mlrt_enter_fp_environment();
+    (void)mlrt_trace_lone_ray(tree, &lone, hit);
+    mlrt_leave_fp_environment(environment);
+    return MLRT_OK;
+}
+
+/* Traces a ray of a usual call that meets the box of the scene. */
+static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_ray *ray,
+                                             const mlrt_trace_options *options, struct mlrt_lone_ray *lone,
+                                             uint64_t environment, mlrt_hit *hit)
+{
+    set_lone_ray(tree, ray, options, lone);
+    mlrt_trace_in_scene(tree, lone, hit);
+    mlrt_leave_fp_environment(environment);
+    return MLRT_OK;
+}
+
+/* Is this a call as most programs make it, for one ray through boxes whose unit is 1? A kd-tree has a unit of 0. */
+MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                              const mlrt_hit *hit)
+{
+    static const float one = 1; /* compared as bits, which takes fewer steps */
+    return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
+           hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP &&
+           (!options || (options->struct_size == sizeof *options && !options->isa && mlrt_are_plain(options)));
+}
+
+/* Usual calls, in the environment of most programs, are told from others here, and rays that miss the scene end here. */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {
     struct mlrt_lone_ray lone;
-    if (MLRT_UNLIKELY(!tree || !ray || !hit)) return mlrt_fail_null("tree ray hit", !tree + 2 * !ray);
-    if (MLRT_UNLIKELY(ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit)) {
-        return trace_versioned_ray(tree, ray, options, hit);
+    uint64_t environment;
+    if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment))) {
+        return trace_any_ray(tree, ray, options, hit);
     }
-    lone.given_origin = ray->origin;
-    lone.given_direction = ray->direction;
-    lone.t_min = ray->t_min;
-    lone.t_max = resolve_t_max(ray);
-    lone.kernels = NULL;
-    lone.any = 0;
-    lone.mask = MLRT_MASK_ALL;
-    lone.skip = MLRT_NONE;
-    if (MLRT_UNLIKELY(ray->flags)) {
-        if (ray->flags != MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
-        lone.skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
-    }
-    if (options) {
-        if (MLRT_UNLIKELY(options->struct_size != sizeof *options)) return trace_versioned_ray(tree, ray, options, hit);
-        lone.any = options->query;
-        if (options->mask) lone.mask = options->mask;
-        if (MLRT_UNLIKELY(!mlrt_are_plain(options))) return trace_as_call(tree, ray, options, &lone, hit);
-        if (options->isa) {
-            lone.kernels = (uint32_t)options->isa <= MLRT_ISA_AVX512
-                               ? mlrt_select_kernels(options->isa, MLRT_METHOD_TILE, 0)
-                               : NULL;
-            if (!lone.kernels || !lone.kernels->trace_ray) return trace_as_call(tree, ray, options, &lone, hit);
-        }
-    }
-    if (MLRT_UNLIKELY(tree->structure != MLRT_STRUCTURE_BVH)) return trace_as_call(tree, ray, options, &lone, hit);
-    const uint64_t environment = mlrt_enter_fp_environment();
-    if (mlrt_trace_lone_ray(tree, &lone, hit)) {
-        mlrt_leave_after_inexact(environment);
-    } else {
+    switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
+    case MLRT_LONE_RAY_QUIET_MISS:
+        mlrt_set_miss(options ? options->query : 0, hit);
+        return MLRT_OK;
+    case MLRT_LONE_RAY_MISSES:
+        mlrt_set_miss(options ? options->query : 0, hit);
         mlrt_leave_fp_environment(environment);
+        return MLRT_OK;
+    case MLRT_LONE_RAY_MAY_HIT:
+        return trace_usual_ray(tree, ray, options, &lone, environment, hit);
+    default:
+        return trace_any_ray(tree, ray, options, hit);
     }
-    return MLRT_OK;
 }
 
 static int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
-                                           struct mlrt_job *job)
+                             struct mlrt_job *job)
 {
     mlrt_make_ray_source(tree, rays, &job->source);
     return resolve_options(tree, call->options, job);
@@ -404,8 +447,7 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
 }
 
 static int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
-                                            const struct mlrt_call *call, const mlrt_array *occluded,
-                                            struct mlrt_job *job)
+                              const struct mlrt_call *call, const mlrt_array *occluded, struct mlrt_job *job)
 {
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     mlrt_make_light_source(tree, points, light, &job->source);

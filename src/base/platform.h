@@ -159,6 +159,16 @@ MLRT_INLINE void mlrt_leave_after_inexact(uint64_t saved)
     const uint32_t kept = MLRT_WANTED_CONTROL | MLRT_INEXACT_BIT;
     if ((saved & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) != kept) mlrt_leave_fp_environment(saved);
 }
+/*
+ * Sets *saved to the environment. Returns 1 if arithmetic that raises no flag but inexact may run in it as it is, between
+ * nothing: it is that of the library, and inexact was raised before.
+ */
+MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
+{
+    const uint32_t kept = MLRT_WANTED_CONTROL | MLRT_INEXACT_BIT, control = _mm_getcsr();
+    *saved = control;
+    return (control & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) == kept;
+}
 #elif defined(__aarch64__) && defined(__GNUC__)
 MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
 {
@@ -185,6 +195,11 @@ MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
 }
 #endif
 #if !MLRT_HAVE_SSE
+MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
+{
+    (void)saved;
+    return 0;
+}
 MLRT_INLINE void mlrt_leave_after_inexact(uint64_t saved)
 {
     mlrt_leave_fp_environment(saved);

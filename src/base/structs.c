@@ -165,7 +165,8 @@ static const struct mlrt_field *find_wrong_field(const struct mlrt_field *field,
         const mlrt_array *array = place_of(field, own);
         if (!array->data) continue;
         const size_t unit = unit_of_output(field);
-        if (!mlrt_is_right_array(array->data, array->stride ? array->stride : field->most, unit, field->most)) return field;
+        if (!mlrt_is_right_array(array->data, array->stride ? array->stride : field->most, unit, field->most))
+            return field;
         if (has_rows && !mlrt_is_right_array(array->data, array->row_stride, unit, 0)) return field;
     }
     return end;
@@ -203,7 +204,8 @@ int32_t mlrt_check_array(const char *path, size_t index, const char *field, cons
                          size_t unit, size_t least)
 {
     const struct place place = {path, index, field, MLRT_ERROR_ARGUMENT};
-    return mlrt_is_right_array(data, stride, unit, least) ? MLRT_OK : fail_array(&place, "stride ", data, stride, unit, least);
+    return mlrt_is_right_array(data, stride, unit, least) ? MLRT_OK
+                                                          : fail_array(&place, "stride ", data, stride, unit, least);
 }
 
 static int32_t fail_output(const struct place *place, const struct mlrt_field *field, const mlrt_array *array)

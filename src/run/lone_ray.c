@@ -5,30 +5,17 @@
  */
 #include "run/lone_ray.h"
 
-#include <math.h>
-
 #include "job/job.h"
 #include "rays/meet_scene.h"
 #include "run/dispatch.h"
 #include "run/trace_ray.h"
 #include "scene/tree.h"
 
-/* Sets the fields of a hit that the query writes, for a miss. */
-MLRT_INLINE void set_miss(int any, mlrt_hit *hit)
-{
-    hit->occluded = 0;
-    if (any) return;
-    hit->t = INFINITY;
-    hit->u = hit->v = 0;
-    hit->mesh = hit->triangle = MLRT_NONE;
-    hit->facing = 0;
-}
-
 /* Likewise for triangle `number` or MLRT_NONE. */
 static void set_result(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
 {
     if (number == MLRT_NONE) {
-        set_miss(ray->any, hit);
+        mlrt_set_miss(ray->any, hit);
         return;
     }
     hit->occluded = 1;
@@ -82,27 +69,27 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const struct mlrt
     return 0;
 }
 
-/* Traces one ray that meets the box of the scene. */
-static MLRT_NOINLINE int trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
+void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray) : MLRT_NONE;
     set_result(tree, ray, number, hit);
-    return 0;
 }
 
 int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return trace_in_units(tree, ray, hit);
-    switch (mlrt_take_lone_ray(&tree->bvh.whole, ray)) {
+    switch (
+        mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray)) {
     case MLRT_LONE_RAY_MAY_HIT:
-        return trace_in_scene(tree, ray, hit);
+        mlrt_trace_in_scene(tree, ray, hit);
+        return 0;
     case MLRT_LONE_RAY_NOT_CARRIED:
         return trace_in_double(tree, ray, hit);
     case MLRT_LONE_RAY_QUIET_MISS:
-        set_miss(ray->any, hit);
+        mlrt_set_miss(ray->any, hit);
         return 1;
     default:
-        set_miss(ray->any, hit);
+        mlrt_set_miss(ray->any, hit);
         return 0;
     }
 }

@@ -297,7 +297,8 @@ int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *option
     if (item_count == 0) return mlrt_end_nothing(&options->host);
 
     const size_t share = share_size(job);
-    if (is_block(job) && item_count == 1 && share <= sizeof((struct block_worker *)NULL)->share) return run_block(job, options);
+    if (is_block(job) && item_count == 1 && share <= sizeof((struct block_worker *)NULL)->share)
+        return run_block(job, options);
     const uint32_t worker_count = item_count == 1 ? 1 : mlrt_worker_count(options->pool);
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
     struct run run = {.job = job, .column_count = columns};
