@@ -68,33 +68,35 @@ int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights,
 
 /*
  * Calls of few rays spend a good part of their time on checks. So structs as most callers give them, without a broken
- * rule, are told from others here; what is wrong with those the tables say.
+ * rule, are told from others here, all arrays at once; what is wrong with other structs the tables say. Arrays lie one
+ * behind the other in structs. A stride of 0 is right, and any other multiple of 4 has room for 4 bytes.
  */
-MLRT_INLINE int is_right_input(const mlrt_const_array *array)
-{
-    const size_t stride = array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
-    return !array->data || mlrt_is_right_array(array->data, stride, 4, 0);
-}
-
 static int are_right_rays(const mlrt_rays *rays)
 {
+    const unsigned char *first = (const unsigned char *)rays + offsetof(mlrt_rays, origins);
+    size_t addresses = 0, strides = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < 6; ++i) {
+        const mlrt_const_array *array = (const mlrt_const_array *)(const void *)(first + i * sizeof *array);
+        addresses |= (uintptr_t)array->data;
+        strides |= array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
+    }
     return rays->struct_size == sizeof *rays && !rays->reserved && rays->count <= INT32_MAX &&
-           is_right_input(&rays->origins) && is_right_input(&rays->directions) && is_right_input(&rays->t_min) &&
-           is_right_input(&rays->t_max) && is_right_input(&rays->skip) && is_right_input(&rays->mask);
-}
-
-/* A stride of 0 is right, and any other multiple of 4 has room for 4 bytes. */
-MLRT_INLINE int is_right_output(const mlrt_array *array, size_t unit)
-{
-    return !array->data || mlrt_is_right_array(array->data, array->stride, unit, 0);
+           ((addresses | strides) & 3) == 0 && strides < MLRT_STRIDE_LIMIT;
 }
 
 static int are_right_hits(const mlrt_hits *hits)
 {
-    return hits->struct_size == sizeof *hits && !hits->reserved && is_right_output(&hits->t, 4) &&
-           is_right_output(&hits->u, 4) && is_right_output(&hits->v, 4) && is_right_output(&hits->mesh, 4) &&
-           is_right_output(&hits->triangle, 4) && is_right_output(&hits->facing, 4) &&
-           is_right_output(&hits->occluded, 1);
+    const unsigned char *first = (const unsigned char *)hits + offsetof(mlrt_hits, t);
+    size_t addresses = 0, strides = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < 6; ++i) {
+        const mlrt_array *array = (const mlrt_array *)(const void *)(first + i * sizeof *array);
+        addresses |= (uintptr_t)array->data;
+        strides |= array->stride;
+    }
+    return hits->struct_size == sizeof *hits && !hits->reserved && ((addresses | strides) & 3) == 0 &&
+           (strides | hits->occluded.stride) < MLRT_STRIDE_LIMIT;
 }
 
 /* The rules between fields of rays. */

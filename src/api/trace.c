@@ -261,8 +261,7 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     }
     if (!is_plain) return trace_as_call(tree, ray, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();
-    (void)mlrt_trace_lone_ray(tree, &lone, hit);
-    mlrt_leave_fp_environment(environment);
+    mlrt_leave_after(mlrt_trace_lone_ray(tree, &lone, hit), environment);
     return MLRT_OK;
 }
 

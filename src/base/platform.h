@@ -151,17 +151,17 @@ MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
     if (_mm_getcsr() != (uint32_t)saved) _mm_setcsr((uint32_t)saved);
 }
 /*
- * As mlrt_leave_fp_environment, after arithmetic that raised no flag of <fenv.h> but inexact: if that was raised before,
- * there is nothing to restore. Reading the register would take 22 cycles.
+ * As mlrt_leave_fp_environment. If `is_quiet`, the arithmetic raised no flag of <fenv.h> but inexact: if that was raised
+ * before, there is nothing to restore. Reading the register would take 22 cycles.
  */
-MLRT_INLINE void mlrt_leave_after_inexact(uint64_t saved)
+MLRT_INLINE void mlrt_leave_after(int is_quiet, uint64_t saved)
 {
     const uint32_t kept = MLRT_WANTED_CONTROL | MLRT_INEXACT_BIT;
-    if ((saved & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) != kept) mlrt_leave_fp_environment(saved);
+    if (!is_quiet || (saved & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) != kept) mlrt_leave_fp_environment(saved);
 }
 /*
- * Sets *saved to the environment. Returns 1 if arithmetic that raises no flag but inexact may run in it as it is, between
- * nothing: it is that of the library, and inexact was raised before.
+ * Sets *saved to the environment. Returns 1 if arithmetic that raises no flag but inexact may run in it as it is: it
+ * is that of the library, and inexact was raised before.
  */
 MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
 {
@@ -200,8 +200,9 @@ MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
     (void)saved;
     return 0;
 }
-MLRT_INLINE void mlrt_leave_after_inexact(uint64_t saved)
+MLRT_INLINE void mlrt_leave_after(int is_quiet, uint64_t saved)
 {
+    (void)is_quiet;
     mlrt_leave_fp_environment(saved);
 }
 #endif

@@ -275,10 +275,15 @@ struct row {
 /* The lanes of each row of a block. */
 static const uint16_t lanes_of_row[4] = {0x0033, 0x00CC, 0x3300, 0xCC00};
 
-/* Copies elements of `word_count` words that are not evenly spaced, so that they are. */
-static MLRT_NOINLINE struct row copy_row(const mlrt_const_array *array, const struct block *block, uint32_t group,
-                                         uint32_t row, uint32_t word_count, float room[4][4])
+/*
+ * A row of which lanes are cut off, or where rays share elements and not whole rows do. Copies its elements, which have
+ * `word_count` words, to `room`. Without lanes it has the block's first element four times.
+ */
+static MLRT_NOINLINE struct row row_of_odd_block(const mlrt_const_array *array, const struct block *block,
+                                                 uint32_t group, uint32_t row, uint32_t word_count, float room[4][4])
 {
+    const struct row first = {(const unsigned char *)float_at(array, element_of_ray(block->first, group)), 0};
+    if (!(block->lanes & lanes_of_row[row])) return first;
     for (uint32_t column = 0; column < 4; ++column) {
         const uint32_t lane = (column & 1) | (row & 1) << 1 | (column & 2) << 1 | (row & 2) << 2;
         const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
@@ -287,20 +292,16 @@ static MLRT_NOINLINE struct row copy_row(const mlrt_const_array *array, const st
     return (struct row){(const unsigned char *)room, sizeof *room};
 }
 
-/*
- * A row of a block in an array that has an element of `word_count` words for each `group` rays. `room` takes the elements
- * if lanes are cut off, or if rays share elements and not whole rows do.
- */
+/* A row of a block in an array that has an element of `word_count` words for each `group` rays. `room` may be used. */
 MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct block *block, uint32_t group,
                                     uint32_t row, uint32_t word_count, float room[4][4])
 {
-    const uint32_t lanes = block->lanes & lanes_of_row[row];
-    if (MLRT_LIKELY(lanes == lanes_of_row[row] && group % 4 <= (group == 1))) {
-        const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
-        return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
+    const uint32_t lanes = lanes_of_row[row];
+    if (MLRT_UNLIKELY((block->lanes & lanes) != lanes || group % 4 > (group == 1))) {
+        return row_of_odd_block(array, block, group, row, word_count, room);
     }
-    if (lanes) return copy_row(array, block, group, row, word_count, room);
-    return (struct row){(const unsigned char *)float_at(array, element_of_ray(block->first, group)), 0};
+    const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
+    return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
 }
 
 /* Loads the vectors of a row: by_axis[k] receives component k of all four. */

@@ -275,20 +275,11 @@ static int go_one_by_one(const struct mlrt_job *job, const struct mlrt_run_optio
     return job->source.count <= FEWEST_RAYS || !mlrt_are_alike(&job->source);
 }
 
-static void trace_one_by_one(const struct mlrt_job *job)
-{
-    const uint64_t environment = mlrt_enter_fp_environment();
-    if (mlrt_trace_few_rays(job)) {
-        mlrt_leave_after_inexact(environment);
-    } else {
-        mlrt_leave_fp_environment(environment);
-    }
-}
-
 int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *options)
 {
     if (job->source.count && go_one_by_one(job, options)) {
-        trace_one_by_one(job);
+        const uint64_t environment = mlrt_enter_fp_environment();
+        mlrt_leave_after(mlrt_trace_few_rays(job), environment);
         return MLRT_OK;
     }
     mlrt_group_channels(&job->frame);
