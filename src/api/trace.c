@@ -306,6 +306,7 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     case MLRT_LONE_RAY_MAY_HIT:
         return trace_usual_ray(tree, ray, options, &lone, environment, hit);
     default:
+        mlrt_leave_fp_environment(environment); /* the comparisons may have raised flags */
         return trace_any_ray(tree, ray, options, hit);
     }
 }
