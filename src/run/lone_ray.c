@@ -94,11 +94,38 @@ int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_h
     }
 }
 
-int mlrt_trace_few_rays(const struct mlrt_job *job)
+/*
+ * Rays that are alike are traced together if there are more than FEWEST_ALIKE, others if there are more than
+ * FEWEST_OTHERS and the tree has few nodes. Nanoseconds of a call one by one and together (AVX-512, t and triangles):
+ * pixels of erw6, 5 rays 704, 720, 8 rays 1090, 626; rays in all directions in erw6, 8 rays 1146, 1150, 12 rays 1570,
+ * 1232; among 10,000 triangles in a cube, 12 rays 4183, 4882, 16 rays 5665, 6154.
+ */
+#define FEWEST_ALIKE  6
+#define FEWEST_OTHERS 8
+#define FEW_NODES     64
+
+/* Is it faster to trace the rays together? Those that miss the scene are not. *ray is used up. */
+static int should_go_together(const struct mlrt_job *job, struct mlrt_lone_ray *ray)
+{
+    const struct mlrt_source *source = &job->source;
+    float room[3];
+    if (source->count <= FEWEST_ALIKE) return 0;
+    if (!mlrt_are_alike(source) && (source->count <= FEWEST_OTHERS || job->tree->bvh.node_count > FEW_NODES)) {
+        return 0;
+    }
+    mlrt_read_ray(source, 0, room, ray);
+    return job->tree->bvh.unit != 1 ||
+           mlrt_take_lone_ray(&job->tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max,
+                              ray) == MLRT_LONE_RAY_MAY_HIT;
+}
+
+int mlrt_trace_few_rays(const struct mlrt_job *job, int *is_quiet)
 {
     mlrt_hit hits[MLRT_PACKET_RAYS];
     struct mlrt_lone_ray ray;
-    int are_quiet = 1;
+    *is_quiet = 0;
+    if (should_go_together(job, &ray)) return 0;
+    int are_quiet = 1; /* what the first ray raised above, it raises again */
     ray.kernels = job->kernels;
     ray.any = job->any;
     for (uint32_t i = 0; i < job->source.count; ++i) {
@@ -107,5 +134,6 @@ int mlrt_trace_few_rays(const struct mlrt_job *job)
         are_quiet &= mlrt_trace_lone_ray(job->tree, &ray, &hits[i]);
     }
     mlrt_write_hits(hits, job->source.count, &job->frame);
-    return are_quiet;
+    *is_quiet = are_quiet;
+    return 1;
 }

@@ -40,8 +40,10 @@ struct mlrt_job;
 
 /*
  * Traces the rays of a job, which are at most MLRT_PACKET_RAYS of arrays, one by one through boxes, and writes the results
- * to the frame. All rays are read before a result is written, since arrays may overlap. Returns as mlrt_trace_lone_ray.
+ * to the frame. All rays are read before a result is written, since arrays may overlap. Returns 0, and does nothing, if it
+ * is faster to trace them together. *is_quiet is 1 if no flag of <fenv.h> but inexact was raised, or 0 if one may have
+ * been.
  */
-int mlrt_trace_few_rays(const struct mlrt_job *job);
+int mlrt_trace_few_rays(const struct mlrt_job *job, int *is_quiet);
 
 #endif

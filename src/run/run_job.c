@@ -265,23 +265,23 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
     return run_items(options, 1, 1, &run);
 }
 
-/* Rays that are alike are traced together if there are more than so many. */
-#define FEWEST_RAYS 6
-
-/* Can the rays be traced one by one, without a worker? A host that watches progress may end the call, so it needs one. */
-static int go_one_by_one(const struct mlrt_job *job, const struct mlrt_run_options *options)
+/*
+ * Traces the rays one by one, without a worker, if that is faster. Returns 0 if not. A host that watches progress may end
+ * the call, so it needs a worker.
+ */
+static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
-    if (!is_block(job) || !job->kernels->trace_ray || options->host.progress) return 0;
-    return job->source.count <= FEWEST_RAYS || !mlrt_are_alike(&job->source);
+    int is_quiet = 1;
+    if (!is_block(job) || !job->source.count || !job->kernels->trace_ray || options->host.progress) return 0;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int is_done = mlrt_trace_few_rays(job, &is_quiet);
+    mlrt_leave_after(is_quiet, environment);
+    return is_done;
 }
 
 int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *options)
 {
-    if (job->source.count && go_one_by_one(job, options)) {
-        const uint64_t environment = mlrt_enter_fp_environment();
-        mlrt_leave_after(mlrt_trace_few_rays(job), environment);
-        return MLRT_OK;
-    }
+    if (trace_without_worker(job, options)) return MLRT_OK;
     mlrt_group_channels(&job->frame);
     const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
     const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
