@@ -8,7 +8,6 @@
 #include "job/job.h"
 #include "rays/meet_scene.h"
 #include "run/dispatch.h"
-#include "run/trace_ray.h"
 #include "scene/tree.h"
 
 /* Likewise for triangle `number` or MLRT_NONE. */
@@ -37,14 +36,14 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
     if (counters) ++counters->ray_count;
     if (get_segment(ray, &segment)) {
         if (counters) ++counters->packet_count;
-        number = mlrt_trace_segment(tree, &segment, ray->skip, ray->any, counters);
+        number = tree->structure->tracer.trace_ray(tree, &segment, ray->skip, ray->any, NULL, counters);
     }
     set_result(tree, ray, number, hit);
 }
 
-static const struct mlrt_kernels *kernels_of(const struct mlrt_lone_ray *ray)
+static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct mlrt_lone_ray *ray)
 {
-    return ray->kernels ? ray->kernels : mlrt_widest_kernels();
+    return ray->kernels ? ray->kernels : mlrt_widest_kernels(tree->structure);
 }
 
 /* These, too, return 1 if no flag but inexact was raised. */
@@ -62,7 +61,7 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const struct mlrt
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
     if (tree->bvh.node_count > 0 && get_segment(ray, &segment) &&
-        !kernels_of(ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
+        !kernels_of(tree, ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
         return trace_in_double(tree, ray, hit);
     }
     set_result(tree, ray, number, hit);
@@ -71,7 +70,7 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const struct mlrt
 
 void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray) : MLRT_NONE;
+    const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(tree, ray)->trace_ray(tree, ray) : MLRT_NONE;
     set_result(tree, ray, number, hit);
 }
 
