@@ -171,8 +171,9 @@ MLRT_INLINE void mlrt_leave_after(int is_quiet, uint64_t saved)
     if (!is_quiet || (saved & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) != kept) mlrt_leave_fp_environment(saved);
 }
 /*
- * Sets *saved to the environment. Returns 1 if arithmetic that raises no flag but inexact may run in it as it is: it
- * is that of the library, and inexact was raised before.
+ * Sets *saved to the environment. Returns 1 if it is that of the library and inexact was raised before. Then arithmetic
+ * that raises no other flag may follow without a call between. Compilers leave it behind the branch on this result, as it
+ * may trap; before the branch it could only raise flags that the caller did not have.
  */
 MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
 {
