@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * mlrt_trace_packet with few rays, which need no job: the answers are those of one call with all rays by method ray, for
- * hostile rays and limits, any strides, and results that lie on the rays. And exception flags of calls of one ray.
+ * mlrt_trace_packet with few rays, which are traced one by one or by a worker on the stack: the answers are those of
+ * method ray, for hostile rays and limits, any choice of arrays and strides, and results that lie on the rays. And
+ * exception flags of calls of one ray.
  */
 #include <fenv.h>
 #include <math.h>
@@ -11,7 +12,7 @@
 #include "hostile_rays.h"
 #include "support.h"
 
-enum { COUNT = 600, MOST = 6 };
+enum { COUNT = 600, MOST = 17 };
 
 struct record {
     float origin[3];
@@ -114,6 +115,213 @@ static void same_as_in_one_call(void **state)
         check_scene(&fixture, &random);
         free_fixture(&fixture);
     }
+}
+
+/* ---- any arrays ---- */
+
+enum { MOST_RAYS = 18, CHANNELS = 6, ROOM = 8 * MOST_RAYS };
+
+/* The elements of the input arrays: words in the order of mlrt_rays. */
+enum { ORIGIN, DIRECTION, T_MIN, T_MAX, SKIP, MASK, INPUTS };
+static const size_t widths[INPUTS] = {3, 3, 1, 1, 2, 1};
+
+struct any_call {
+    uint32_t elements[INPUTS][3 * MOST_RAYS]; /* as ray i has them */
+    uint32_t room[INPUTS][ROOM];              /* as they lie in arrays */
+    mlrt_const_array arrays[INPUTS];
+    uint32_t group;
+    mlrt_trace_options options;
+    int has_options;
+    uint32_t results[CHANNELS][ROOM];
+    uint8_t occluded[ROOM];
+    size_t strides[CHANNELS + 1];
+    uint32_t wanted;
+};
+
+static void draw_elements(struct random *random, const struct record *records, size_t count, struct any_call *call)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct record *record = &records[i];
+        const uint32_t skip[2] = {draw_below(random, 4), draw_below(random, 64)}, masks[] = {0, 1, 2, 3, 4, 5, 6, ~0u};
+        memcpy(&call->elements[ORIGIN][3 * i], record->origin, 12);
+        memcpy(&call->elements[DIRECTION][3 * i], record->direction, 12);
+        memcpy(&call->elements[T_MIN][i], &record->t_min, 4);
+        memcpy(&call->elements[T_MAX][i], &record->t_max, 4);
+        memcpy(&call->elements[SKIP][2 * i], skip, 8);
+        call->elements[MASK][i] = masks[draw_below(random, 8)];
+    }
+}
+
+/* Lays out one input: with one element for each `group` rays, or one for all. */
+static void lay_out(struct random *random, int input, size_t count, size_t group, struct any_call *call)
+{
+    const size_t width = widths[input], stride = width + draw_below(random, 3);
+    const int is_common = draw_below(random, 4) == 0;
+    uint32_t *elements = call->elements[input];
+    for (size_t i = 0; i < count; i++) {
+        const size_t from = is_common ? 0 : i / group * group;
+        memcpy(&elements[i * width], &elements[from * width], 4 * width);
+        if (i % group == 0) memcpy(&call->room[input][i / group * stride], &elements[i * width], 4 * width);
+    }
+    const int is_packed = stride == width && draw_below(random, 2);
+    call->arrays[input] = (mlrt_const_array){call->room[input], is_common   ? MLRT_STRIDE_ALL
+                                                                : is_packed ? 0
+                                                                            : 4 * stride};
+}
+
+static void draw_call(struct random *random, const struct record *records, size_t count, uint32_t given,
+                      struct any_call *call)
+{
+    static const uint32_t groups[] = {0, 1, 2, 3, 4, 8};
+    draw_elements(random, records, count, call);
+    call->group = groups[draw_below(random, 6)];
+    if (call->group && count % call->group) call->group = draw_below(random, 2) ? (uint32_t)count : 1;
+    for (int input = 0; input < INPUTS; input++) {
+        const size_t group = call->group && (input == ORIGIN || input == T_MIN || input == SKIP) ? call->group : 1;
+        call->arrays[input].data = NULL;
+        if (input < T_MIN || given >> (input - T_MIN) & 1) lay_out(random, input, count, group, call);
+    }
+    call->options = (mlrt_trace_options){.struct_size = sizeof call->options,
+                                         .query = draw_below(random, 3) == 0 ? MLRT_QUERY_ANY : MLRT_QUERY_CLOSEST,
+                                         .isa = (int32_t)draw_below(random, MLRT_ISA_AVX512 + 1),
+                                         .mask = draw_below(random, 8),
+                                         .pool = draw_below(random, 4) ? NULL : shared_pool(2)};
+    if (!isa_is_supported(call->options.isa)) call->options.isa = MLRT_ISA_AUTO;
+    call->has_options = call->options.query == MLRT_QUERY_ANY || draw_below(random, 4);
+    if (!call->has_options) call->options.mask = 0;
+    call->wanted = 1 + draw_below(random, (1u << CHANNELS) - 1);
+    for (int channel = 0; channel <= CHANNELS; channel++) call->strides[channel] = 1 + draw_below(random, 8);
+    memset(call->results, 0x55, sizeof call->results);
+    memset(call->occluded, 0x55, sizeof call->occluded);
+}
+
+static mlrt_array array_of(struct any_call *call, int channel)
+{
+    return (mlrt_array){call->wanted >> channel & 1 ? call->results[channel] : NULL, 4 * call->strides[channel], 20};
+}
+
+static void trace_call(struct random *random, const mlrt_tree *tree, size_t count, struct any_call *call)
+{
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .row_length = draw_below(random, 2) ? 0 : draw_below(random, 20),
+                            .count = count,
+                            .origins = call->arrays[ORIGIN],
+                            .directions = call->arrays[DIRECTION],
+                            .t_min = call->arrays[T_MIN],
+                            .t_max = call->arrays[T_MAX],
+                            .skip = call->arrays[SKIP],
+                            .mask = call->arrays[MASK],
+                            .rays_per_origin = call->group};
+    mlrt_hits hits = {.struct_size = sizeof hits};
+    if (call->options.query == MLRT_QUERY_ANY)
+        hits.occluded = (mlrt_array){call->occluded, call->strides[CHANNELS], 20};
+    else
+        hits = (mlrt_hits){.struct_size = sizeof hits,
+                           .t = array_of(call, 0),
+                           .u = array_of(call, 1),
+                           .v = array_of(call, 2),
+                           .mesh = array_of(call, 3),
+                           .triangle = array_of(call, 4),
+                           .facing = array_of(call, 5)};
+    assert_int_equal(mlrt_trace_packet(tree, &rays, call->has_options ? &call->options : NULL, &hits), MLRT_OK);
+}
+
+/* Ray i by method ray. */
+static mlrt_hit expect_hit(const mlrt_tree *tree, const struct any_call *call, size_t i)
+{
+    const uint32_t own_mask = call->arrays[MASK].data ? call->elements[MASK][i] : call->options.mask;
+    const mlrt_trace_options options = {
+        .struct_size = sizeof options, .query = call->options.query, .method = MLRT_METHOD_RAY, .mask = own_mask};
+    mlrt_ray ray = {.struct_size = sizeof ray, .flags = call->arrays[SKIP].data ? MLRT_RAY_SKIP : 0};
+    mlrt_hit hit = {.struct_size = sizeof hit};
+    memcpy(ray.origin, &call->elements[ORIGIN][3 * i], 12);
+    memcpy(ray.direction, &call->elements[DIRECTION][3 * i], 12);
+    if (call->arrays[T_MIN].data) memcpy(&ray.t_min, &call->elements[T_MIN][i], 4);
+    if (call->arrays[T_MAX].data) memcpy(&ray.t_max, &call->elements[T_MAX][i], 4);
+    if (call->arrays[T_MAX].data && ray.t_max == 0) ray.t_max = -1; /* 0 is a limit in an array, and none here */
+    if (call->arrays[SKIP].data) {
+        ray.skip_mesh = call->elements[SKIP][2 * i];
+        ray.skip_triangle = call->elements[SKIP][2 * i + 1];
+    }
+    assert_int_equal(mlrt_trace_ray(tree, &ray, &options, &hit), MLRT_OK);
+    return hit;
+}
+
+/* Compares all bytes of the results: those of hits, and those between, which stay. Returns the first wrong ray. */
+static size_t find_difference(const mlrt_tree *tree, const struct any_call *call, size_t count)
+{
+    static uint32_t expected[CHANNELS][ROOM];
+    uint8_t occluded[ROOM];
+    memset(expected, 0x55, sizeof expected);
+    memset(occluded, 0x55, sizeof occluded);
+    for (size_t i = 0; i < count; i++) {
+        const mlrt_hit hit = expect_hit(tree, call, i);
+        const int any = call->options.query == MLRT_QUERY_ANY;
+        if (any) occluded[i * call->strides[CHANNELS]] = (uint8_t)hit.occluded;
+        for (int channel = 0; channel < CHANNELS; channel++) {
+            uint32_t *place = &expected[channel][i * call->strides[channel]];
+            if (!any && call->wanted >> channel & 1) memcpy(place, (const char *)&hit.t + 4 * channel, 4);
+            if (*place != call->results[channel][i * call->strides[channel]]) return i;
+        }
+        if (occluded[i * call->strides[CHANNELS]] != call->occluded[i * call->strides[CHANNELS]]) return i;
+    }
+    return memcmp(expected, call->results, sizeof expected) || memcmp(occluded, call->occluded, sizeof occluded)
+               ? 0
+               : count;
+}
+
+/* Each choice of optional arrays, for each number of rays up to one more than a packet has. */
+static void check_all_arrays(struct random *random, const struct fixture *fixture, size_t rounds)
+{
+    static struct any_call call;
+    static struct record records[COUNT];
+    make_records(random, fixture, records);
+    for (size_t round = 0; round < rounds; round++) {
+        for (size_t count = 1; count < MOST_RAYS; count++) {
+            const uint32_t given = draw_below(random, 16);
+            const uint64_t state = random->state;
+            draw_call(random, records + draw_below(random, COUNT - MOST_RAYS), count, given, &call);
+            trace_call(random, fixture->tree, count, &call);
+            const size_t wrong = find_difference(fixture->tree, &call, count);
+            if (wrong == count) continue;
+            fail_msg("%s, random state %llu: ray %zu of %zu differs; optional arrays %#x, group %u, isa %d, query %d",
+                     fixture->name, (unsigned long long)state, wrong, count, (unsigned)given, (unsigned)call.group,
+                     (int)call.options.isa, (int)call.options.query);
+        }
+    }
+}
+
+static void any_arrays(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < hard_scene_count(); i++) {
+        struct random random = {8800 + i};
+        struct fixture fixture = make_hard_scene(i);
+        check_all_arrays(&random, &fixture, scaled(16));
+        free_fixture(&fixture);
+    }
+}
+
+/* Three meshes with masks. */
+static void any_arrays_with_masks(void **state)
+{
+    (void)state;
+    struct random random = {4242};
+    struct soup soup = {0};
+    soup_add_random(&soup, &random, 240, 10, 4);
+    mlrt_mesh meshes[3];
+    for (uint32_t i = 0; i < 3; i++) {
+        meshes[i] = soup_mesh(&soup);
+        meshes[i].vertices = soup.corners + i * 80 * 9;
+        meshes[i].vertex_count = 240;
+        meshes[i].triangle_count = 80;
+        meshes[i].id = i;
+        meshes[i].mask = 1u << i;
+    }
+    struct fixture fixture = make_fixture("masks", random.state, meshes, 3);
+    check_all_arrays(&random, &fixture, scaled(400));
+    free_fixture(&fixture);
+    free_soup(&soup);
 }
 
 /* t of ray i goes to a number of ray i + 1: all rays are read before a result is written. */
@@ -258,9 +466,14 @@ static void exception_flags_stay(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_as_in_one_call),        cmocka_unit_test(results_on_the_rays),
-        cmocka_unit_test(bytes_between_results_stay), cmocka_unit_test(trees_without_nodes),
-        cmocka_unit_test(mistakes_are_errors),        cmocka_unit_test(exception_flags_stay),
+        cmocka_unit_test(same_as_in_one_call),
+        cmocka_unit_test(results_on_the_rays),
+        cmocka_unit_test(bytes_between_results_stay),
+        cmocka_unit_test(trees_without_nodes),
+        cmocka_unit_test(mistakes_are_errors),
+        cmocka_unit_test(exception_flags_stay),
+        cmocka_unit_test(any_arrays),
+        cmocka_unit_test(any_arrays_with_masks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
 #include "common/options.h"
 #include "contest.h"
 
-enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD };
+enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD, STUDY_CALLS };
 
 struct bench_settings {
     struct word_list scenes, default_scenes;

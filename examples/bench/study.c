@@ -2,6 +2,7 @@
 /* study.c - sweeps and builds: see study.h */
 #include "study.h"
 
+#include "calls.h"
 #include "common/timer.h"
 #include "common/tree.h"
 
@@ -171,5 +172,6 @@ int run_study(const struct bench_settings *settings)
 {
     if (settings->study == STUDY_TRIANGLES) return study_triangles(settings);
     if (settings->study == STUDY_RESOLUTION) return study_sweep(settings, &settings->scenes, SMALLEST_SIZE);
+    if (settings->study == STUDY_CALLS) return study_calls(settings);
     return study_build(settings);
 }

@@ -5,8 +5,6 @@
  */
 #include "api/arguments.h"
 
-#include <string.h>
-
 #include "base/host.h"
 
 static int32_t fail_argument(const char *field, const char *rule)
@@ -16,13 +14,25 @@ static int32_t fail_argument(const char *field, const char *rule)
 
 int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *call)
 {
+    static const mlrt_trace_options none = {.struct_size = sizeof none};
+    int32_t status = MLRT_OK;
     memset(&call->run, 0, sizeof call->run);
-    int32_t status = mlrt_take_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", 0, given, &call->options);
-    if (status != MLRT_OK || !given) return status;
-    const mlrt_counters *counters = call->options.counters;
-    call->run.pool = call->options.pool;
-    call->run.counters = call->options.counters;
-    status = mlrt_take_host("options.host", call->options.host, &call->run.host);
+    call->options = &none;
+    if (!given) return MLRT_OK;
+    if (MLRT_LIKELY(given->struct_size == sizeof *given && mlrt_are_plain(given) &&
+                    (uint32_t)given->isa <= MLRT_ISA_AVX512)) {
+        call->options = given;
+        call->run.pool = given->pool;
+        return MLRT_OK;
+    }
+    const mlrt_trace_options *options =
+        mlrt_see_struct(MLRT_STRUCT_TRACE_OPTIONS, "options", given, &call->own, &status);
+    if (!options) return status;
+    const mlrt_counters *counters = options->counters;
+    call->options = options;
+    call->run.pool = options->pool;
+    call->run.counters = options->counters;
+    if (options->host) status = mlrt_take_host("options.host", options->host, &call->run.host);
     if (status != MLRT_OK || !counters) return status;
     status = mlrt_check_result_size(MLRT_STRUCT_COUNTERS, "options.counters", counters);
     return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_COUNTERS, "options.counters", 0, counters) : status;
@@ -56,11 +66,43 @@ int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights,
     return *lights || !*count ? MLRT_OK : fail_argument("options.lights", "NULL, but light_count is not 0");
 }
 
-int32_t mlrt_take_rays(const mlrt_rays *given, mlrt_rays *rays)
+/*
+ * Calls of few rays spend a good part of their time on checks. So structs as most callers give them, without a broken
+ * rule, are told from others here, all arrays at once; what is wrong with other structs the tables say. Arrays lie one
+ * behind the other in structs. A stride of 0 is right, and any other multiple of 4 has room for 4 bytes.
+ */
+static int are_right_rays(const mlrt_rays *rays)
+{
+    const unsigned char *first = (const unsigned char *)rays + offsetof(mlrt_rays, origins);
+    size_t addresses = 0, strides = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < 6; ++i) {
+        const mlrt_const_array *array = (const mlrt_const_array *)(const void *)(first + i * sizeof *array);
+        addresses |= (uintptr_t)array->data;
+        strides |= array->stride == MLRT_STRIDE_ALL ? 0 : array->stride;
+    }
+    return rays->struct_size == sizeof *rays && !rays->reserved && rays->count <= INT32_MAX &&
+           ((addresses | strides) & 3) == 0 && strides < MLRT_STRIDE_LIMIT;
+}
+
+static int are_right_hits(const mlrt_hits *hits)
+{
+    const unsigned char *first = (const unsigned char *)hits + offsetof(mlrt_hits, t);
+    size_t addresses = 0, strides = 0;
+    MLRT_UNROLL
+    for (int i = 0; i < 6; ++i) {
+        const mlrt_array *array = (const mlrt_array *)(const void *)(first + i * sizeof *array);
+        addresses |= (uintptr_t)array->data;
+        strides |= array->stride;
+    }
+    return hits->struct_size == sizeof *hits && !hits->reserved && ((addresses | strides) & 3) == 0 &&
+           (strides | hits->occluded.stride) < MLRT_STRIDE_LIMIT;
+}
+
+/* The rules between fields of rays. */
+static int32_t check_rays(const mlrt_rays *rays)
 {
     char digits[MLRT_DIGITS];
-    const int32_t status = mlrt_take_struct(MLRT_STRUCT_RAYS, "rays", 0, given, rays);
-    if (status != MLRT_OK) return status;
     if (rays->count && !rays->origins.data) return fail_argument("rays.origins", "NULL, but count is not 0");
     if (rays->count && !rays->directions.data) return fail_argument("rays.directions", "NULL, but count is not 0");
     if (rays->rays_per_origin <= 1 || rays->count % rays->rays_per_origin == 0) return MLRT_OK;
@@ -68,11 +110,26 @@ int32_t mlrt_take_rays(const mlrt_rays *given, mlrt_rays *rays)
                      (unsigned long)rays->rays_per_origin, mlrt_write_digits(rays->count, digits));
 }
 
-int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *points)
+const mlrt_rays *mlrt_take_rays(const mlrt_rays *given, mlrt_rays *own, int32_t *status)
 {
-    const int32_t status = mlrt_take_struct(MLRT_STRUCT_POINTS, "points", 0, given, points);
-    if (status != MLRT_OK || !points->count || points->positions.data) return status;
-    return fail_argument("points.positions", "NULL, but count is not 0");
+    const mlrt_rays *rays =
+        MLRT_LIKELY(are_right_rays(given)) ? given : mlrt_see_struct(MLRT_STRUCT_RAYS, "rays", given, own, status);
+    if (rays) *status = check_rays(rays);
+    return *status == MLRT_OK ? rays : NULL;
+}
+
+const mlrt_hits *mlrt_take_hits(const mlrt_hits *given, mlrt_hits *own, int32_t *status)
+{
+    return MLRT_LIKELY(are_right_hits(given)) ? given : mlrt_see_struct(MLRT_STRUCT_HITS, "hits", given, own, status);
+}
+
+const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status)
+{
+    const mlrt_points *points = mlrt_see_struct(MLRT_STRUCT_POINTS, "points", given, own, status);
+    if (points && points->count && !points->positions.data) {
+        *status = fail_argument("points.positions", "NULL, but count is not 0");
+    }
+    return *status == MLRT_OK ? points : NULL;
 }
 
 /* Is the array of results given that a field describes? */

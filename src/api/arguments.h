@@ -6,13 +6,46 @@
 #ifndef MLRT_API_ARGUMENTS_H
 #define MLRT_API_ARGUMENTS_H
 
+#include <stddef.h>
+#include <string.h>
+
 #include "base/run_options.h"
 #include "base/structs.h"
 #include "job/job.h"
 
+/* All words of a part of a struct, or-ed together. `size` is a multiple of 4. */
+MLRT_INLINE uint64_t words_of(const void *part, size_t size)
+{
+    uint64_t all = 0, two;
+    uint32_t one;
+    MLRT_UNROLL
+    for (size_t i = 0; i + sizeof two <= size; i += sizeof two) {
+        memcpy(&two, (const unsigned char *)part + i, sizeof two);
+        all |= two;
+    }
+    if (size % sizeof two) {
+        memcpy(&one, (const unsigned char *)part + size - sizeof one, sizeof one);
+        all |= one;
+    }
+    return all;
+}
+
+/*
+ * Are all options 0, except for the query, the instruction set, the mask and the pool? `of` is of this version. Checks no
+ * rule but that of the query.
+ */
+MLRT_INLINE int mlrt_are_plain(const mlrt_trace_options *of)
+{
+    const size_t first = offsetof(mlrt_trace_options, culling), last = offsetof(mlrt_trace_options, counters);
+    return ((uint32_t)of->method | (of->query & ~MLRT_QUERY_ANY) |
+            words_of(&of->culling, offsetof(mlrt_trace_options, mask) - first) |
+            words_of(&of->counters, sizeof *of - last)) == 0;
+}
+
 /* The options of a call, and what it runs with. */
 struct mlrt_call {
-    mlrt_trace_options options;
+    const mlrt_trace_options *options; /* the caller's, or `own` */
+    mlrt_trace_options own;
     struct mlrt_run_options run;
 };
 
@@ -32,8 +65,10 @@ static inline int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t stat
 int32_t mlrt_check_options(const mlrt_trace_options *options);
 int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights, uint32_t *count);
 
-int32_t mlrt_take_rays(const mlrt_rays *given, mlrt_rays *rays);
-int32_t mlrt_take_points(const mlrt_points *given, mlrt_points *points);
+/* Return the struct that was checked: `given`, or `own` if it is of another version. NULL unless *status is MLRT_OK. */
+const mlrt_rays *mlrt_take_rays(const mlrt_rays *given, mlrt_rays *own, int32_t *status);
+const mlrt_hits *mlrt_take_hits(const mlrt_hits *given, mlrt_hits *own, int32_t *status);
+const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status);
 
 /*
  * Check that the call writes all arrays that are given, and that there is one. None is needed if `may_be_empty`: for a

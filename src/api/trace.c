@@ -15,6 +15,7 @@
 #include "hits/shadow_ray.h"
 #include "job/structure.h"
 #include "job/write_arrays.h"
+#include "rays/meet_scene.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
@@ -70,14 +71,17 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
 }
 
 /*
- * Checks the options, and sets the fields of a job that follow from them and the tree. The job's source is set
- * already.
+ * Checks the options, and sets the fields of a job that follow from them and the tree, those of a call without lights and
+ * callback. The job's source is set already.
  */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
     int32_t status = mlrt_check_options(options);
     if (status == MLRT_OK) status = resolve_method(options->method, tree, &job->method);
     if (status != MLRT_OK) return status;
+    job->lights = NULL;
+    job->light_count = 0;
+    job->callback = NULL;
     job->tree = tree;
     job->any = options->query == MLRT_QUERY_ANY;
     job->multilevel.culling = options->culling;
@@ -98,185 +102,50 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     return choose_kernels(options->isa, options->counters != NULL, job);
 }
 
-/* All words of a part of a struct, or-ed together. `size` is a multiple of 4. */
-MLRT_INLINE uint64_t words_of(const void *part, size_t size)
-{
-    uint64_t all = 0, two;
-    uint32_t one;
-    MLRT_UNROLL
-    for (size_t i = 0; i + sizeof two <= size; i += sizeof two) {
-        memcpy(&two, (const unsigned char *)part + i, sizeof two);
-        all |= two;
-    }
-    if (size % sizeof two) {
-        memcpy(&one, (const unsigned char *)part + size - sizeof one, sizeof one);
-        all |= one;
-    }
-    return all;
-}
-
-/* Are all options 0, except for the query, the instruction set, the mask and the pool? */
-MLRT_INLINE int are_plain(const mlrt_trace_options *of)
-{
-    const size_t first = offsetof(mlrt_trace_options, culling), last = offsetof(mlrt_trace_options, counters);
-    return ((uint32_t)of->method | (of->query & ~MLRT_QUERY_ANY) |
-            words_of(&of->culling, offsetof(mlrt_trace_options, mask) - first) |
-            words_of(&of->counters, sizeof *of - last)) == 0;
-}
-
-/* ---- few rays ---- */
-
-/*
- * A call of this many rays, or fewer, traces them one by one, and needs no job. Of rays of one point, 4 so take 0.75 of
- * the time of a job and 8 take 1.24 of it; of rays that have nothing in common, 4 take 0.78 and 8 take 0.87 (AVX-512,
- * 10,000 triangles in a cube).
- */
-#define FEW_RAYS 4
-
-/* Has the array elements of `size` bytes that can be read, or written, one by one? Others are checked by a job. */
-static int is_simple(const void *data, size_t stride, size_t size)
-{
-    const size_t unit = size < 4 ? size : 4;
-    return (uintptr_t)data % unit == 0 &&
-           (stride == 0 || (stride >= size && stride % unit == 0 && stride <= MLRT_STRIDE_LIMIT));
-}
-
-static int are_simple_rays(const mlrt_rays *rays)
-{
-    if (rays->struct_size != sizeof *rays || rays->count - 1 >= FEW_RAYS || rays->row_length) return 0;
-    if (rays->rays_per_origin || rays->reserved || rays->skip.data || rays->mask.data) return 0;
-    return rays->origins.data && rays->directions.data && is_simple(rays->origins.data, rays->origins.stride, 12) &&
-           is_simple(rays->directions.data, rays->directions.stride, 12) &&
-           is_simple(rays->t_min.data, rays->t_min.stride, 4) && is_simple(rays->t_max.data, rays->t_max.stride, 4);
-}
-
-static int is_simple_result(const mlrt_array *array, size_t size)
-{
-    return !array->data || (!array->row_stride && is_simple(array->data, array->stride, size));
-}
-
-/* Are all arrays of results simple, and none but those that the query writes? */
-static int are_simple_hits(const mlrt_hits *hits, int any)
-{
-    if (hits->struct_size != sizeof *hits || hits->reserved) return 0;
-    if (!any) {
-        const int has_results =
-            hits->t.data || hits->u.data || hits->v.data || hits->mesh.data || hits->triangle.data || hits->facing.data;
-        return has_results && !hits->occluded.data && is_simple_result(&hits->t, 4) && is_simple_result(&hits->u, 4) &&
-               is_simple_result(&hits->v, 4) && is_simple_result(&hits->mesh, 4) &&
-               is_simple_result(&hits->triangle, 4) && is_simple_result(&hits->facing, 4);
-    }
-    return hits->occluded.data && !hits->t.data && !hits->u.data && !hits->v.data && !hits->mesh.data &&
-           !hits->triangle.data && !hits->facing.data && is_simple_result(&hits->occluded, 1);
-}
-
-MLRT_INLINE void take_element(const mlrt_const_array *array, size_t i, size_t size, void *element)
-{
-    if (!array->data) return;
-    memcpy(element, (const unsigned char *)array->data + i * (array->stride ? array->stride : size), size);
-}
-
-/* Writes a field of all hits to its array. `field` is that of the first. */
-static void give_field(const mlrt_hit *hits, size_t count, const void *field, const mlrt_array *array)
-{
-    const size_t stride = array->stride ? array->stride : 4;
-    for (size_t i = 0; i < count && array->data; ++i) {
-        memcpy((unsigned char *)array->data + i * stride, (const unsigned char *)field + i * sizeof *hits, 4);
-    }
-}
-
-/* Traces few rays one by one. All are read before a result is written, since arrays may overlap. */
-static MLRT_NOINLINE void trace_few_rays(const mlrt_tree *tree, const mlrt_rays *rays, struct mlrt_lone_ray *lone,
-                                         const mlrt_hits *results)
-{
-    mlrt_hit hits[FEW_RAYS];
-    for (size_t i = 0; i < rays->count; ++i) {
-        mlrt_ray ray = {.t_max = INFINITY};
-        take_element(&rays->origins, i, sizeof ray.origin, ray.origin);
-        take_element(&rays->directions, i, sizeof ray.direction, ray.direction);
-        take_element(&rays->t_min, i, sizeof ray.t_min, &ray.t_min);
-        take_element(&rays->t_max, i, sizeof ray.t_max, &ray.t_max);
-        if (ray.t_max == 0) ray.t_max = -1; /* 0 is a limit in an array, and none in mlrt_ray */
-        (void)mlrt_trace_lone_ray(tree, &ray, lone, &hits[i]);
-    }
-    if (lone->any) {
-        const size_t stride = results->occluded.stride ? results->occluded.stride : 1;
-        uint8_t *occluded = results->occluded.data;
-        for (size_t i = 0; i < rays->count && occluded; ++i) occluded[i * stride] = (uint8_t)hits[i].occluded;
-        return;
-    }
-    give_field(hits, rays->count, &hits->t, &results->t);
-    give_field(hits, rays->count, &hits->u, &results->u);
-    give_field(hits, rays->count, &hits->v, &results->v);
-    give_field(hits, rays->count, &hits->mesh, &results->mesh);
-    give_field(hits, rays->count, &hits->triangle, &results->triangle);
-    give_field(hits, rays->count, &hits->facing, &results->facing);
-}
-
-/* Sets *lone from options that are plain. Returns 0 for others. */
-MLRT_INLINE int take_plain_options(const mlrt_trace_options *options, struct mlrt_lone_ray *lone)
-{
-    *lone = (struct mlrt_lone_ray){.kernels = NULL, .mask = MLRT_MASK_ALL, .skip = MLRT_NONE, .any = 0};
-    if (!options) return 1;
-    if (options->struct_size != sizeof *options || !are_plain(options) || options->isa) return 0;
-    lone->any = options->query;
-    if (options->mask) lone->mask = options->mask;
-    return 1;
-}
-
 /* ---- rays ---- */
 
-static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
-                                             const mlrt_hits *hits, struct mlrt_job *job)
+static int32_t make_packet_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
+                               const mlrt_hits *hits, struct mlrt_job *job)
 {
     mlrt_make_ray_source(tree, rays, &job->source);
     if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
     mlrt_make_sink(hits, job->source.width, 1, &job->frame);
-    return resolve_options(tree, &call->options, job);
+    return resolve_options(tree, call->options, job);
 }
 
 MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
                                    const mlrt_hits *hits)
 {
     if (!tree || !rays || !hits) return mlrt_fail_null("tree rays hits", !tree + 2 * !rays);
-    struct mlrt_lone_ray lone;
-    if (tree->structure->tracer.has_lone_kernels && are_simple_rays(rays) && take_plain_options(options, &lone) &&
-        are_simple_hits(hits, lone.any)) {
-        const uint64_t environment = mlrt_enter_fp_environment();
-        trace_few_rays(tree, rays, &lone, hits);
-        mlrt_leave_fp_environment(environment);
-        return MLRT_OK;
-    }
     mlrt_rays own_rays;
     mlrt_hits own_hits;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = mlrt_take_rays(rays, &own_rays);
-    if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HITS, "hits", 0, hits, &own_hits);
+    if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
+    if (status == MLRT_OK) hits = mlrt_take_hits(hits, &own_hits, &status);
     if (status == MLRT_OK) {
-        status = mlrt_check_hits("hits", &own_hits, &call.options, 0, !own_rays.count || call.run.counters);
+        status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     }
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job = {.callback = NULL};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_packet_job(tree, &own_rays, &call, &own_hits, &job);
-    mlrt_leave_fp_environment(environment);
+    struct mlrt_job job;
+    status = make_packet_job(tree, rays, &call, hits, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }
 
-static MLRT_NOINLINE float resolve_t_max(const mlrt_ray *ray)
+/* The t_max of a ray. Its bits are looked at, as the caller's floating-point environment may take a denormal for 0. */
+static float resolve_t_max(const mlrt_ray *ray)
 {
-    return ray->t_max == 0 ? INFINITY : ray->t_max;
+    uint32_t bits;
+    memcpy(&bits, &ray->t_max, sizeof bits);
+    return bits << 1 ? ray->t_max : INFINITY;
 }
 
 /* Traces one ray, by a method other than ray, as a list of one. The arrays of the list are the fields of `hit`. */
 static int32_t trace_as_list(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options, int any,
                              mlrt_hit *hit)
 {
-    const uint64_t environment = mlrt_enter_fp_environment(); /* the caller's may take a denormal t_max for 0 */
     const float t_max = resolve_t_max(ray);
-    mlrt_leave_fp_environment(environment);
     const uint32_t skip[2] = {ray->skip_mesh, ray->skip_triangle};
     const mlrt_rays rays = {.struct_size = sizeof rays,
                             .count = 1,
@@ -309,21 +178,21 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
                                            const mlrt_trace_options *options, struct mlrt_lone_ray *lone, mlrt_hit *hit)
 {
     struct mlrt_call call;
-    struct mlrt_job job = {.callback = NULL};
+    struct mlrt_job job;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = resolve_options(tree, &call.options, &job);
+    if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;
-    if (call.options.method != MLRT_METHOD_DEFAULT && call.options.method != MLRT_METHOD_RAY) {
-        return trace_as_list(tree, ray, &call.options, job.any, hit);
+    if (call.options->method != MLRT_METHOD_DEFAULT && call.options->method != MLRT_METHOD_RAY) {
+        return trace_as_list(tree, ray, call.options, job.any, hit);
     }
     mlrt_counters own = {.struct_size = 0};
-    mlrt_counters *counters = call.options.counters;
+    mlrt_counters *counters = call.options->counters;
     const uint64_t environment = mlrt_enter_fp_environment();
     if (job.kernels->trace_ray) {
         lone->kernels = job.kernels;
-        (void)mlrt_trace_lone_ray(tree, ray, lone, hit);
+        (void)mlrt_trace_lone_ray(tree, lone, hit);
     } else {
-        mlrt_trace_by_ray(tree, ray, lone->any, lone->mask, lone->skip, counters ? &own : NULL, hit);
+        mlrt_trace_by_ray(tree, lone, counters ? &own : NULL, hit);
     }
     mlrt_leave_fp_environment(environment);
     if (counters) mlrt_add_counters(counters, &own);
@@ -348,49 +217,95 @@ static MLRT_NOINLINE int32_t trace_versioned_ray(const mlrt_tree *tree, const ml
     return status;
 }
 
+/* Sets what of a ray follows from options, which are plain; NULL = defaults. */
+MLRT_INLINE void set_lone_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                              struct mlrt_lone_ray *lone)
+{
+    lone->given_origin = ray->origin;
+    lone->given_direction = ray->direction;
+    lone->kernels = NULL;
+    lone->any = options ? options->query : 0;
+    lone->mask = options && options->mask ? options->mask : MLRT_MASK_ALL;
+    lone->skip = ray->flags ? mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle) : MLRT_NONE;
+}
+
+/* As mlrt_trace_ray, for any arguments. */
+static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray *ray,
+                                           const mlrt_trace_options *options, mlrt_hit *hit)
+{
+    struct mlrt_lone_ray lone;
+    if (!tree || !ray || !hit) return mlrt_fail_null("tree ray hit", !tree + 2 * !ray);
+    if (ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit ||
+        (options && options->struct_size != sizeof *options)) {
+        return trace_versioned_ray(tree, ray, options, hit);
+    }
+    if (ray->flags & ~(uint32_t)MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
+    set_lone_ray(tree, ray, options, &lone);
+    lone.t_min = ray->t_min;
+    lone.t_max = resolve_t_max(ray);
+    int is_plain = tree->structure->tracer.has_lone_kernels && (!options || mlrt_are_plain(options));
+    if (is_plain && options && options->isa) {
+        is_plain = (uint32_t)options->isa <= MLRT_ISA_AVX512;
+        if (is_plain) lone.kernels = mlrt_select_kernels(tree->structure, options->isa, MLRT_METHOD_DEFAULT, 0);
+        is_plain &= lone.kernels && lone.kernels->trace_ray;
+    }
+    if (!is_plain) return trace_as_call(tree, ray, options, &lone, hit);
+    const uint64_t environment = mlrt_enter_fp_environment();
+    mlrt_leave_after(mlrt_trace_lone_ray(tree, &lone, hit), environment);
+    return MLRT_OK;
+}
+
+/* Traces a ray of a usual call that meets the box of the scene. */
+static MLRT_NOINLINE int32_t trace_usual_ray(const mlrt_tree *tree, const mlrt_ray *ray,
+                                             const mlrt_trace_options *options, struct mlrt_lone_ray *lone,
+                                             uint64_t environment, mlrt_hit *hit)
+{
+    set_lone_ray(tree, ray, options, lone);
+    mlrt_trace_in_scene(tree, lone, hit);
+    mlrt_leave_fp_environment(environment);
+    return MLRT_OK;
+}
+
+/* Is this a call as most programs make it, for one ray through boxes whose unit is 1? A kd-tree has a unit of 0. */
+MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
+                              const mlrt_hit *hit)
+{
+    static const float one = 1; /* compared as bits, which takes fewer steps */
+    return tree && !memcmp(&tree->bvh.unit, &one, sizeof one) && ray && ray->struct_size == sizeof *ray && hit &&
+           hit->struct_size == sizeof *hit && ray->flags <= MLRT_RAY_SKIP &&
+           (!options || (options->struct_size == sizeof *options && !options->isa && mlrt_are_plain(options)));
+}
+
+/* Usual calls, in the environment of most programs, are told from others here, and rays that miss the scene end here. */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {
     struct mlrt_lone_ray lone;
-    if (MLRT_UNLIKELY(!tree || !ray || !hit)) return mlrt_fail_null("tree ray hit", !tree + 2 * !ray);
-    if (MLRT_UNLIKELY(ray->struct_size != sizeof *ray || hit->struct_size != sizeof *hit)) {
-        return trace_versioned_ray(tree, ray, options, hit);
+    uint64_t environment;
+    if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment))) {
+        return trace_any_ray(tree, ray, options, hit);
     }
-    lone.kernels = NULL;
-    lone.any = 0;
-    lone.mask = MLRT_MASK_ALL;
-    lone.skip = MLRT_NONE;
-    if (MLRT_UNLIKELY(ray->flags)) {
-        if (ray->flags != MLRT_RAY_SKIP) return mlrt_check_fields(MLRT_STRUCT_RAY, "ray", 0, ray);
-        lone.skip = mlrt_triangle_number(tree, ray->skip_mesh, ray->skip_triangle);
-    }
-    if (options) {
-        if (MLRT_UNLIKELY(options->struct_size != sizeof *options)) return trace_versioned_ray(tree, ray, options, hit);
-        lone.any = options->query;
-        if (options->mask) lone.mask = options->mask;
-        if (MLRT_UNLIKELY(!are_plain(options))) return trace_as_call(tree, ray, options, &lone, hit);
-        if (options->isa) {
-            lone.kernels = (uint32_t)options->isa <= MLRT_ISA_AVX512
-                               ? mlrt_select_kernels(tree->structure, options->isa, MLRT_METHOD_DEFAULT, 0)
-                               : NULL;
-            if (!lone.kernels || !lone.kernels->trace_ray) return trace_as_call(tree, ray, options, &lone, hit);
-        }
-    }
-    if (MLRT_UNLIKELY(!tree->structure->tracer.has_lone_kernels)) return trace_as_call(tree, ray, options, &lone, hit);
-    const uint64_t environment = mlrt_enter_fp_environment();
-    if (mlrt_trace_lone_ray(tree, ray, &lone, hit)) {
-        mlrt_leave_after_inexact(environment);
-    } else {
+    switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
+    case MLRT_LONE_RAY_QUIET_MISS:
+        mlrt_set_miss(options ? options->query : 0, hit);
+        return MLRT_OK;
+    case MLRT_LONE_RAY_MISSES:
+        mlrt_set_miss(options ? options->query : 0, hit);
         mlrt_leave_fp_environment(environment);
+        return MLRT_OK;
+    case MLRT_LONE_RAY_MAY_HIT:
+        return trace_usual_ray(tree, ray, options, &lone, environment, hit);
+    default:
+        mlrt_leave_fp_environment(environment); /* the comparisons may have raised flags */
+        return trace_any_ray(tree, ray, options, hit);
     }
-    return MLRT_OK;
 }
 
-static MLRT_NOINLINE int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
-                                           struct mlrt_job *job)
+static int32_t make_list_job(const mlrt_tree *tree, const mlrt_rays *rays, const struct mlrt_call *call,
+                             struct mlrt_job *job)
 {
     mlrt_make_ray_source(tree, rays, &job->source);
-    return resolve_options(tree, &call->options, job);
+    return resolve_options(tree, call->options, job);
 }
 
 MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *rays, const mlrt_trace_options *options,
@@ -401,14 +316,12 @@ MLRT_API int32_t mlrt_trace_all_hits(const mlrt_tree *tree, const mlrt_rays *ray
     mlrt_hit_lists own_lists;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = mlrt_take_rays(rays, &own_rays);
+    if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_HIT_LISTS, "lists", 0, lists, &own_lists);
-    if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !own_rays.count || call.run.counters);
+    if (status == MLRT_OK) status = mlrt_check_lists(&own_lists, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job = {.callback = NULL};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_list_job(tree, &own_rays, &call, &job);
-    mlrt_leave_fp_environment(environment);
+    struct mlrt_job job;
+    status = make_list_job(tree, rays, &call, &job);
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_all_hits(tree, &job.source, &own_lists, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -426,8 +339,6 @@ static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const s
         if (status != MLRT_OK) return status;
         jobs[i] = *job;
         jobs[i].any = 1;
-        jobs[i].callback = NULL;
-        jobs[i].light_count = 0;
         mlrt_set_light(&light, &jobs[i].source);
     }
     return MLRT_OK;
@@ -437,7 +348,7 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
                                              const struct mlrt_call *call, const mlrt_hits *frame, struct mlrt_job *job,
                                              struct mlrt_job light_jobs[MLRT_LIGHT_LIMIT])
 {
-    mlrt_trace_options options = call->options;
+    mlrt_trace_options options = *call->options;
     const mlrt_light *lights;
     uint32_t light_count;
     int32_t status = mlrt_make_view_source(camera, &job->source);
@@ -465,14 +376,16 @@ MLRT_API int32_t mlrt_render_tiles(const mlrt_tree *tree, const mlrt_camera *cam
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_CAMERA, "camera", 0, camera, &own_camera);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_FORM_FRAME, "frame", 0, frame, &own_frame);
     if (status == MLRT_OK) {
-        status = mlrt_check_hits("frame", &own_frame, &call.options, call.options.light_count != 0,
+        status = mlrt_check_hits("frame", &own_frame, call.options, call.options->light_count != 0,
                                  callback || call.run.counters);
     }
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    struct mlrt_job job = {.callback = callback, .user = user}, light_jobs[MLRT_LIGHT_LIMIT];
+    struct mlrt_job job, light_jobs[MLRT_LIGHT_LIMIT];
     const uint64_t environment = mlrt_enter_fp_environment();
     status = make_render_job(tree, &own_camera, &call, &own_frame, &job, light_jobs);
     mlrt_leave_fp_environment(environment);
+    job.callback = callback;
+    job.user = user;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }
@@ -521,14 +434,13 @@ MLRT_API int32_t mlrt_camera_rays(const mlrt_camera *camera, const mlrt_array *o
     return status;
 }
 
-static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
-                                            const struct mlrt_call *call, const mlrt_array *occluded,
-                                            struct mlrt_job *job)
+static int32_t make_light_job(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
+                              const struct mlrt_call *call, const mlrt_array *occluded, struct mlrt_job *job)
 {
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     mlrt_make_light_source(tree, points, light, &job->source);
     mlrt_make_sink(&hits, job->source.width, 1, &job->frame);
-    return resolve_options(tree, &call->options, job);
+    return resolve_options(tree, call->options, job);
 }
 
 MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *points, const mlrt_light *light,
@@ -542,15 +454,13 @@ MLRT_API int32_t mlrt_occluded_points(const mlrt_tree *tree, const mlrt_points *
     mlrt_light own_light;
     struct mlrt_call call;
     int32_t status = mlrt_take_options(options, &call);
-    if (status == MLRT_OK) status = mlrt_take_points(points, &own_points);
+    if (status == MLRT_OK) points = mlrt_take_points(points, &own_points, &status);
     if (status == MLRT_OK) status = mlrt_take_struct(MLRT_STRUCT_LIGHT, "light", 0, light, &own_light);
     if (status == MLRT_OK) status = mlrt_check_fields(MLRT_FORM_BYTES, "occluded", 0, occluded);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
-    call.options.query = MLRT_QUERY_ANY;
-    struct mlrt_job job = {.callback = NULL};
-    const uint64_t environment = mlrt_enter_fp_environment();
-    status = make_light_job(tree, &own_points, &own_light, &call, occluded, &job);
-    mlrt_leave_fp_environment(environment);
+    struct mlrt_job job;
+    status = make_light_job(tree, points, &own_light, &call, occluded, &job);
+    job.any = 1;
     if (status == MLRT_OK) status = mlrt_note_status(mlrt_run_job(&job, &call.run));
     return mlrt_end_traced(&call, status);
 }

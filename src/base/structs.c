@@ -91,6 +91,19 @@ int32_t mlrt_take_struct(int number, const char *path, size_t index, const void 
     return status == MLRT_OK ? mlrt_check_fields(number, path, index, own) : status;
 }
 
+const void *mlrt_see_struct(int number, const char *path, const void *given, void *own, int32_t *status)
+{
+    const struct mlrt_form *form = &mlrt_forms[number];
+    const void *seen = given;
+    if (MLRT_UNLIKELY(size_of(given) != form->own_size)) {
+        *status = mlrt_copy_struct(number, path, 0, given, own);
+        if (*status != MLRT_OK) return NULL;
+        seen = own;
+    }
+    *status = mlrt_check_fields(number, path, 0, seen);
+    return *status == MLRT_OK ? seen : NULL;
+}
+
 void mlrt_give_struct(const void *own, size_t own_size, void *given)
 {
     const size_t size = size_of(given), known = size < own_size ? size : own_size;
@@ -103,12 +116,6 @@ void mlrt_give_struct(const void *own, size_t own_size, void *given)
 static const void *place_of(const struct mlrt_field *field, const void *own)
 {
     return (const unsigned char *)own + field->offset;
-}
-
-/* Does an array keep the rules of mlrt_check_array? */
-MLRT_INLINE int is_right(const void *data, size_t stride, size_t unit, size_t least)
-{
-    return !data || (((((uintptr_t)data | stride) & (unit - 1)) == 0) & (stride - least <= MLRT_STRIDE_LIMIT - least));
 }
 
 /* Bytes of which addresses and strides of an output are multiples. */
@@ -151,14 +158,16 @@ static const struct mlrt_field *find_wrong_field(const struct mlrt_field *field,
     }
     for (; field < end && field->kind == MLRT_FIELD_INPUT; ++field) {
         const mlrt_const_array *array = place_of(field, own);
-        if (!is_right(array->data, array->stride == MLRT_STRIDE_ALL ? 0 : array->stride, 4, 0)) return field;
+        if (!array->data) continue;
+        if (!mlrt_is_right_array(array->data, array->stride == MLRT_STRIDE_ALL ? 0 : array->stride, 4, 0)) return field;
     }
     for (; field < end; ++field) {
         const mlrt_array *array = place_of(field, own);
         if (!array->data) continue;
         const size_t unit = unit_of_output(field);
-        if (!is_right(array->data, array->stride ? array->stride : field->most, unit, field->most)) return field;
-        if (has_rows && !is_right(array->data, array->row_stride, unit, 0)) return field;
+        if (!mlrt_is_right_array(array->data, array->stride ? array->stride : field->most, unit, field->most))
+            return field;
+        if (has_rows && !mlrt_is_right_array(array->data, array->row_stride, unit, 0)) return field;
     }
     return end;
 }
@@ -195,7 +204,8 @@ int32_t mlrt_check_array(const char *path, size_t index, const char *field, cons
                          size_t unit, size_t least)
 {
     const struct place place = {path, index, field, MLRT_ERROR_ARGUMENT};
-    return is_right(data, stride, unit, least) ? MLRT_OK : fail_array(&place, "stride ", data, stride, unit, least);
+    return mlrt_is_right_array(data, stride, unit, least) ? MLRT_OK
+                                                          : fail_array(&place, "stride ", data, stride, unit, least);
 }
 
 static int32_t fail_output(const struct place *place, const struct mlrt_field *field, const mlrt_array *array)
@@ -205,7 +215,7 @@ static int32_t fail_output(const struct place *place, const struct mlrt_field *f
         return mlrt_fail_at(place->status, place->path, place->index, place->field,
                             "MLRT_STRIDE_ALL in an array with an element for each result");
     }
-    const int is_row = is_right(array->data, stride, unit, size);
+    const int is_row = mlrt_is_right_array(array->data, stride, unit, size);
     return fail_array(place, is_row ? "row stride " : "stride ", array->data, is_row ? array->row_stride : stride, unit,
                       is_row ? 0 : size);
 }

@@ -21,7 +21,13 @@
  */
 int32_t mlrt_take_struct(int form, const char *path, size_t index, const void *given, void *own);
 
-/* The same without the rules, for structs that say where messages go. */
+/*
+ * As mlrt_take_struct, but copies only a struct of another size than this version's. Returns the struct that was
+ * checked, `given` or `own`, and sets *status. Returns NULL unless that is MLRT_OK.
+ */
+const void *mlrt_see_struct(int form, const char *path, const void *given, void *own, int32_t *status);
+
+/* As mlrt_take_struct, without the rules, for structs that say where messages go. */
 int32_t mlrt_copy_struct(int form, const char *path, size_t index, const void *given, void *own);
 
 /* Checks the fields of a struct of this version. Returns MLRT_OK, or the status of the form. */
@@ -39,6 +45,12 @@ int32_t mlrt_check_equal_sizes(const char *path, size_t index, const void *first
  */
 int32_t mlrt_check_array(const char *path, size_t index, const char *field, const void *data, size_t stride,
                          size_t unit, size_t least);
+
+/* Does an array keep these rules? `unit` may be a constant. */
+static inline int mlrt_is_right_array(const void *data, size_t stride, size_t unit, size_t least)
+{
+    return ((((uintptr_t)data | stride) & (unit - 1)) == 0) & (stride - least <= MLRT_STRIDE_LIMIT - least);
+}
 
 /* Copies *own to a caller's struct: the fields that it has, and 0 to those that this version does not know. */
 void mlrt_give_struct(const void *own, size_t own_size, void *given);

@@ -97,6 +97,12 @@ static inline int mlrt_is_small(const struct mlrt_job *job)
     return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
 }
 
+/* Are the rays one block of a list? Then no bundle is made of them. */
+static inline int mlrt_is_block(const struct mlrt_job *job)
+{
+    return job->source.kind != MLRT_SOURCE_CAMERA && job->source.count <= MLRT_PACKET_RAYS;
+}
+
 /* The state of one worker, in cache lines of its own. */
 struct mlrt_worker {
     MLRT_ALIGNED(64) mlrt_counters counters;

@@ -6,8 +6,10 @@
 #include "job/write_arrays.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
+#include "rays/lone_ray.h"
 #include "simd/quad.h"
 #include "scene/masks.h"
 
@@ -84,16 +86,16 @@ void mlrt_group_channels(struct mlrt_sink *sink)
 
 void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, struct mlrt_sink *sink)
 {
-    const mlrt_array *const arrays[MLRT_CHANNEL_COUNT] = {&hits->t,        &hits->u,      &hits->v,       &hits->mesh,
-                                                          &hits->triangle, &hits->facing, &hits->occluded};
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
-        const mlrt_array *array = arrays[c];
+    const unsigned char *const arrays = (const unsigned char *)hits + offsetof(mlrt_hits, t);
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) { /* the arrays lie in the order of channels */
+        const mlrt_array *array = (const mlrt_array *)(const void *)(arrays + c * sizeof *array);
+        sink->channel[c].data = array->data;
+        if (!array->data) continue;
         const size_t stride = array->stride ? array->stride : mlrt_channel_size((enum mlrt_channel)c);
         const size_t row_stride = packed_rows || !array->row_stride ? stride * width : array->row_stride;
         sink->channel[c] = (struct mlrt_image){array->data, stride, row_stride};
     }
     sink->x = sink->y = 0;
-    mlrt_group_channels(sink);
 }
 
 int mlrt_sink_is_empty(const struct mlrt_sink *sink)
@@ -127,13 +129,13 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *triangle = number - tree->meshes.first[position];
 }
 
-void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
+void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
 {
     struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
     if (number != MLRT_NONE) {
         struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
-        memcpy(segment.origin, ray->origin, sizeof segment.origin);
-        memcpy(segment.direction, ray->direction, sizeof segment.direction);
+        memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
+        memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
         mlrt_report_hit(&segment, &triangle, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
     }
@@ -142,6 +144,19 @@ void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t nu
     hit->u = report.u;
     hit->v = report.v;
     hit->facing = report.facing;
+}
+
+void mlrt_write_hits(const mlrt_hit *hits, uint32_t count, const struct mlrt_sink *sink)
+{
+    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
+        const size_t stride = sink->channel[c].stride;
+        unsigned char *at = sink->channel[c].data;
+        const unsigned char *value = (const unsigned char *)&hits->t + 4 * c;
+        for (uint32_t i = 0; at && i < count; ++i) memcpy(at + i * stride, value + i * sizeof *hits, 4);
+    }
+    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    unsigned char *at = sink->channel[MLRT_CHANNEL_OCCLUDED].data;
+    for (uint32_t i = 0; at && i < count; ++i) at[i * stride] = (uint8_t)hits[i].occluded;
 }
 
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray)

@@ -59,8 +59,8 @@ struct mlrt_packet_values {
 };
 
 /*
- * Makes a sink of arrays that were checked, for a frame of `width` columns. `packed_rows`: rows follow each other
- * without gaps, and the arrays' row_stride is ignored (lists of rays).
+ * Sets the channels of a sink: arrays that were checked, for a frame of `width` columns. `packed_rows`: rows follow each
+ * other without gaps, and the arrays' row_stride is ignored (lists of rays).
  */
 void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, struct mlrt_sink *sink);
 
@@ -125,7 +125,13 @@ uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
 /* Sets the ids of triangle `number`; those of a miss for MLRT_NONE. */
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
 
+/* rays/lone_ray.h */
+struct mlrt_lone_ray;
+
 /* Sets all of a hit but `occluded`, for triangle `number`; a miss for MLRT_NONE. */
-void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit);
+void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit);
+
+/* Writes the hits of the first rays of a list, `count` of them, to all channels. */
+void mlrt_write_hits(const mlrt_hit *hits, uint32_t count, const struct mlrt_sink *sink);
 
 #endif

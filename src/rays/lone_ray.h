@@ -23,6 +23,9 @@ struct mlrt_lone_ray {
     uint32_t mask;
     uint32_t skip; /* the number of a triangle that the ray passes through, or MLRT_NONE */
     int any;       /* any hit will do */
+    /* The vectors as they were given. They stay until the ray is traced. */
+    const float *given_origin;
+    const float *given_direction;
 };
 
 #endif

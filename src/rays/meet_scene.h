@@ -34,19 +34,20 @@ enum mlrt_lone_ray_kind {
  * Are the limits of a ray no NaNs, and is the magnitude of t_max 0, infinite, or 2^-40 .. 2^126? As integers, without
  * signs, floats are in order and NaNs are above infinity.
  */
-MLRT_INLINE int has_quiet_limits(const mlrt_ray *ray)
+MLRT_INLINE int has_quiet_limits(float given_t_min, float given_t_max)
 {
     const uint32_t infinity = 0xFF000000u, least = 2 * 0x2B800000u, greatest = 2 * 0x7E800000u;
     uint32_t t_min, t_max;
-    memcpy(&t_min, &ray->t_min, sizeof t_min);
-    memcpy(&t_max, &ray->t_max, sizeof t_max);
+    memcpy(&t_min, &given_t_min, sizeof t_min);
+    memcpy(&t_max, &given_t_max, sizeof t_max);
     t_min *= 2;
     t_max *= 2;
-    return t_min <= infinity && (t_max == 0 || t_max == infinity || (t_max >= least && t_max <= greatest));
+    return t_min <= infinity && (t_max == infinity || t_max == 0 || (t_max >= least && t_max <= greatest));
 }
 
 /*
- * Compares a ray with the box of all triangles, and sets the numbers of *ray if it may hit one.
+ * Compares a ray with the box of all triangles, and sets the numbers of *ray if it may hit one; of the vectors as given
+ * it sets nothing.
  *
  * Along each axis the ray is between the planes of the box from t = near to far, each with three roundings, and 2^-149
  * where it underflows. If the ray meets the box, the true near is at most the true far, so as computed
@@ -59,26 +60,26 @@ MLRT_INLINE int has_quiet_limits(const mlrt_ray *ray)
  * difference from a plane is 0 or at least 2^-64, half of a unit in the last place of 2^-40, and at most 2^63 or
  * infinite. So products are 0, infinite, or 2^-104 .. 2^103, and nothing overflows, underflows, is divided by 0 or a NaN.
  */
-MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const mlrt_ray *given, const struct mlrt_box *box,
+MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *box, const float given_origin[3],
+                                                       const float given_direction[3], float given_t_min, float t_max,
                                                        struct mlrt_lone_ray *ray)
 {
-    const f4 origin = f4_three(given->origin);
-    const f4 direction = f4_add(f4_three(given->direction), f4_set1(0)); /* -0 becomes 0 */
+    const f4 origin = f4_three(given_origin);
+    const f4 direction = f4_add(f4_three(given_direction), f4_set1(0)); /* -0 becomes 0 */
     const int is_usual = f4_are_within(origin, direction, 0x1p-40f, 0x1p40f);
     if (MLRT_UNLIKELY(!is_usual) && (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
                                      f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
         return MLRT_LONE_RAY_NOT_CARRIED;
     }
-    const float t_max = given->t_max == 0 ? INFINITY : given->t_max;
     const f4 reciprocal = f4_div(f4_set1(1), direction);
     const f4 to_lo = f4_mul(f4_sub(mlrt_load_three(box->lo), origin), reciprocal);
     const f4 to_hi = f4_mul(f4_sub(mlrt_load_three(box->hi), origin), reciprocal);
-    const f4 near = f4_max(f4_min(to_hi, to_lo), f4_set1(given->t_min));
+    const f4 near = f4_max(f4_min(to_hi, to_lo), f4_set1(given_t_min));
     const f4 far = f4_min(f4_max(to_lo, to_hi), f4_set1(t_max < 0x1p126f ? t_max : 0x1p126f));
     if (f4_hmax(near) > f4_hmin(far) * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f) {
-        return is_usual && has_quiet_limits(given) ? MLRT_LONE_RAY_QUIET_MISS : MLRT_LONE_RAY_MISSES;
+        return is_usual && has_quiet_limits(given_t_min, t_max) ? MLRT_LONE_RAY_QUIET_MISS : MLRT_LONE_RAY_MISSES;
     }
-    const float t_min = given->t_min < 0 ? 0 : given->t_min;
+    const float t_min = given_t_min < 0 ? 0 : given_t_min;
     if (!(t_min < t_max) || f4_zeros(direction) == 15) return MLRT_LONE_RAY_MISSES;
     f4_store(ray->origin, origin);
     f4_store(ray->direction, direction);

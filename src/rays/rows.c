@@ -65,10 +65,18 @@ static uint32_t find_period(const mlrt_const_array *vectors, uint32_t count)
     return length;
 }
 
+static MLRT_NOINLINE uint32_t find_row_length(const struct mlrt_source *rays)
+{
+    const int directions_are_equal =
+        step_length(&rays->arrays.directions, 0, 1) == 0 && step_length(&rays->arrays.directions, 1, 2) == 0;
+    return find_period(directions_are_equal ? &rays->arrays.points : &rays->arrays.directions, rays->count);
+}
+
 uint32_t mlrt_find_row_length(const struct mlrt_source *rays)
 {
-    const mlrt_const_array *points = &rays->arrays.points, *directions = &rays->arrays.directions;
     if (rays->count < FEWEST_ROWS * SHORTEST_ROW || rays->arrays.rays_per_origin > 1) return 0;
-    const int directions_are_equal = step_length(directions, 0, 1) == 0 && step_length(directions, 1, 2) == 0;
-    return find_period(directions_are_equal ? points : directions, rays->count);
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const uint32_t length = find_row_length(rays);
+    mlrt_leave_fp_environment(environment);
+    return length;
 }

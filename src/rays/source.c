@@ -23,14 +23,6 @@ static mlrt_const_array resolve_array(const mlrt_const_array *array, size_t elem
     return (mlrt_const_array){array->data, stride};
 }
 
-void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
-{
-    source->width = row_length && source->arrays.rays_per_origin <= 1 ? row_length : 4;
-    const uint32_t widest = source->count > 4 ? source->count : 4;
-    if (source->width > widest) source->width = widest;
-    source->height = source->count / source->width + (source->count % source->width != 0);
-}
-
 /* 1 if the elements of two arrays lie within 63 bytes of each other, as in one struct. */
 static int lie_together(const mlrt_const_array *array, const mlrt_const_array *other)
 {
@@ -38,12 +30,14 @@ static int lie_together(const mlrt_const_array *array, const mlrt_const_array *o
     return array->stride == other->stride && apart + 63 <= 126;
 }
 
-/* Finds the arrays that are prefetched: those with an element for each ray; of those that lie together, the first. */
+/*
+ * Finds the arrays that are prefetched, of which there are none so far: those with an element for each ray; of those
+ * that lie together, the first.
+ */
 static void find_streams(struct mlrt_ray_arrays *arrays)
 {
     const mlrt_const_array *const each[5] = {&arrays->points, &arrays->directions, &arrays->t_max, &arrays->t_min,
                                              &arrays->skip};
-    arrays->stream_count = 0;
     for (int i = 0; i < 5; ++i) {
         if (!each[i]->data || !each[i]->stride) continue;
         uint32_t j = 0;
@@ -52,9 +46,19 @@ static void find_streams(struct mlrt_ray_arrays *arrays)
     }
 }
 
+void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
+{
+    source->arrays.stream_count = 0;
+    source->width = 4;
+    source->height = (source->count + 3) / 4;
+    if (!row_length || source->arrays.rays_per_origin > 1 || source->count <= MLRT_PACKET_RAYS) return;
+    source->width = row_length < source->count ? row_length : source->count;
+    source->height = source->count / source->width + (source->count % source->width != 0);
+    if (source->width > 4) find_streams(&source->arrays);
+}
+
 static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
 {
-    find_streams(&source->arrays);
     source->count = (uint32_t)count;
     mlrt_set_rows(row_length, source);
 }
@@ -62,7 +66,9 @@ static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_le
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_CAMERA;
-    source->arrays = (struct mlrt_ray_arrays){.rays_per_origin = 1};
+    source->arrays.rays_per_origin = 1;
+    source->arrays.mask.data = NULL;
+    source->arrays.stream_count = 0;
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
     source->width = source->view.width;
@@ -75,13 +81,13 @@ void mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, s
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
-    source->arrays = (struct mlrt_ray_arrays){.points = resolve_array(&rays->origins, 12),
-                                              .directions = resolve_array(&rays->directions, 12),
-                                              .t_min = resolve_array(&rays->t_min, 4),
-                                              .t_max = resolve_array(&rays->t_max, 4),
-                                              .skip = resolve_array(&rays->skip, 8),
-                                              .mask = resolve_array(&rays->mask, 4),
-                                              .rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1};
+    source->arrays.rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1;
+    source->arrays.points = resolve_array(&rays->origins, 12);
+    source->arrays.directions = resolve_array(&rays->directions, 12);
+    source->arrays.t_min = resolve_array(&rays->t_min, 4);
+    source->arrays.t_max = resolve_array(&rays->t_max, 4);
+    source->arrays.skip = resolve_array(&rays->skip, 8);
+    source->arrays.mask = resolve_array(&rays->mask, 4);
     set_extent(source, rays->count, rays->row_length);
 }
 
@@ -95,9 +101,12 @@ void mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *poi
                             struct mlrt_source *source)
 {
     mlrt_set_light(light, source);
+    source->arrays.directions.data = source->arrays.t_min.data = source->arrays.t_max.data = source->arrays.mask.data =
+        NULL;
     source->tree = tree;
-    source->arrays = (struct mlrt_ray_arrays){
-        .points = resolve_array(&points->positions, 12), .skip = resolve_array(&points->skip, 8), .rays_per_origin = 1};
+    source->arrays.rays_per_origin = 1;
+    source->arrays.points = resolve_array(&points->positions, 12);
+    source->arrays.skip = resolve_array(&points->skip, 8);
     set_extent(source, points->count, points->row_length);
 }
 
@@ -154,11 +163,10 @@ MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
     return MLRT_LIKELY(group == 1) ? i : i / group;
 }
 
-/* The number of the triangle that ray i passes through, or MLRT_NONE. */
-static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
+/* The number of the triangle that an element of `skip` names, or MLRT_NONE. */
+static uint32_t skip_at(const struct mlrt_source *source, uint32_t element)
 {
     if (!source->arrays.skip.data) return MLRT_NONE;
-    const uint32_t element = element_of_ray(i, source->arrays.rays_per_origin);
     const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->arrays.skip, element);
     return mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
@@ -178,20 +186,42 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
                           : mlrt_make_segment(view->eye, p, view->t_min, view->t_max, ray);
 }
 
-/* Ray i of arrays. */
-static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray)
+void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray)
 {
-    const struct mlrt_ray_arrays *arrays = &source->arrays;
-    const uint32_t origin = element_of_ray(i, arrays->rays_per_origin);
-    const float *point = float_at(&arrays->points, origin);
+    const uint32_t origin = element_of_ray(i, source->arrays.rays_per_origin);
+    const float *point = float_at(&source->arrays.points, origin);
+    ray->given_origin = point;
+    ray->given_direction = source->light;
+    ray->t_min = 0;
+    ray->t_max = INFINITY;
+    ray->skip = skip_at(source, origin);
+    ray->mask = mask_at(source, i);
     if (source->kind == MLRT_SOURCE_RAYS) {
-        return mlrt_make_segment(point, float_at(&arrays->directions, i),
-                                 arrays->t_min.data ? *float_at(&arrays->t_min, origin) : 0,
-                                 arrays->t_max.data ? *float_at(&arrays->t_max, i) : INFINITY, ray);
+        ray->given_direction = float_at(&source->arrays.directions, i);
+        if (source->arrays.t_min.data) ray->t_min = *float_at(&source->arrays.t_min, origin);
+        if (source->arrays.t_max.data) ray->t_max = *float_at(&source->arrays.t_max, i);
+    } else if (source->kind == MLRT_SOURCE_POINT_LIGHT) {
+        for (int k = 0; k < 3; ++k) room[k] = point[k] - source->light[k];
+        ray->given_origin = source->light;
+        ray->given_direction = room;
+        ray->t_max = 1;
     }
-    if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return mlrt_make_segment(point, source->light, 0, INFINITY, ray);
-    const float direction[3] = {point[0] - source->light[0], point[1] - source->light[1], point[2] - source->light[2]};
-    return mlrt_make_segment(source->light, direction, 0, 1, ray);
+}
+
+int mlrt_are_alike(const struct mlrt_source *source)
+{
+    if (source->kind != MLRT_SOURCE_RAYS) return 1;
+    const float *first = float_at(&source->arrays.points, 0);
+    uint32_t all = 0, common = 7;
+    int have_origin = 1;
+    for (uint32_t i = 0; i < source->count; ++i) {
+        const uint32_t signs = f4_signs(f4_three(float_at(&source->arrays.directions, i))) & 7;
+        const float *point = float_at(&source->arrays.points, element_of_ray(i, source->arrays.rays_per_origin));
+        have_origin &= memcmp(point, first, 12) == 0;
+        all |= signs;
+        common &= signs;
+    }
+    return have_origin || all == common;
 }
 
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray, uint32_t *skip)
@@ -204,10 +234,12 @@ int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struc
     }
     const uint64_t position = (uint64_t)y * source->width + x;
     if (position >= source->count) return 0;
-    const uint32_t i = (uint32_t)position;
-    if (skip) *skip = skip_at(source, i);
-    if (!get_array_ray(source, i, ray)) return 0;
-    ray->mask = mask_at(source, i);
+    struct mlrt_lone_ray given;
+    float room[3];
+    mlrt_read_ray(source, (uint32_t)position, room, &given);
+    if (skip) *skip = given.skip;
+    if (!mlrt_make_segment(given.given_origin, given.given_direction, given.t_min, given.t_max, ray)) return 0;
+    ray->mask = given.mask;
     return 1;
 }
 
@@ -230,11 +262,6 @@ MLRT_INLINE uint32_t element_of_lane(const struct block *block, uint32_t lane)
     return block->first + (block->lanes >> lane & 1 ? row * block->row_length + column : 0);
 }
 
-MLRT_INLINE int is_whole(const struct block *block)
-{
-    return block->lanes == 0xFFFF;
-}
-
 /* Stores two rows of a block, an even one and the next, in the order of lanes: as two squares of 2x2. */
 MLRT_INLINE void put_rows(f4 even, f4 odd, void *lanes)
 {
@@ -248,18 +275,34 @@ struct row {
     size_t step;
 };
 
+/* The lanes of each row of a block. */
+static const uint16_t lanes_of_row[4] = {0x0033, 0x00CC, 0x3300, 0xCC00};
+
 /*
- * 1 if the rows of a block can be read as struct row: all lanes exist, and if an element serves several rays, whole
- * rows share one.
+ * A row of which lanes are cut off, or where rays share elements and not whole rows do. Copies its elements, which have
+ * `word_count` words, to `room`. Without lanes it has the block's first element four times.
  */
-MLRT_INLINE int has_rows(const struct block *block, uint32_t group)
+static MLRT_NOINLINE struct row row_of_odd_block(const mlrt_const_array *array, const struct block *block,
+                                                 uint32_t group, uint32_t row, uint32_t word_count, float room[4][4])
 {
-    return MLRT_LIKELY(is_whole(block) && group % 4 <= (group == 1));
+    const struct row first = {(const unsigned char *)float_at(array, element_of_ray(block->first, group)), 0};
+    if (!(block->lanes & lanes_of_row[row])) return first;
+    for (uint32_t column = 0; column < 4; ++column) {
+        const uint32_t lane = (column & 1) | (row & 1) << 1 | (column & 2) << 1 | (row & 2) << 2;
+        const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
+        for (uint32_t k = 0; k < word_count; ++k) memcpy(&room[column][k], element + k, 4);
+    }
+    return (struct row){(const unsigned char *)room, sizeof *room};
 }
 
+/* A row of a block in an array that has an element of `word_count` words for each `group` rays. `room` may be used. */
 MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct block *block, uint32_t group,
-                                    uint32_t row)
+                                    uint32_t row, uint32_t word_count, float room[4][4])
 {
+    const uint32_t lanes = lanes_of_row[row];
+    if (MLRT_UNLIKELY((block->lanes & lanes) != lanes || group % 4 > (group == 1))) {
+        return row_of_odd_block(array, block, group, row, word_count, room);
+    }
     const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
     return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
 }
@@ -292,27 +335,14 @@ MLRT_INLINE void load_row(struct row row, int word_count, f4 words[3])
 }
 
 /* Reads the elements of a block: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
-static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
-                        unsigned char *const *words)
-{
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
-        const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
-        for (int k = 0; k < word_count; ++k) memcpy(words[k] + 4 * lane, element + k, 4);
-    }
-}
-
-/* Likewise, by rows where that is possible. */
 MLRT_INLINE void fetch_words(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
                              unsigned char *const *words)
 {
-    if (!has_rows(block, group)) {
-        fetch_lanes(array, block, group, word_count, words);
-        return;
-    }
+    float room[4][4];
     for (uint32_t row = 0; row < 4; row += 2) {
         f4 even[3], odd[3];
-        load_row(row_of_block(array, block, group, row), word_count, even);
-        load_row(row_of_block(array, block, group, row + 1), word_count, odd);
+        load_row(row_of_block(array, block, group, row, (uint32_t)word_count, room), word_count, even);
+        load_row(row_of_block(array, block, group, row + 1, (uint32_t)word_count, room), word_count, odd);
         for (int k = 0; k < word_count; ++k) put_rows(even[k], odd[k], words[k] + 16 * row);
     }
 }
@@ -411,12 +441,11 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         return;
     }
     if (source->kind == MLRT_SOURCE_RAYS) {
-        const struct mlrt_ray_arrays *arrays = &source->arrays;
-        packet->has_limits = arrays->t_min.data || arrays->t_max.data;
-        fetch_vectors(&arrays->points, &block, arrays->rays_per_origin, packet->origin);
-        fetch_vectors(&arrays->directions, &block, 1, packet->direction);
-        fetch_numbers(&arrays->t_min, &block, arrays->rays_per_origin, 0, packet->t_min);
-        fetch_numbers(&arrays->t_max, &block, 1, INFINITY, packet->t_max);
+        packet->has_limits = source->arrays.t_min.data || source->arrays.t_max.data;
+        fetch_vectors(&source->arrays.points, &block, source->arrays.rays_per_origin, packet->origin);
+        fetch_vectors(&source->arrays.directions, &block, 1, packet->direction);
+        fetch_numbers(&source->arrays.t_min, &block, source->arrays.rays_per_origin, 0, packet->t_min);
+        fetch_numbers(&source->arrays.t_max, &block, 1, INFINITY, packet->t_max);
     } else {
         fetch_light_rays(source, &block, packet);
     }
@@ -435,13 +464,12 @@ void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet)
 
 uint32_t mlrt_lanes_of_list(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes)
 {
-    static const uint16_t rows[4] = {0x0033, 0x00CC, 0x3300, 0xCC00}, columns[4] = {0x0505, 0x0A0A, 0x5050, 0xA0A0};
     uint32_t inside = 0;
     for (uint32_t row = 0; row < 4; ++row) {
         const uint64_t first = (y + (uint64_t)row) * source->width + x;
-        for (uint32_t column = 0; column < 4 && first + column < source->count; ++column) {
-            inside |= rows[row] & columns[column];
-        }
+        if (first >= source->count) break;
+        const uint64_t left = source->count - first;
+        inside |= lanes_of_row[row] & mlrt_block_lanes(left < 4 ? (uint32_t)left : 4, 4);
     }
     return lanes & inside;
 }

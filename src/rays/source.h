@@ -11,6 +11,7 @@
 
 #include "exact/predicate.h"
 #include "rays/camera.h"
+#include "rays/lone_ray.h"
 #include "rays/packet.h"
 #include "scene/tree.h"
 
@@ -63,7 +64,10 @@ void mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *poi
 /* Sets kind and light of a source. */
 void mlrt_set_light(const mlrt_light *light, struct mlrt_source *source);
 
-/* Cuts the rays of arrays into rows of this length. If it is 0, or rays_per_origin is not 1, they are a list. */
+/*
+ * Cuts the rays of arrays into rows of this length. If it is 0, or rays_per_origin is not 1, or the rays fit into one
+ * packet, they are a list.
+ */
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source);
 
 /* The numbers of a mesh's triangles. */
@@ -84,6 +88,15 @@ uint32_t mlrt_triangle_number(const struct mlrt_tree *tree, uint32_t mesh_id, ui
  */
 int mlrt_get_ray(const struct mlrt_source *source, uint32_t x, uint32_t y, struct mlrt_ray_segment *ray,
                  uint32_t *skip);
+
+/*
+ * Reads ray i of arrays, as it was given: vectors, limits, mask and skip of *ray. `room` holds a vector that is in no
+ * array.
+ */
+void mlrt_read_ray(const struct mlrt_source *source, uint32_t i, float room[3], struct mlrt_lone_ray *ray);
+
+/* Have rays of arrays, of which there is one at least, one origin, or directions with the same signs? */
+int mlrt_are_alike(const struct mlrt_source *source);
 
 /* 1 if float arithmetic carries the vector, or the ray, without overflow or loss (packet.h). */
 int mlrt_are_float_safe(const float vector[3]);

@@ -5,52 +5,40 @@
  */
 #include "run/lone_ray.h"
 
-#include <math.h>
-
 #include "job/job.h"
 #include "rays/meet_scene.h"
 #include "run/dispatch.h"
 #include "scene/tree.h"
 
-static float limit_of(const mlrt_ray *ray)
-{
-    return ray->t_max == 0 ? INFINITY : ray->t_max;
-}
-
-/* Sets the fields of a hit that the query writes, for a miss. */
-MLRT_INLINE void set_miss(int any, mlrt_hit *hit)
-{
-    hit->occluded = 0;
-    if (any) return;
-    hit->t = INFINITY;
-    hit->u = hit->v = 0;
-    hit->mesh = hit->triangle = MLRT_NONE;
-    hit->facing = 0;
-}
-
 /* Likewise for triangle `number` or MLRT_NONE. */
-static void set_result(const mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, int any, mlrt_hit *hit)
+static void set_result(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
 {
     if (number == MLRT_NONE) {
-        set_miss(any, hit);
+        mlrt_set_miss(ray->any, hit);
         return;
     }
     hit->occluded = 1;
-    if (!any) mlrt_set_hit(tree, ray, number, hit);
+    if (!ray->any) mlrt_set_hit(tree, ray, number, hit);
 }
 
-void mlrt_trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
-                       mlrt_counters *counters, mlrt_hit *hit)
+/* Sets a ray as it is traced in double. Returns 0 if it can hit nothing. */
+static int get_segment(const struct mlrt_lone_ray *ray, struct mlrt_ray_segment *segment)
+{
+    if (!mlrt_make_segment(ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, segment)) return 0;
+    segment->mask = ray->mask;
+    return 1;
+}
+
+void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_counters *counters, mlrt_hit *hit)
 {
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
     if (counters) ++counters->ray_count;
-    if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, limit_of(ray), &segment)) {
-        segment.mask = mask;
+    if (get_segment(ray, &segment)) {
         if (counters) ++counters->packet_count;
-        number = tree->structure->tracer.trace_ray(tree, &segment, skip, any, NULL, counters);
+        number = tree->structure->tracer.trace_ray(tree, &segment, ray->skip, ray->any, NULL, counters);
     }
-    set_result(tree, ray, number, any, hit);
+    set_result(tree, ray, number, hit);
 }
 
 static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct mlrt_lone_ray *ray)
@@ -61,54 +49,90 @@ static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct
 /* These, too, return 1 if no flag but inexact was raised. */
 
 /* Traces one ray in double. */
-static MLRT_NOINLINE int trace_in_double(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
-                                         mlrt_hit *hit)
+static MLRT_NOINLINE int trace_in_double(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    mlrt_trace_by_ray(tree, given, ray->any, ray->mask, ray->skip, NULL, hit);
+    mlrt_trace_by_ray(tree, ray, NULL, hit);
     return 0;
 }
 
 /* Traces one ray through boxes whose unit is not 1. */
-static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
-                                        mlrt_hit *hit)
+static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     struct mlrt_ray_segment segment;
     uint32_t number = MLRT_NONE;
-    if (tree->bvh.node_count > 0 &&
-        mlrt_make_segment(given->origin, given->direction, given->t_min, limit_of(given), &segment)) {
-        segment.mask = ray->mask;
-        if (!kernels_of(tree, ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
-            return trace_in_double(tree, given, ray, hit);
-        }
+    if (tree->bvh.node_count > 0 && get_segment(ray, &segment) &&
+        !kernels_of(tree, ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
+        return trace_in_double(tree, ray, hit);
     }
-    set_result(tree, given, number, ray->any, hit);
+    set_result(tree, ray, number, hit);
     return 0;
 }
 
-/* Traces one ray that meets the box of the scene. */
-static MLRT_NOINLINE int trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
-                                        mlrt_hit *hit)
+void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(tree, ray)->trace_ray(tree, ray) : MLRT_NONE;
-    set_result(tree, given, number, ray->any, hit);
-    return 0;
+    set_result(tree, ray, number, hit);
 }
 
-int mlrt_trace_lone_ray(const mlrt_tree *tree, const mlrt_ray *given, struct mlrt_lone_ray *ray, mlrt_hit *hit)
+int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
-        return trace_in_units(tree, given, ray, hit);
-    }
-    switch (mlrt_take_lone_ray(given, &tree->bvh.whole, ray)) {
+    if (MLRT_UNLIKELY(tree->bvh.unit != 1)) return trace_in_units(tree, ray, hit);
+    switch (
+        mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray)) {
     case MLRT_LONE_RAY_MAY_HIT:
-        return trace_in_scene(tree, given, ray, hit);
+        mlrt_trace_in_scene(tree, ray, hit);
+        return 0;
     case MLRT_LONE_RAY_NOT_CARRIED:
-        return trace_in_double(tree, given, ray, hit);
+        return trace_in_double(tree, ray, hit);
     case MLRT_LONE_RAY_QUIET_MISS:
-        set_miss(ray->any, hit);
+        mlrt_set_miss(ray->any, hit);
         return 1;
     default:
-        set_miss(ray->any, hit);
+        mlrt_set_miss(ray->any, hit);
         return 0;
     }
+}
+
+/*
+ * Rays that are alike are traced together if there are more than FEWEST_ALIKE, others if there are more than
+ * FEWEST_OTHERS and the tree has few nodes. Nanoseconds of a call one by one and together (AVX-512, t and triangles):
+ * pixels of erw6, 5 rays 704, 720, 8 rays 1090, 626; rays in all directions in erw6, 8 rays 1146, 1150, 12 rays 1570,
+ * 1232; among 10,000 triangles in a cube, 12 rays 4183, 4882, 16 rays 5665, 6154.
+ */
+#define FEWEST_ALIKE  6
+#define FEWEST_OTHERS 8
+#define FEW_NODES     64
+
+/* Is it faster to trace the rays together? Those that miss the scene are not. *ray is used up. */
+static int should_go_together(const struct mlrt_job *job, struct mlrt_lone_ray *ray)
+{
+    const struct mlrt_source *source = &job->source;
+    float room[3];
+    if (source->count <= FEWEST_ALIKE) return 0;
+    if (!mlrt_are_alike(source) && (source->count <= FEWEST_OTHERS || job->tree->bvh.node_count > FEW_NODES)) {
+        return 0;
+    }
+    mlrt_read_ray(source, 0, room, ray);
+    return job->tree->bvh.unit != 1 ||
+           mlrt_take_lone_ray(&job->tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max,
+                              ray) == MLRT_LONE_RAY_MAY_HIT;
+}
+
+int mlrt_trace_few_rays(const struct mlrt_job *job, int *is_quiet)
+{
+    mlrt_hit hits[MLRT_PACKET_RAYS];
+    struct mlrt_lone_ray ray;
+    *is_quiet = 0;
+    if (should_go_together(job, &ray)) return 0;
+    int are_quiet = 1; /* what the first ray raised above, it raises again */
+    ray.kernels = job->kernels;
+    ray.any = job->any;
+    for (uint32_t i = 0; i < job->source.count; ++i) {
+        float room[3];
+        mlrt_read_ray(&job->source, i, room, &ray);
+        are_quiet &= mlrt_trace_lone_ray(job->tree, &ray, &hits[i]);
+    }
+    mlrt_write_hits(hits, job->source.count, &job->frame);
+    *is_quiet = are_quiet;
+    return 1;
 }

@@ -6,21 +6,44 @@
 #ifndef MLRT_RUN_LONE_RAY_H
 #define MLRT_RUN_LONE_RAY_H
 
+#include <math.h>
+
 #include "mlrt.h"
 #include "rays/lone_ray.h"
 
-/*
- * Traces a ray through boxes; in double if float does not carry it. The caller has set kernels, mask, `skip` and `any`
- * of *ray, which is used for nothing else afterwards. Returns 1 if it raised no flag of <fenv.h> but inexact, or 0 if it
- * may have.
- */
-int mlrt_trace_lone_ray(const mlrt_tree *tree, const mlrt_ray *given, struct mlrt_lone_ray *ray, mlrt_hit *hit);
+/* Sets the fields of a hit that the query writes, for a miss. */
+static inline void mlrt_set_miss(int any, mlrt_hit *hit)
+{
+    hit->occluded = 0;
+    if (any) return;
+    hit->t = INFINITY;
+    hit->u = hit->v = 0;
+    hit->mesh = hit->triangle = MLRT_NONE;
+    hit->facing = 0;
+}
+
+/* Traces a ray that meets the box of the scene (rays/meet_scene.h), through boxes whose unit is 1. */
+void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
 
 /*
- * Traces a ray in double, through any structure. `skip` is the number of the triangle that it passes through, or
- * MLRT_NONE. `counters` may be NULL.
+ * Traces a ray through boxes; in double if float does not carry it. The caller has set its numbers as given, and kernels,
+ * mask, `skip` and `any`, which are left as they are. Returns 1 if it raised no flag of <fenv.h> but inexact, or 0 if it
+ * may have.
  */
-void mlrt_trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint32_t mask, uint32_t skip,
-                       mlrt_counters *counters, mlrt_hit *hit);
+int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit);
+
+/* Traces a ray in double, through any structure. `counters` may be NULL. */
+void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_counters *counters, mlrt_hit *hit);
+
+/* job/job.h */
+struct mlrt_job;
+
+/*
+ * Traces the rays of a job, which are at most MLRT_PACKET_RAYS of arrays, one by one through boxes, and writes the results
+ * to the frame. All rays are read before a result is written, since arrays may overlap. Returns 0, and does nothing, if it
+ * is faster to trace them together. *is_quiet is 1 if no flag of <fenv.h> but inexact was raised, or 0 if one may have
+ * been.
+ */
+int mlrt_trace_few_rays(const struct mlrt_job *job, int *is_quiet);
 
 #endif

@@ -15,6 +15,7 @@
 #include "job/structure.h"
 #include "job/write_arrays.h"
 #include "rays/rectangle.h"
+#include "run/lone_ray.h"
 #include "simd/sixteen.h"
 
 struct run {
@@ -175,14 +176,46 @@ static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_c
     return mlrt_end_progress(&run->progress, answer ? MLRT_ERROR_CANCELLED : MLRT_OK);
 }
 
-int32_t mlrt_run_job(const struct mlrt_job *job, const struct mlrt_run_options *options)
+/* Memory for one worker of a call whose rays are one block: it is on the stack of the caller. */
+struct block_worker {
+    struct mlrt_worker worker;
+    MLRT_ALIGNED(64) unsigned char share[1024];
+};
+
+static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
+    struct block_worker own;
+    struct run run = {.job = job, .workers = &own.worker, .column_count = 1};
+    begin_worker(job, own.share, &own.worker);
+    return run_items(options, 1, 1, &run);
+}
+
+/*
+ * Traces the rays one by one, without a worker, if that is faster. Returns 0 if not. A host that watches progress may end
+ * the call, so it needs a worker.
+ */
+static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
+{
+    int is_quiet = 1;
+    if (!mlrt_is_block(job) || !job->source.count || !job->kernels->trace_ray || options->host.progress) return 0;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    const int is_done = mlrt_trace_few_rays(job, &is_quiet);
+    mlrt_leave_after(is_quiet, environment);
+    return is_done;
+}
+
+int32_t mlrt_run_job(struct mlrt_job *job, const struct mlrt_run_options *options)
+{
+    if (trace_without_worker(job, options)) return MLRT_OK;
+    mlrt_group_channels(&job->frame);
     const uint32_t columns = tile_count(job->source.width, job->initial_tile_size);
     const uint64_t item_count = (uint64_t)columns * tile_count(job->source.height, job->initial_tile_size);
     if (item_count == 0) return mlrt_end_nothing(&options->host);
 
-    const uint32_t worker_count = mlrt_worker_count(options->pool);
     const size_t share = share_size(job);
+    if (mlrt_is_block(job) && item_count == 1 && share <= sizeof((struct block_worker *)NULL)->share)
+        return run_block(job, options);
+    const uint32_t worker_count = item_count == 1 ? 1 : mlrt_worker_count(options->pool);
     struct mlrt_memory memory = mlrt_host_memory(&options->host, 0);
     struct run run = {.job = job, .column_count = columns};
     run.workers = mlrt_allocate(&memory, worker_count, sizeof *run.workers + share);

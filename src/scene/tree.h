@@ -32,7 +32,7 @@ struct mlrt_bvh {
     float *corners;           /* 36 * quad_count + 16 */
     uint32_t *numbers;        /* 4 * quad_count + 16 */
     uint32_t *places;         /* of all triangles, mlrt_pack_place; NULL = tree->triangles has them */
-    float unit;               /* the factor of the coordinates of boxes and corners: bvh/unit.h */
+    float unit;               /* the factor of the coordinates of boxes and corners: bvh/unit.h; 0 in a kd-tree */
     uint32_t leaf_quad_count; /* quads of leaves: the first ones */
     struct mlrt_box whole;    /* bounds of all triangles that leaves hold, in units */
     struct mlrt_box core;     /* estimated bounds of most of them, in units: no answer depends on it */

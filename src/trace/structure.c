@@ -48,10 +48,12 @@ static const char *check(struct mlrt_tree *tree)
 
 /*
  * A worker keeps set-ups of leaves for closest hits (any = 0) or any hits (1), in tables of their own, since a picture's
- * tiles and their shadows are traced in turns. Leaves come first, since they fill whole cache lines.
+ * tiles and their shadows are traced in turns. Leaves come first, since they fill whole cache lines. For rays of which no
+ * bundle is made it keeps nothing.
  */
 static size_t lay_out(const struct mlrt_job *job, unsigned char *memory, struct mlrt_worker *worker)
 {
+    if (mlrt_is_block(job)) return 0;
     const uint32_t bits = mlrt_is_small(job) ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
     const int is_kept[2] = {!job->any, job->any || job->light_count};
     struct mlrt_bundle_leaf *leaves = (struct mlrt_bundle_leaf *)(void *)memory;

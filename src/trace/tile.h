@@ -565,8 +565,10 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->triangle, MLRT_NONE);
     }
     if (job->tree->bvh.node_count == 0) return;
-    if (worker->bundles->lane_tiles[job->any] || !(places & (places - 1))) {
-        worker->bundles->lane_tiles[job->any] -= worker->bundles->lane_tiles[job->any] != 0;
+    if (!(places & (places - 1))) {
+        alone = check_odd_packets(bundle, places);
+    } else if (worker->bundles->lane_tiles[job->any]) {
+        --worker->bundles->lane_tiles[job->any];
         alone = check_odd_packets(bundle, places);
     } else {
         alone = trace_as_bundle(job, worker, bundle, places);
