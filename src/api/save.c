@@ -301,6 +301,7 @@ static int counts_make_sense(const uint32_t counts[COUNT_COUNT])
     if (is_kdtree != (counts[NODES] > 0)) return 0;
     if (counts[REFERENCES] > 0 && !is_kdtree) return 0;
     if (is_kdtree && (counts[BOX_NODES] | counts[QUADS] | counts[PLACES])) return 0;
+    if (counts[BOX_NODES] > MLRT_BVH_NODE_LIMIT) return 0;
     return counts[ORDERED] + counts[PLACES] == counts[TRIANGLES] && (!counts[ORDERED] || !counts[PLACES]);
 }
 
