@@ -375,7 +375,7 @@ charts-speed: | $(AFTER_DEPS)
 	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
 
 # Documents whose tables are made from docs/data.
-DOCUMENTS := README.md docs/performance.md
+DOCUMENTS := README.md docs/performance.md bindings/python/README.md
 check-tables:
 	$(PYTHON) examples/bench/tables.py --check docs/data $(DOCUMENTS)
 
