@@ -2,8 +2,7 @@
 /*
  * mlrt_last_message: each thread has its own, only calls that fail change it, and each check leaves a text of its own.
  * docs/errors.md has all of them: WRITE_ERRORS=1 build/tests/test_messages writes its table anew. One has no row, since
- * no tree is so large where addresses have 64 bits: that a file is more than a process can address (api/save.c). Texts
- * of mlrt_check_tree and mlrt_check_bvh reach no caller: only tests call these.
+ * no tree is so large where addresses have 64 bits: that a file is more than a process can address (api/save.c).
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -116,8 +115,10 @@ static enum { NOTHING, NO_MORE_THREADS, NO_AVX512, MANY_QUADS } pretended;
 
 int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*function)(void *), void *data);
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*function)(void *), void *data);
-const struct mlrt_kernels *__real_mlrt_select_kernels(int32_t isa, int32_t method, int counting);
-const struct mlrt_kernels *__wrap_mlrt_select_kernels(int32_t isa, int32_t method, int counting);
+const struct mlrt_kernels *__real_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
+                                                      int32_t method, int counting);
+const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
+                                                      int32_t method, int counting);
 void __real_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
                                 struct mlrt_bvh_size *size);
 void __wrap_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
@@ -130,10 +131,11 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
     return __real_pthread_create(thread, attributes, function, data);
 }
 
-const struct mlrt_kernels *__wrap_mlrt_select_kernels(int32_t isa, int32_t method, int counting)
+const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
+                                                      int32_t method, int counting)
 {
     if (pretended == NO_AVX512 && isa == MLRT_ISA_AVX512) return NULL;
-    return __real_mlrt_select_kernels(isa, method, counting);
+    return __real_mlrt_select_kernels(structure, isa, method, counting);
 }
 
 void __wrap_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
@@ -407,15 +409,15 @@ static struct {
 static void start_forgery(const mlrt_tree *tree)
 {
     memset(&forged, 0, sizeof forged);
-    memcpy(forged.first, tree->mesh_first, (tree->mesh_count + 1) * sizeof *forged.first);
-    memcpy(forged.by_id, tree->mesh_by_id, tree->mesh_count * sizeof *forged.by_id);
-    memcpy(forged.ids, tree->mesh_ids, tree->mesh_count * sizeof *forged.ids);
+    memcpy(forged.first, tree->meshes.first, (tree->meshes.count + 1) * sizeof *forged.first);
+    memcpy(forged.by_id, tree->meshes.by_id, tree->meshes.count * sizeof *forged.by_id);
+    memcpy(forged.ids, tree->meshes.ids, tree->meshes.count * sizeof *forged.ids);
     for (uint32_t i = 0; i < 2; i++) forged.triangles[i] = mlrt_triangle_at(&tree->by_number, i);
     forged.tree = *tree;
-    forged.tree.mesh_first = forged.first;
-    forged.tree.mesh_by_id = forged.by_id;
-    forged.tree.mesh_ids = forged.ids;
-    if (tree->structure == MLRT_STRUCTURE_BVH) {
+    forged.tree.meshes.first = forged.first;
+    forged.tree.meshes.by_id = forged.by_id;
+    forged.tree.meshes.ids = forged.ids;
+    if (tree->info.structure == MLRT_STRUCTURE_BVH) {
         assert_true(tree->bvh.node_count <= 1 && tree->bvh.quad_count <= 2);
         if (tree->bvh.node_count == 1) forged.boxes[0] = tree->bvh.nodes[0];
         memcpy(forged.corners, tree->bvh.corners, (36 * (size_t)tree->bvh.quad_count + 16) * sizeof *forged.corners);
@@ -426,12 +428,12 @@ static void start_forgery(const mlrt_tree *tree)
         forged.tree.bvh.numbers = forged.quads;
         forged.tree.bvh.places = forged.places;
     } else {
-        assert_true(tree->node_count == 1 && tree->reference_count == 2);
-        memcpy(forged.nodes, tree->nodes, sizeof *forged.nodes);
-        memcpy(forged.references, tree->references, sizeof forged.references);
+        assert_true(tree->kdtree.node_count == 1 && tree->kdtree.reference_count == 2);
+        memcpy(forged.nodes, tree->kdtree.nodes, sizeof *forged.nodes);
+        memcpy(forged.references, tree->kdtree.references, sizeof forged.references);
         forged.tree.triangles = forged.triangles;
-        forged.tree.nodes = forged.nodes;
-        forged.tree.references = forged.references;
+        forged.tree.kdtree.nodes = forged.nodes;
+        forged.tree.kdtree.references = forged.references;
     }
 }
 
@@ -475,7 +477,7 @@ static void chain_nodes(void)
         forged.nodes[parent].word = (2 * i + 1) << 2;
         forged.nodes[2 * i + 1].word = forged.nodes[2 * i + 2].word = 3;
     }
-    forged.tree.node_count = 2 * MLRT_DEPTH_LIMIT + 3;
+    forged.tree.kdtree.node_count = 2 * MLRT_DEPTH_LIMIT + 3;
 }
 
 /* Replaces the corners of triangle 0 by a line, which is to be left out. */
@@ -496,7 +498,7 @@ static void put_in_order(void)
 /* Three meshes, of which the second ends before it begins. */
 static void add_mesh(void)
 {
-    forged.tree.mesh_count = 3;
+    forged.tree.meshes.count = 3;
     forged.first[1] = 2, forged.first[2] = 1, forged.first[3] = 2;
     forged.by_id[2] = 2, forged.ids[2] = 9;
 }
@@ -540,10 +542,10 @@ static void forge_boxes(const mlrt_tree *two, const mlrt_tree *half, const mlrt_
 static void forge_kdtree(const mlrt_tree *two)
 {
     struct mlrt_node *const root = &forged.nodes[0];
-    FORGE(two, forged.tree.node_count = 2, "data: I1: the number of nodes is even");
+    FORGE(two, forged.tree.kdtree.node_count = 2, "data: I1: the number of nodes is even");
     FORGE(two, root->word = 7u << 2, "data: I1: children are not where depth-first order has them");
-    FORGE(two, forged.tree.node_count = 3, "data: I1: there are nodes without a parent");
-    FORGE(two, (forged.tree.node_count = 3, root->word = 1u << 2, root->u.split = NAN),
+    FORGE(two, forged.tree.kdtree.node_count = 3, "data: I1: there are nodes without a parent");
+    FORGE(two, (forged.tree.kdtree.node_count = 3, root->word = 1u << 2, root->u.split = NAN),
           "data: I2: a plane is outside of its cell");
     FORGE(two, chain_nodes(), "data: I4: a path is too long");
     FORGE(two, forged.references[1] = 0, "data: I5: the entries of a leaf are not ascending");
@@ -560,7 +562,6 @@ static void check_damage(size_t size)
     CHECK(0, load_changed(size, FILE_BYTE_ORDER, 0x04030201), DATA, "data: saved on a machine of another byte order");
     CHECK(0, load_changed(size, FILE_VERSION, 99), DATA, "data: of another version of the format");
     CHECK(0, load_changed(size, FILE_STRUCTURE, 9), DATA, "data: counts that no tree has");
-    CHECK(0, load_changed(size, FILE_COUNTS + 20, 0x10000000), DATA, "data: counts that no tree has");
     CHECK(0, load_changed(size, FILE_SECTIONS, 0), DATA, "data: sections are not where they have to be");
     CHECK(0, load_changed(size, FILE_HASH, 1), DATA, "data: damaged: its hash is not that of its contents");
     CHECK(now.load.geometry_hash = 1, LOAD(size), DATA, "data: of other triangles");
