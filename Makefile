@@ -4,7 +4,7 @@
 #   make help            this list
 #   make deps            installs the packages that examples and tests need (Debian and Ubuntu; elsewhere it names them)
 #   make test            builds and runs every test
-#   make test-python     tests the Python package in bindings/python
+#   make test-python     tests the Python package in bindings/python, and its types if pyright is installed
 #   make test-bindings   tests the bindings of other languages whose tools are installed
 #   make deps-bindings   installs those of these tools that Debian has: LuaJIT, LuaRocks and clang
 #   make bindings-coverage  tests the bindings and writes the table in bindings/README.md of what they reach
@@ -15,7 +15,7 @@
 #   make test-trimesh    runs trimesh's own tests of rays through the drop-in for it: those of its source distribution, which pip
 #                        fetches, or of a checkout, TRIMESH=folder
 #   make deps-python     installs, in build/python, what tests and reference of the Python package use if it is there: Dask, trimesh
-#                        with embreex, pytest, pdoc
+#                        with embreex, pytest, pdoc, pyright
 #   make docs-python     a page for each class of the Python package, in build/docs-python
 #   make demo            renders build/demo.png
 #   make reproduce       the paper's tables on the procedural scenes, or on those of SCENES=folder VIEWS=cameras.json
@@ -282,7 +282,7 @@ deps-docs:
 deps-python:
 	@python3 -m venv $(BUILD)/python 2>/dev/null || { echo "deps-python: no python3 with venv (apt-get install python3-venv)"; exit 1; }
 	@$(BUILD)/python/bin/python -m pip --disable-pip-version-check install -q numpy tqdm 'dask[array]' distributed \
-	    trimesh embreex pytest scipy networkx rtree shapely manifold3d pdoc
+	    trimesh embreex pytest scipy networkx rtree shapely manifold3d pdoc pyright
 
 deps-bindings: deps
 	@$(MAKE) --no-print-directory deps APT_PACKAGES='g++ clang luajit luarocks'
@@ -375,7 +375,7 @@ charts-speed: | $(AFTER_DEPS)
 	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
 
 # Documents whose tables are made from docs/data.
-DOCUMENTS := README.md docs/performance.md
+DOCUMENTS := README.md docs/performance.md bindings/python/README.md
 check-tables:
 	$(PYTHON) examples/bench/tables.py --check docs/data $(DOCUMENTS)
 
@@ -523,6 +523,9 @@ TEST_PYTHON = $(abspath $(firstword $(wildcard $(BUILD)/python/bin/python) $(she
 test-python: library
 	@if ! $(TEST_PYTHON) -c 'import numpy' 2>/dev/null; then echo "test-python: no python3 with numpy: nothing tested"; \
 	else cd bindings/python/tests && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=.. $(TEST_PYTHON) -m unittest discover; fi
+	@if ! $(TEST_PYTHON) -m pyright --version >/dev/null 2>&1; then \
+	    echo "test-python: no pyright: types are not checked (make deps-python installs it)"; \
+	else cd bindings/python && $(TEST_PYTHON) -m pyright --pythonpath $(TEST_PYTHON) mlrt bench.py setup.py; fi
 
 test-bindings: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory library amalgamation

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * mlrt_last_message: each thread has its own, only calls that fail change it, and each check leaves a text of its own.
- * docs/errors.md has all of them: WRITE_ERRORS=1 build/tests/test_messages writes its table anew.
+ * docs/errors.md has all of them: WRITE_ERRORS=1 build/tests/test_messages writes its table anew. One has no row, since
+ * no tree is so large where addresses have 64 bits: that a file is more than a process can address (api/save.c).
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -12,7 +13,9 @@
 #include <string.h>
 
 #include "bvh/collapse.h"
+#include "bvh/node.h"
 #include "forged_files.h"
+#include "mlrta/kdtree.h"
 #include "run/dispatch.h"
 #include "scene/tree.h"
 #include "support.h"
@@ -243,34 +246,45 @@ static void set_up(void)
 
 static void check_null(void)
 {
-    CHECK(0, mlrt_build_tree(now.meshes, 2, NULL, NULL), ARGUMENT, "tree: NULL is not allowed");
-    CHECK(0, mlrt_trace_packet(NULL, &now.rays, NULL, &now.hits), ARGUMENT, "tree: NULL is not allowed");
-    CHECK(0, mlrt_trace_packet(now.tree, NULL, NULL, &now.hits), ARGUMENT, "rays: NULL is not allowed");
-    CHECK(0, mlrt_trace_packet(now.tree, &now.rays, NULL, NULL), ARGUMENT, "hits: NULL is not allowed");
-    CHECK(0, mlrt_trace_ray(now.tree, NULL, NULL, &now.hit), ARGUMENT, "ray: NULL is not allowed");
-    CHECK(0, mlrt_trace_ray(now.tree, &now.ray, NULL, NULL), ARGUMENT, "hit: NULL is not allowed");
-    CHECK(0, mlrt_trace_all_hits(now.tree, &now.rays, NULL, NULL), ARGUMENT, "lists: NULL is not allowed");
-    CHECK(0, mlrt_render_tiles(now.tree, NULL, NULL, NULL, NULL, NULL), ARGUMENT, "camera: NULL is not allowed");
-    CHECK(0, mlrt_camera_rays(NULL, NULL, NULL), ARGUMENT, "camera: NULL is not allowed");
-    CHECK(0, mlrt_occluded_points(now.tree, NULL, &now.light, NULL, &now.occluded), ARGUMENT,
-          "points: NULL is not allowed");
-    CHECK(0, mlrt_occluded_points(now.tree, &now.points, NULL, NULL, &now.occluded), ARGUMENT,
-          "light: NULL is not allowed");
-    CHECK(0, mlrt_occluded_points(now.tree, &now.points, &now.light, NULL, NULL), ARGUMENT,
-          "occluded: NULL is not allowed");
+#define WITHOUT(name, call) CHECK(0, call, ARGUMENT, name ": NULL is not allowed")
+    WITHOUT("tree", mlrt_build_tree(now.meshes, 2, NULL, NULL));
+    WITHOUT("tree", mlrt_build_kdtree(now.meshes, 2, NULL, NULL));
+    WITHOUT("tree", mlrt_trace_packet(NULL, &now.rays, NULL, &now.hits));
+    WITHOUT("rays", mlrt_trace_packet(now.tree, NULL, NULL, &now.hits));
+    WITHOUT("hits", mlrt_trace_packet(now.tree, &now.rays, NULL, NULL));
+    WITHOUT("tree", mlrt_trace_ray(NULL, &now.ray, NULL, &now.hit));
+    WITHOUT("ray", mlrt_trace_ray(now.tree, NULL, NULL, &now.hit));
+    WITHOUT("hit", mlrt_trace_ray(now.tree, &now.ray, NULL, NULL));
+    WITHOUT("tree", mlrt_trace_all_hits(NULL, &now.rays, NULL, &now.lists));
+    WITHOUT("rays", mlrt_trace_all_hits(now.tree, NULL, NULL, &now.lists));
+    WITHOUT("lists", mlrt_trace_all_hits(now.tree, &now.rays, NULL, NULL));
+    WITHOUT("tree", mlrt_render_tiles(NULL, &now.camera, NULL, NULL, NULL, NULL));
+    WITHOUT("camera", mlrt_render_tiles(now.tree, NULL, NULL, NULL, NULL, NULL));
+    WITHOUT("camera", mlrt_camera_rays(NULL, NULL, NULL));
+    WITHOUT("tree", mlrt_occluded_points(NULL, &now.points, &now.light, NULL, &now.occluded));
+    WITHOUT("points", mlrt_occluded_points(now.tree, NULL, &now.light, NULL, &now.occluded));
+    WITHOUT("light", mlrt_occluded_points(now.tree, &now.points, NULL, NULL, &now.occluded));
+    WITHOUT("occluded", mlrt_occluded_points(now.tree, &now.points, &now.light, NULL, NULL));
+    WITHOUT("tree", mlrt_shadow_ray(NULL, &now.ray, &now.hit, &now.light, &now.shadow, &now.faces));
+    WITHOUT("ray", mlrt_shadow_ray(now.tree, NULL, &now.hit, &now.light, &now.shadow, &now.faces));
+    WITHOUT("hit", mlrt_shadow_ray(now.tree, &now.ray, NULL, &now.light, &now.shadow, &now.faces));
+    WITHOUT("light", mlrt_shadow_ray(now.tree, &now.ray, &now.hit, NULL, &now.shadow, &now.faces));
+    WITHOUT("shadow", mlrt_shadow_ray(now.tree, &now.ray, &now.hit, &now.light, NULL, &now.faces));
+    WITHOUT("faces", mlrt_shadow_ray(now.tree, &now.ray, &now.hit, &now.light, &now.shadow, NULL));
+    WITHOUT("tree", mlrt_offset_point(NULL, 0, 0, 0, 0, 1, now.point));
+    WITHOUT("point", mlrt_offset_point(now.tree, 0, 0, 0, 0, 1, NULL));
+    WITHOUT("tree", mlrt_get_tree_info(NULL, &now.info));
+    WITHOUT("info", mlrt_get_tree_info(now.tree, NULL));
+    WITHOUT("estimate", mlrt_estimate_tree(now.meshes, 2, NULL, NULL));
+    WITHOUT("hash", mlrt_hash_geometry(now.meshes, 2, NULL));
+    WITHOUT("tree", mlrt_save_tree(NULL, NULL, 0, &now.size));
+    WITHOUT("size", mlrt_save_tree(now.tree, NULL, 0, NULL));
+    WITHOUT("data", mlrt_load_tree(NULL, 0, NULL, &now.made));
+    WITHOUT("tree", mlrt_load_tree(bytes, 0, NULL, NULL));
+    WITHOUT("pool", mlrt_create_pool(1, NULL));
+    WITHOUT("options", mlrt_create_pool_with_options(NULL, &now.pool));
+    WITHOUT("pool", mlrt_create_pool_with_options(&now.pool_options, NULL));
     CHECK(now.occluded.data = NULL, POINTS, ARGUMENT, "occluded.data: NULL is not allowed");
-    CHECK(0, mlrt_shadow_ray(now.tree, &now.ray, &now.hit, &now.light, NULL, &now.faces), ARGUMENT,
-          "shadow: NULL is not allowed");
-    CHECK(0, mlrt_shadow_ray(now.tree, &now.ray, &now.hit, &now.light, &now.shadow, NULL), ARGUMENT,
-          "faces: NULL is not allowed");
-    CHECK(0, mlrt_offset_point(now.tree, 0, 0, 0, 0, 1, NULL), ARGUMENT, "point: NULL is not allowed");
-    CHECK(0, mlrt_get_tree_info(now.tree, NULL), ARGUMENT, "info: NULL is not allowed");
-    CHECK(0, mlrt_estimate_tree(now.meshes, 2, NULL, NULL), ARGUMENT, "estimate: NULL is not allowed");
-    CHECK(0, mlrt_hash_geometry(now.meshes, 2, NULL), ARGUMENT, "hash: NULL is not allowed");
-    CHECK(0, mlrt_save_tree(now.tree, NULL, 0, NULL), ARGUMENT, "size: NULL is not allowed");
-    CHECK(0, mlrt_load_tree(NULL, 0, NULL, &now.made), ARGUMENT, "data: NULL is not allowed");
-    CHECK(0, mlrt_create_pool(1, NULL), ARGUMENT, "pool: NULL is not allowed");
-    CHECK(0, mlrt_create_pool_with_options(NULL, &now.pool), ARGUMENT, "options: NULL is not allowed");
 }
 
 static void check_sizes(void)
@@ -328,6 +342,11 @@ static void check_building(void)
     CHECK(now.build.preset = -1, BUILD, ARGUMENT, "options.preset: -1 is not from 0 to 2");
     CHECK(now.build.traversal_cost = -0.5f, BUILD, ARGUMENT, "options.traversal_cost: -0.5 is not from 0 to 1e6");
     CHECK(now.build.intersection_cost = NAN, BUILD, ARGUMENT, "options.intersection_cost: NaN is not from 0 to 1e6");
+    CHECK(now.kdbuild.preset = 3, BUILD_KD, ARGUMENT, "options.preset: 3 is not from 0 to 1");
+    CHECK(now.kdbuild.traversal_cost = 2e6f, BUILD_KD, ARGUMENT,
+          "options.traversal_cost: 2000000 is not from 0 to 1e6");
+    CHECK(now.kdbuild.intersection_cost = -INFINITY, BUILD_KD, ARGUMENT,
+          "options.intersection_cost: -inf is not from 0 to 1e6");
     CHECK(now.kdbuild.max_depth = 61, BUILD_KD, ARGUMENT, "options.max_depth: 61 is not from 0 to 60");
     CHECK(now.kdbuild.rules_off = 32, BUILD_KD, ARGUMENT, "options.rules_off: 32 is not from 0 to 31");
     CHECK((now.build.host = &now.host, now.host.reserved = 5), BUILD, ARGUMENT, "options.host.reserved: 5 is not 0");
@@ -369,20 +388,176 @@ static int32_t load_changed(size_t size, size_t offset, uint32_t word)
     return status;
 }
 
-/* Saves a tree and loads it again. */
-static int32_t load_tree(const mlrt_tree *tree)
+/* ---- forged trees ---- */
+
+/* A tree to change at will, before it is saved and loaded: its arrays are here, and have room for more nodes. */
+static struct {
+    struct mlrt_tree tree;
+    uint32_t first[4], by_id[3], ids[3];
+    struct mlrt_bvh_node boxes[MLRT_BVH_DEPTH_LIMIT + 1];
+    float corners[2 * 36 + 16];
+    uint32_t quads[2 * 4 + 16], places[2];
+    struct mlrt_triangle triangles[2];
+    struct mlrt_node nodes[2 * MLRT_DEPTH_LIMIT + 3];
+    uint32_t references[2];
+} forged;
+
+/*
+ * Makes a copy of a tree of two triangles. Triangles are read where `tree` has them while the copy is saved, so that
+ * saving it does no harm.
+ */
+static void start_forgery(const mlrt_tree *tree)
 {
-    static unsigned char file[sizeof bytes];
+    memset(&forged, 0, sizeof forged);
+    memcpy(forged.first, tree->meshes.first, (tree->meshes.count + 1) * sizeof *forged.first);
+    memcpy(forged.by_id, tree->meshes.by_id, tree->meshes.count * sizeof *forged.by_id);
+    memcpy(forged.ids, tree->meshes.ids, tree->meshes.count * sizeof *forged.ids);
+    for (uint32_t i = 0; i < 2; i++) forged.triangles[i] = mlrt_triangle_at(&tree->by_number, i);
+    forged.tree = *tree;
+    forged.tree.meshes.first = forged.first;
+    forged.tree.meshes.by_id = forged.by_id;
+    forged.tree.meshes.ids = forged.ids;
+    if (tree->info.structure == MLRT_STRUCTURE_BVH) {
+        assert_true(tree->bvh.node_count <= 1 && tree->bvh.quad_count <= 2);
+        if (tree->bvh.node_count == 1) forged.boxes[0] = tree->bvh.nodes[0];
+        memcpy(forged.corners, tree->bvh.corners, (36 * (size_t)tree->bvh.quad_count + 16) * sizeof *forged.corners);
+        memcpy(forged.quads, tree->bvh.numbers, (4 * (size_t)tree->bvh.quad_count + 16) * sizeof *forged.quads);
+        memcpy(forged.places, tree->bvh.places, sizeof forged.places);
+        forged.tree.bvh.nodes = forged.boxes;
+        forged.tree.bvh.corners = forged.corners;
+        forged.tree.bvh.numbers = forged.quads;
+        forged.tree.bvh.places = forged.places;
+    } else {
+        assert_true(tree->kdtree.node_count == 1 && tree->kdtree.reference_count == 2);
+        memcpy(forged.nodes, tree->kdtree.nodes, sizeof *forged.nodes);
+        memcpy(forged.references, tree->kdtree.references, sizeof forged.references);
+        forged.tree.triangles = forged.triangles;
+        forged.tree.kdtree.nodes = forged.nodes;
+        forged.tree.kdtree.references = forged.references;
+    }
+}
+
+/* Saves the forged tree and loads it. */
+static int32_t load_forged(void)
+{
+    static unsigned char file[32768];
     size_t size;
-    assert_int_equal(mlrt_save_tree(tree, file, sizeof file, &size), MLRT_OK);
+    assert_int_equal(mlrt_save_tree(&forged.tree, file, sizeof file, &size), MLRT_OK);
     return mlrt_load_tree(file, size, &now.load, &now.made);
+}
+
+#define FORGE(tree, change, text) (start_forgery(tree), CHECK(change, load_forged(), DATA, text))
+
+/* Gives the root no children. */
+static void empty_root(void)
+{
+    for (int k = 0; k < 3; k++) {
+        forged.boxes[0].lo[k][0] = INFINITY;
+        forged.boxes[0].hi[k][0] = -INFINITY;
+    }
+    forged.boxes[0].child[0] = 0;
+}
+
+/* Each node is the child of the one before it: one more than a path may have. */
+static void chain_boxes(void)
+{
+    for (uint32_t i = 0; i <= MLRT_BVH_DEPTH_LIMIT; i++) {
+        forged.boxes[i] = forged.boxes[0];
+        forged.boxes[i].child[0] = (i + 1) << 3;
+    }
+    forged.tree.bvh.node_count = MLRT_BVH_DEPTH_LIMIT + 1;
+}
+
+/* The lower child of each inner node is an inner node: one more than a path may have. */
+static void chain_nodes(void)
+{
+    for (uint32_t i = 0; i <= MLRT_DEPTH_LIMIT; i++) {
+        const uint32_t parent = i == 0 ? 0 : 2 * i - 1;
+        forged.nodes[parent].u.split = forged.tree.bounds.hi[0];
+        forged.nodes[parent].word = (2 * i + 1) << 2;
+        forged.nodes[2 * i + 1].word = forged.nodes[2 * i + 2].word = 3;
+    }
+    forged.tree.kdtree.node_count = 2 * MLRT_DEPTH_LIMIT + 3;
+}
+
+/* Replaces the corners of triangle 0 by a line, which is to be left out. */
+static void flatten_triangle(void)
+{
+    for (int row = 0; row < 9; row++) forged.corners[4 * row] = 0;
+    memset(&forged.triangles[0], 0, sizeof forged.triangles[0]);
+    forged.tree.info.zero_area_count = 1;
+}
+
+/* Keeps the triangles in order, as trees do that are too large for places. */
+static void put_in_order(void)
+{
+    forged.tree.triangles = forged.triangles;
+    forged.tree.bvh.places = NULL;
+}
+
+/* Three meshes, of which the second ends before it begins. */
+static void add_mesh(void)
+{
+    forged.tree.meshes.count = 3;
+    forged.first[1] = 2, forged.first[2] = 1, forged.first[3] = 2;
+    forged.by_id[2] = 2, forged.ids[2] = 9;
+}
+
+static void forge_boxes(const mlrt_tree *two, const mlrt_tree *half, const mlrt_tree *none)
+{
+    struct mlrt_bvh *const bvh = &forged.tree.bvh;
+    struct mlrt_bvh_node *const root = &forged.boxes[0];
+    FORGE(two, forged.first[0] = 1, "data: meshes are out of order");
+    FORGE(two, add_mesh(), "data: meshes are out of order");
+    FORGE(two, forged.first[1] = 3, "data: meshes have not as many triangles as the tree");
+    FORGE(two, (forged.first[1] = 2, forged.first[2] = 1), "data: meshes have not as many triangles as the tree");
+    FORGE(two, forged.by_id[0] = 2, "data: a position is not that of a mesh");
+    FORGE(two, forged.ids[0] = 1, "data: ids of meshes are not in order, or not different");
+    FORGE(two, forged.ids[1] = MLRT_NONE, "data: ids of meshes are not in order, or not different");
+    FORGE(two, forged.places[0] = MLRT_NONE, "data: P1: a place is in no quad");
+    FORGE(two, forged.tree.info.bounds_max[0] = 2, "data: bounds are wrong");
+    FORGE(two, forged.tree.info.zero_area_count = 1, "data: triangles are miscounted");
+    FORGE(two, bvh->node_count = bvh->leaf_quad_count = 0, "data: there are triangles, but no boxes");
+    FORGE(none, bvh->unit *= 2, "data: the unit is not that of the triangles");
+    FORGE(two, root->child[0] = 7u << 3, "data: B1: a child is not where depth-first order has it");
+    FORGE(two, bvh->node_count = 2, "data: B1: there are nodes without a parent");
+    FORGE(two, root->child[2] = 1, "data: B2: an empty slot is not empty");
+    FORGE(two, empty_root(), "data: B2: a node has no children");
+    FORGE(two, root->hi[0][0] = NAN, "data: B3: a box is not one, or not within the bounds");
+    FORGE(two, chain_boxes(), "data: B4: a path is too long");
+    FORGE(two, root->child[0] = 5, "data: B5: a leaf has too many quads");
+    FORGE(two, root->child[0] = 1u << 3 | 1, "data: a leaf's quads are not where depth-first order has them");
+    FORGE(half, bvh->leaf_quad_count = 2, "data: there are quads without a leaf");
+    FORGE(two, forged.quads[0] = MLRT_NONE, "data: B5: a leaf has a quad without triangles");
+    FORGE(two, forged.quads[0] = 2, "data: B5: a number is not a triangle's");
+    FORGE(two, forged.quads[1] = forged.quads[0], "data: B5: a leaf holds a triangle twice");
+    FORGE(two, forged.quads[3] = 0, "data: B5: a triangle behind an empty place");
+    FORGE(two, forged.corners[3] = 0, "data: B5: an empty place has corners");
+    FORGE(two, flatten_triangle(), "data: a leaf holds a triangle that was to be left out");
+    FORGE(two, (put_in_order(), forged.corners[0] = 9), "data: B5: corners are not those of the triangle");
+    FORGE(half, forged.quads[4] = 0, "data: P1: a number has its place elsewhere");
+    FORGE(half, forged.quads[4] = MLRT_NONE, "data: P1: a triangle is not at its place");
+}
+
+static void forge_kdtree(const mlrt_tree *two)
+{
+    struct mlrt_node *const root = &forged.nodes[0];
+    FORGE(two, forged.tree.kdtree.node_count = 2, "data: I1: the number of nodes is even");
+    FORGE(two, root->word = 7u << 2, "data: I1: children are not where depth-first order has them");
+    FORGE(two, forged.tree.kdtree.node_count = 3, "data: I1: there are nodes without a parent");
+    FORGE(two, (forged.tree.kdtree.node_count = 3, root->word = 1u << 2, root->u.split = NAN),
+          "data: I2: a plane is outside of its cell");
+    FORGE(two, chain_nodes(), "data: I4: a path is too long");
+    FORGE(two, forged.references[1] = 0, "data: I5: the entries of a leaf are not ascending");
+    FORGE(two, forged.references[1] = 2, "data: an entry is not a triangle");
+    FORGE(two, flatten_triangle(), "data: a leaf refers to a triangle that was to be left out");
+    FORGE(two, root->u.offset = 1, "data: a leaf's entries are not where depth-first order has them");
+    FORGE(two, root->word = 1u << 2 | 3, "data: there are entries without a leaf");
 }
 
 /* What a damaged file, or one that somebody made up, is refused for. */
 static void check_damage(size_t size)
 {
-    mlrt_tree forged;
-    uint32_t first[3] = {0, 1, 2}, by_id[2] = {0, 1}, ids[2] = {4, 5};
     CHECK(0, load_changed(size, 0, 1), DATA, "data: not a saved tree");
     CHECK(0, load_changed(size, FILE_BYTE_ORDER, 0x04030201), DATA, "data: saved on a machine of another byte order");
     CHECK(0, load_changed(size, FILE_VERSION, 99), DATA, "data: of another version of the format");
@@ -394,18 +569,18 @@ static void check_damage(size_t size)
     CHECK(now.load.geometry_hash = 1, load_changed(size, FILE_GEOMETRY_HASH, 1), DATA, "data: of other triangles");
 
     mlrt_tree *const two = build_structure(now.meshes, 2, MLRT_STRUCTURE_BVH);
-#define FORGE(change, text)                                                                                            \
-    forged = *two, forged.meshes.first = first, forged.meshes.by_id = by_id, forged.meshes.ids = ids;                  \
-    CHECK(change, load_tree(&forged), DATA, text);                                                                     \
-    first[0] = 0, first[1] = 1, first[2] = 2, by_id[0] = 0, ids[0] = 4
-    FORGE(first[0] = 1, "data: meshes are out of order");
-    FORGE((first[1] = 2, first[2] = 1), "data: meshes have not as many triangles as the tree");
-    FORGE(by_id[0] = 2, "data: a position is not that of a mesh");
-    FORGE(ids[0] = 5, "data: ids of meshes are not in order, or not different");
-    FORGE(forged.info.bounds_max[0] = 2, "data: bounds are wrong");
-    FORGE(forged.info.zero_area_count = 1, "data: triangles are miscounted");
-    FORGE(forged.bvh.node_count = forged.bvh.leaf_quad_count = 0, "data: there are triangles, but no boxes");
+    mlrt_tree *const two_of_kdtree = build_structure(now.meshes, 2, MLRT_STRUCTURE_KDTREE);
+    now.meshes[1].vertices = flat;
+    mlrt_tree *const half = build_structure(now.meshes, 2, MLRT_STRUCTURE_BVH);
+    now.meshes[0].vertices = flat;
+    mlrt_tree *const none = build_structure(now.meshes, 2, MLRT_STRUCTURE_BVH);
+    now = right;
+    forge_boxes(two, half, none);
+    forge_kdtree(two_of_kdtree);
     mlrt_destroy_tree(two);
+    mlrt_destroy_tree(two_of_kdtree);
+    mlrt_destroy_tree(half);
+    mlrt_destroy_tree(none);
 }
 
 static void check_saving(void)
@@ -577,7 +752,11 @@ static void check_cameras(void)
     VIEW(now.camera.width = now.camera.height = 65536, TOO_LARGE,
          "camera.crop_width: 65536 x crop_height 65536 are more pixels than 2147483647");
     VIEW(now.camera.d00[2] = -INFINITY, CAMERA, "camera.d00: -inf is not finite");
+    VIEW(now.camera.dx[0] = NAN, CAMERA, "camera.dx: NaN is not finite");
+    VIEW(now.camera.dy[1] = INFINITY, CAMERA, "camera.dy: inf is not finite");
+    VIEW(now.camera.sample_x = INFINITY, CAMERA, "camera.sample_x: inf is not finite");
     VIEW(now.camera.sample_y = NAN, CAMERA, "camera.sample_y: NaN is not finite");
+    VIEW(now.camera.t_min = NAN, CAMERA, "camera.t_min: NaN is not a number");
     VIEW(now.camera.t_max = NAN, CAMERA, "camera.t_max: NaN is not a number");
     VIEW(now.camera.eye[0] = INFINITY, CAMERA, "camera.eye: inf is not finite");
     VIEW((now.camera.projection = 1, now.camera.direction[0] = INFINITY), CAMERA,

@@ -21,7 +21,7 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
@@ -193,15 +193,19 @@ PEERS: dict[str, Any] = {"embreex": Embreex, "open3d": Open3d}
 # ---- measuring ---------------------------------------------------------------------------------------------------------
 
 
-def take_turns(contestants: dict[str, Question], rounds: int) -> dict[str, float]:
-    """Seconds: of each the median of `rounds` runs, one of each in turn, after one that does not count."""
+def take_turns(contestants: dict[str, Question], rounds: int, threads: int = 1) -> dict[str, float]:
+    """Seconds: of each the median of `rounds` runs, one of each in turn, after one that does not count.
+
+    Of one thread the time that the processor took, which other programs disturb less.
+    """
+    clock = process_time if threads == 1 else perf_counter
     seconds: dict[str, list[float]] = {name: [] for name in contestants}
     for turn in range(rounds + 1):
         for name, ask in contestants.items():
-            start = perf_counter()
+            start = clock()
             ask()
             if turn:
-                seconds[name].append(perf_counter() - start)
+                seconds[name].append(clock() - start)
     return {name: median(values) for name, values in seconds.items()}
 
 
@@ -219,7 +223,7 @@ def measure_arrays(scene: Scene, peers: list[str], options: argparse.Namespace) 
             questions = {name: one.questions(*rays, threads) for name, one in contestants.items()}
             for question in QUESTIONS:
                 asked = {name: asks[question] for name, asks in questions.items() if question in asks}
-                seconds = take_turns(asked, options.rounds)
+                seconds = take_turns(asked, options.rounds, threads)
                 yield Row(scene.name, kind, question, threads, {name: len(rays[0]) / s / 1e6 for name, s in seconds.items()})
 
 
@@ -359,7 +363,7 @@ def print_distributed(found: list[Scene], options: argparse.Namespace) -> None:
 
                 asks["random"][name], asks["picture"][name] = trace, render
             for kind, contestants in asks.items():
-                seconds = take_turns(contestants, options.rounds)
+                seconds = take_turns(contestants, options.rounds, threads=0)  # of all processes
                 speeds = [len(rays[0]) / seconds[name] / 1e6 for name in ("alone", "1", "2")]
                 cells = " | ".join(f"{speed:.1f}" for speed in speeds)
                 print(f"| {scene.name} | {kind} | {cells} | {speeds[2] / speeds[1]:.2f} |", flush=True)

@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Any
 
 from setuptools import Distribution, setup
 from setuptools.command.bdist_wheel import bdist_wheel
@@ -32,7 +33,8 @@ class BuildWithLibrary(build_py):
         if self.editable_mode:  # the package then finds build/ of the checkout
             subprocess.run(["make", "-C", SOURCES, "library"], check=True)
             return
-        folder = Path(self.get_finalized_command("build").build_temp).resolve() / "libmlrt"
+        build: Any = self.get_finalized_command("build")
+        folder = Path(build.build_temp).resolve() / "libmlrt"
         shutil.rmtree(folder, ignore_errors=True)  # what another compiler made
         command = ["make", "-j2", "-C", SOURCES, f"BUILD={folder}", "CFLAGS=", "LDFLAGS=-s", f"{folder}/libmlrt.so"]
         subprocess.run(command, check=True)
@@ -57,7 +59,8 @@ def platform_tag(tag: str, library: bytes) -> str:
 
 class PlatformWheel(bdist_wheel):
     def get_tag(self) -> tuple[str, str, str]:
-        library = Path(self.bdist_dir) / "mlrt" / LIBRARY
+        folder: Any = self.bdist_dir
+        library = Path(folder) / "mlrt" / LIBRARY
         tag = super().get_tag()[2]
         return "py3", "none", platform_tag(tag, library.read_bytes()) if library.exists() else tag
 
@@ -77,6 +80,6 @@ if not HEADER.exists():
 
 setup(
     distclass=PlatformDistribution,
-    version=re.search(r'MLRT_VERSION_STRING "(.*)"', HEADER.read_text()).group(1),
+    version=HEADER.read_text().partition('MLRT_VERSION_STRING "')[2].partition('"')[0],
     cmdclass={"build_py": BuildWithLibrary, "bdist_wheel": PlatformWheel, "sdist": SdistWithSources},
 )

@@ -18,6 +18,8 @@ from DATA/NAME.csv. WHAT is one of
     ratio,gain  two of these in each cell, the second in brackets
     all         ratio and millions of rays per second, of one kind: a row for each scene
     settings    what sweep.py wrote: a row for each setting, a column for each kind and scene
+    peers       what bindings/python/bench.py wrote: a row for each scene and question. Kinds are contestants; the last
+                column is the speed of the first over that of the best of the others
     spread      a row for each kind: the least, the median and the greatest `ratio` of all scenes. NAME may be
                 several, NAME.csv=TITLE,NAME.csv=TITLE,...: side by side
 
@@ -92,6 +94,17 @@ def table_of_settings(rows, titles):
     return table(["setting"] + head, body)
 
 
+def table_of_peers(rows, titles):
+    found = {}
+    for row in rows:
+        found.setdefault((row["scene"], row["question"]), {})[row["contestant"]] = float(row["mray_per_second"])
+    body = []
+    for (scene, question), speeds in found.items():
+        first, *others = [speeds[name] for name in titles]
+        body.append([scene, question] + [f"{speed:.1f}" for speed in (first, *others)] + [f"{first / max(others):.2f}"])
+    return table(["scene", "question"] + list(titles.values()) + ["ratio"], body)
+
+
 def table_of_spreads(data, names, titles):
     head, columns = ["rays"], []
     for name in names.split(","):
@@ -115,6 +128,8 @@ def make_table(data, name, what, titles):
         return table_of_all(rows, *titles)
     if what == "settings":
         return table_of_settings(rows, titles)
+    if what == "peers":
+        return table_of_peers(rows, titles)
     return table_of_kinds(rows, titles, what)
 
 

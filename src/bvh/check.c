@@ -199,9 +199,6 @@ static const char *check_leaf(const struct mlrt_tree *tree, uint32_t child, uint
     return NULL;
 }
 
-/* Kernels number the slots of all nodes in 32 bits. */
-#define NODE_LIMIT (UINT32_MAX / MLRT_BVH_WIDTH)
-
 /* The state of a walk in depth-first order. */
 struct walk {
     uint32_t node[MLRT_BVH_DEPTH_LIMIT + 1]; /* the path from the root */
@@ -272,11 +269,7 @@ static const char *check_given(const struct mlrt_tree *tree, uint32_t placed_cou
 const char *mlrt_check_boxes(const struct mlrt_tree *tree)
 {
     struct walk walk = {{0}, {0}, 0, 1, 0, 0};
-    if (tree->bvh.node_count == 0) {
-        if (tree->bvh.leaf_quad_count != 0) return "there are quads without a leaf";
-        return check_given(tree, 0);
-    }
-    if (tree->bvh.node_count > NODE_LIMIT) return "there are too many nodes";
+    if (tree->bvh.node_count == 0) return check_given(tree, 0);
     for (;;) {
         const struct mlrt_bvh_node *node = &tree->bvh.nodes[walk.node[walk.depth]];
         int slot = walk.slot[walk.depth]++;

@@ -34,6 +34,9 @@
 #define MLRT_BVH_DEPTH_LIMIT 32
 #define MLRT_BVH_LEAF_LIMIT  16 /* triangles */
 
+/* Kernels number the slots of all nodes in 32 bits. */
+#define MLRT_BVH_NODE_LIMIT (UINT32_MAX / MLRT_BVH_WIDTH)
+
 struct mlrt_bvh_node {
     MLRT_ALIGNED(64) float lo[3][MLRT_BVH_WIDTH];
     MLRT_ALIGNED(64) float hi[3][MLRT_BVH_WIDTH];

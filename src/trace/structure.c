@@ -27,7 +27,7 @@ static const char *take(struct mlrt_tree *tree)
 {
     const struct mlrt_bvh *bvh = &tree->bvh;
     if ((bvh->node_count > 0) != (bvh->leaf_quad_count > 0) || bvh->leaf_quad_count > bvh->quad_count ||
-        (!bvh->places && bvh->leaf_quad_count < bvh->quad_count)) {
+        (!bvh->places && bvh->leaf_quad_count < bvh->quad_count) || bvh->node_count > MLRT_BVH_NODE_LIMIT) {
         return "counts that no tree has";
     }
     if (!bvh->places) return NULL;

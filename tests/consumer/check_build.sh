@@ -6,6 +6,9 @@
 # static library, which must give the golden answers; the library must be that of the Makefile, byte for byte, though
 # the settings of the projects are hostile. tests/consumer/check_build.sh FOLDER LIBRARY ARCHIVE
 #
+# The program vcpkg itself is not run: no package of Debian, PyPI, npm or crates.io has it, and it fetches itself and its
+# ports' tools from GitHub. vcpkg/run_port.cmake stands in for the functions that a port calls.
+#
 # CC, CXX: the compilers that LIBRARY was built with. WAYS: those to test; default fetch subdirectory meson vcpkg. Tools
 # that are missing are named, and what needs them is left out.
 set -eu

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: MIT
 """mlrt.h in ctypes: its constants, structs and functions, under the names they have there.
 
-Structs that every call needs are written with `Packer`, which takes the layout from the ctypes class: filling one ctypes
+Structs that every call needs are written with `_packer`, which takes the layout from the ctypes class: filling one ctypes
 struct of twenty fields takes 3 us, packing it 0.15 us.
 """
 
 import ctypes
 import struct
+from collections.abc import Callable
 from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from functools import partial
 from typing import Any
 
 from . import _library
@@ -323,28 +325,29 @@ ELEMENT_SIZES = {
 }
 
 
-class Packer:
-    """Writes a Struct as bytes, from the values of its leaves in order, the struct_size left out."""
-
-    LETTERS: dict[Any, str] = {c_uint32: "I", c_int32: "i", c_size_t: "N", c_void_p: "P"}
-
-    def __init__(self, structure: type[Struct]) -> None:
-        self.size = ctypes.sizeof(structure)
-        layout = struct.Struct("@" + self._letters(structure))
-        assert layout.size == self.size, structure
-        self._pack = layout.pack
-
-    def _letters(self, structure: Any) -> str:
-        kinds = [kind for _, kind in structure._fields_]
-        return "".join(self.LETTERS[kind] if kind in self.LETTERS else self._letters(kind) for kind in kinds)
-
-    def __call__(self, *values: int) -> bytes:
-        return self._pack(self.size, *values)
+_LETTERS: dict[Any, str] = {c_uint32: "I", c_int32: "i", c_size_t: "N", c_void_p: "P"}
 
 
-pack_rays = Packer(Rays)
-pack_hits = Packer(Hits)
-pack_hit_lists = Packer(HitLists)
+def _letters(structure: Any, plain: bool) -> str:
+    if plain and structure is Array:
+        return f"P{ctypes.sizeof(Array) - ctypes.sizeof(c_void_p)}x"
+    return "".join(_LETTERS.get(kind) or _letters(kind, plain) for _, kind in structure._fields_)
+
+
+def _packer(structure: type[Struct], plain: bool = False) -> Callable[..., bytes]:
+    """Writes a Struct as bytes, from the values of its leaves in order, the struct_size left out.
+
+    plain: strides of arrays of results are left out, too, and 0.
+    """
+    layout = struct.Struct("@" + _letters(structure, plain))
+    assert layout.size == ctypes.sizeof(structure), structure
+    return partial(layout.pack, layout.size)
+
+
+pack_rays = _packer(Rays)
+pack_hits = _packer(Hits)
+pack_plain_hits = _packer(Hits, plain=True)
+pack_hit_lists = _packer(HitLists)
 
 # Where mlrt_struct_sizes has the sizes of the structs here: MLRT_STRUCT_*.
 STRUCT_NUMBERS: dict[Any, int] = {

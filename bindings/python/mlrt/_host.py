@@ -33,11 +33,12 @@ class Callbacks:
         for number in _SIGNALS:
             handler = signal.getsignal(number)
             if callable(handler):
+                self._handlers[number] = handler  # first: the signal may come at once
                 try:
                     signal.signal(number, self._handle)
                 except ValueError:  # not the main thread, so no handler runs in it
+                    del self._handlers[number]
                     break
-                self._handlers[number] = handler
         return self
 
     def _handle(self, number: int, frame: Any) -> None:

@@ -177,7 +177,9 @@ def _integers(values: Floats) -> NDArray[Any]:
 def _volume(corners: NDArray[Any], directions: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """d . ((b - a) x (c - a)), and the sum of its terms' sizes."""
     first, second = (corners[:, corner] - corners[:, 0] for corner in (1, 2))
-    terms = []
+    terms: list[Any] = []
     for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         terms += [directions[:, x] * first[:, y] * second[:, z], -directions[:, x] * first[:, z] * second[:, y]]
-    return sum(terms[1:], terms[0]), sum(map(abs, terms[1:]), abs(terms[0]))
+    volume: Any = sum(terms[1:], terms[0])
+    size: Any = sum(map(abs, terms[1:]), abs(terms[0]))
+    return volume, size

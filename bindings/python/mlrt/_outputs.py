@@ -3,14 +3,14 @@
 
 from functools import lru_cache
 from math import prod
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 
-from ._abi import pack_hit_lists, pack_hits
+from ._abi import pack_hit_lists, pack_hits, pack_plain_hits
 from ._arrays import FLOAT, INT, UINT, address
 from .typing import Outputs
-from ._results import DTYPES, HIT_FIELDS, HitLists, Hits, check_names
+from ._results import DTYPES, HIT_FIELDS, HitLists, Hits, check_names, make_hits
 
 _NO_ARRAY = (0, 0, 0)
 
@@ -36,15 +36,15 @@ def new_hits(outputs: Outputs, shape: tuple[int, ...], lights: Optional[int] = N
     """
     names = (outputs,) if isinstance(outputs, str) else outputs if outputs is None else tuple(outputs)
     count, rows, shadows = _rows(names, lights is not None)
-    block = np.empty((count, *shape), _TYPES[0])
-    views = block, block.view(_TYPES[1]), block.view(_TYPES[2])
+    block = np.empty((count, *shape), FLOAT)
+    views = block, block.view(UINT), block.view(INT)
     start, size = address(block), 4 * prod(shape)
-    arrays = [None if row < 0 else views[kind][row, ...] for row, kind in rows]
-    t, u, v, mesh, triangle, facing = [0 if row < 0 else start + row * size for row, _ in rows]
+    arrays: list[Any] = [None if row < 0 else views[kind][row, ...] for row, kind in rows]
+    starts = [0 if row < 0 else start + row * size for row, _ in rows]
     bits = np.zeros(shape, np.uint8) if shadows else None
     occluded = address(bits) if bits is not None and lights else 0
-    packed = pack_hits(0, t, 0, 0, u, 0, 0, v, 0, 0, mesh, 0, 0, triangle, 0, 0, facing, 0, 0, occluded, 0, 0)
-    return Hits._make([*arrays, bits]), packed
+    arrays.append(bits)
+    return make_hits(Hits, arrays), pack_plain_hits(0, *starts, occluded)
 
 
 def _caller_array(array: np.ndarray, name: str, dtypes: tuple[np.dtype, ...], shape: tuple[int, ...]) -> tuple[int, int, int]:

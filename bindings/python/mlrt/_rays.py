@@ -48,39 +48,40 @@ class Rays:
         ):
             shape = _common_shape(origins, directions, t_min, t_max, skip, mask)
         self.shape = shape
-        self.count = shape[0] if len(shape) == 1 else prod(shape)
+        self.count = prod(shape)
         self._alive: list[np.ndarray] = []
-        of_origins = [(array, width) for array, width in ((origins, 3), (t_min, 1), (skip, 2)) if array is not None]
-        axes = self._group_axes(of_origins)
+        axes = self._group_axes(((origins, 3), (t_min, 1), (skip, 2)))
         self.packed = pack_rays(
             # Rays of an array with two axes or more come in rows, as pixels do. Of a list, the library finds them.
             row_length or (shape[-1] if len(shape) >= 2 and shape[-1] >= 4 else 0),
             self.count,
             *self._array(origins, 3, axes),
-            *self._array(directions, 3),
+            *self._array(directions, 3, 0),
             *(_NO_ARRAY if t_min is None else self._array(t_min, 1, axes)),
-            *(_NO_ARRAY if t_max is None else self._array(t_max, 1)),
+            *(_NO_ARRAY if t_max is None else self._array(t_max, 1, 0)),
             *(_NO_ARRAY if skip is None else self._array(skip, 2, axes)),
-            *(_NO_ARRAY if mask is None else self._array(mask, 1)),
-            prod(shape[len(shape) - axes :]),
+            *(_NO_ARRAY if mask is None else self._array(mask, 1, 0)),
+            prod(shape[len(shape) - axes :]) if axes else 1,
             0,
         )
 
-    def _group_axes(self, arrays: list[tuple[np.ndarray, int]]) -> int:
+    def _group_axes(self, arrays: tuple[tuple[Optional[np.ndarray], int], ...]) -> int:
         """How many of the last axes have rays_per_origin rays: all arrays have one element for them, or for all rays."""
         axes = len(self.shape)
         for array, width in arrays:
-            if array.flags.c_contiguous and array.size == self.count * width:
+            if array is None:
+                continue
+            if array.size == self.count * width and array.flags.c_contiguous:
                 return 0
             constant = _constant_axes(array, width)
             if constant is not None:
                 axes = min(axes, constant)
         return axes if axes < len(self.shape) and self.count else 0
 
-    def _array(self, array: np.ndarray, width: int, group_axes: int = 0) -> tuple[int, int]:
+    def _array(self, array: np.ndarray, width: int, group_axes: int) -> tuple[int, int]:
         """Address and stride: of the elements for each ray, for each group of rays in the last axes, or for all."""
-        whole = self.shape if width == 1 else self.shape + (width,)
-        if array.shape != whole or not array.flags.c_contiguous:
+        if array.size != self.count * width or not array.flags.c_contiguous:
+            whole = self.shape if width == 1 else self.shape + (width,)
             if _constant_axes(array, width) is None:
                 array = np.require(array[_first(array, width, array.ndim)], requirements=("C", "A"))
                 self._alive.append(array)

@@ -127,6 +127,10 @@ class Hits(_Arrays):
         return f"{text}; {names}>"
 
 
+_new_tuple: Any = tuple.__new__
+make_hits: Callable[[type[Hits], Iterable[Any]], Hits] = _new_tuple  # Hits._make in half the time
+
+
 class HitLists(NamedTuple):
     """All hits of rays, nearest first. Arrays of hits have the rays' shape and one more axis, of length k.
 

@@ -6,6 +6,7 @@ Calls go through a PyDLL, which keeps the GIL: a ray takes less time than to giv
 
 import ctypes
 import struct
+import sys
 from functools import lru_cache
 from math import inf
 from typing import Any, NamedTuple, Optional
@@ -15,7 +16,7 @@ import numpy as np
 from ._abi import NONE, library
 from ._arrays import FLOAT, INT, UINT
 from ._errors import check
-from ._results import HIT_FIELDS, Hits, check_names
+from ._results import HIT_FIELDS, Hits, check_names, make_hits
 
 # A t_max that no ray has hits below. In an mlrt_ray and an mlrt_camera, 0 means no limit.
 NOTHING = -1.0
@@ -28,7 +29,7 @@ _RAY = struct.Struct("=II3f3fffII")
 _HIT = struct.Struct("=IfffIIiI")
 _RESULT = struct.Struct("=fffIIi")
 _RESULT_START = 4
-_OCCLUDED_START = 28
+_OCCLUDED_START = 28 if sys.byteorder == "little" else 31  # the byte that is 0 or 1
 _RAY_SIZE, _HIT_SIZE = _RAY.size, _HIT.size
 
 _trace: Any = ctypes.PyDLL(library._name, handle=library._handle).mlrt_trace_ray  # no argtypes: arguments are pointers already
@@ -56,17 +57,21 @@ class _Slot:
     __slots__ = ("ray", "hit", "ray_pointer", "hit_pointer")
 
     def __init__(self) -> None:
-        self.ray, self.hit = ctypes.create_string_buffer(_RAY_SIZE), ctypes.create_string_buffer(_HIT_SIZE)
-        self.ray_pointer, self.hit_pointer = ctypes.byref(self.ray), ctypes.byref(self.hit)
+        self.ray, self.hit = bytearray(_RAY_SIZE), bytearray(_HIT_SIZE)
+        _RAY.pack_into(self.ray, 0, _RAY_SIZE, *[0] * 11)
         _HIT.pack_into(self.hit, 0, _HIT_SIZE, inf, 0, 0, NONE, NONE, 0, 0)
+        self.ray_pointer = ctypes.byref((ctypes.c_char * _RAY_SIZE).from_buffer(self.ray))
+        self.hit_pointer = ctypes.byref((ctypes.c_char * _HIT_SIZE).from_buffer(self.hit))
 
 
-_free: list[_Slot] = []  # as many as there ever were calls at the same time
+# As many as there ever were calls at the same time. Those of arrays have nothing but an origin and a direction.
+_free: list[_Slot] = []
+_free_for_arrays: list[_Slot] = []
 
 
-def _slot() -> _Slot:
+def _slot(free: list[_Slot]) -> _Slot:
     try:
-        return _free.pop()
+        return free.pop()
     except IndexError:
         return _Slot()
 
@@ -106,7 +111,7 @@ def _call(slot: _Slot, handle: Any, origin: Any, direction: Any, t_min: Any, t_m
 
 def closest(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, skip: Any, options: Any) -> Hit:
     """mlrt_trace_ray. options: a pointer to mlrt_trace_options, or None."""
-    slot = _slot()
+    slot = _slot(_free)
     status = _call(slot, handle, origin, direction, t_min, t_max, skip, options)
     if status:
         check(status)
@@ -117,75 +122,73 @@ def closest(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, sk
 
 def occluded(handle: Any, origin: Any, direction: Any, t_min: Any, t_max: Any, skip: Any, options: Any) -> bool:
     """mlrt_trace_ray with options that have MLRT_QUERY_ANY."""
-    slot = _slot()
+    slot = _slot(_free)
     status = _call(slot, handle, origin, direction, t_min, t_max, skip, options)
     if status:
         check(status)
-    hit = slot.hit[_OCCLUDED_START] != b"\0"
+    hit = slot.hit[_OCCLUDED_START] != 0
     _free.append(slot)
     return hit
 
 
 # ---- a single ray in arrays --------------------------------------------------------------------------------------------
 
-# An mlrt_ray whose origin and direction are bytes of arrays, and an mlrt_hit as an element of an array.
-_RAY_OF_BYTES = struct.Struct("=II12s12sffII")
-_pack_bytes = _RAY_OF_BYTES.pack_into
-_HIT_TYPE = np.dtype(
-    [("struct_size", UINT), ("t", FLOAT), ("u", FLOAT), ("v", FLOAT), ("mesh", UINT), ("triangle", UINT), ("facing", INT)]
-    + [("occluded", UINT)]
+# Origin and direction of an mlrt_ray, as bytes of arrays, and an mlrt_hit as an element of an array: `occluded` is 0 or 1.
+_pack_vectors = struct.Struct("=12s12s").pack_into
+_VECTORS_START = 8
+_HIT_TYPE: Any = np.dtype(
+    {
+        "names": [*HIT_FIELDS, "occluded"],
+        "formats": [FLOAT, FLOAT, FLOAT, UINT, UINT, INT, np.bool_],
+        "offsets": [4, 8, 12, 16, 20, 24, _OCCLUDED_START],
+        "itemsize": _HIT_SIZE,
+    }
 )
 
+# The shapes that arrays of one vector have, and those of its results.
+_SHAPES = {(1,) * axes + (3,): (1,) * axes for axes in range(64)}
 
-def is_one(origins: Any, directions: Any) -> bool:
-    """Are these arrays of float32 with one ray, of the same shape?"""
-    return bool(
-        origins.__class__ is np.ndarray
-        and directions.__class__ is np.ndarray
-        and origins.size == 3
-        and origins.dtype is FLOAT
-        and directions.dtype is FLOAT
-        and origins.shape == directions.shape
-        and origins.shape[-1] == 3
-    )
+_ndarray = np.ndarray
+
+
+def _trace_arrays(handle: Any, origins: Any, directions: Any, options: Any) -> Any:
+    """Traces the ray of two arrays of float32 with one vector each, of the same shape: an array of an mlrt_hit. None for others."""
+    if origins.__class__ is not _ndarray or directions.__class__ is not _ndarray:
+        return None
+    shape = _SHAPES.get(origins.shape)
+    if shape is None or origins.shape != directions.shape or origins.dtype is not FLOAT or directions.dtype is not FLOAT:
+        return None
+    slot = _slot(_free_for_arrays)
+    _pack_vectors(slot.ray, _VECTORS_START, origins.tobytes(), directions.tobytes())
+    status = _trace(handle, slot.ray_pointer, options, slot.hit_pointer)
+    if status:
+        check(status)
+    hit = _ndarray(shape, _HIT_TYPE, slot.hit[:])
+    _free_for_arrays.append(slot)
+    return hit
 
 
 @lru_cache(maxsize=256)
 def _wanted(outputs: Any) -> Any:
-    """The names of all wanted outputs with their places in Hits; None = all of them."""
-    names = check_names(outputs, HIT_FIELDS)
-    return None if names == HIT_FIELDS else tuple((HIT_FIELDS.index(name), name) for name in names)
+    """The names of all wanted outputs with their places in Hits."""
+    return tuple((HIT_FIELDS.index(name), name) for name in check_names(outputs, HIT_FIELDS))
 
 
-def closest_in_arrays(handle: Any, origins: Any, directions: Any, outputs: Any) -> Hits:
-    """What mlrt_trace_packet answers to one ray (is_one), in new arrays."""
-    wanted = _wanted(outputs if outputs is None or outputs.__class__ is str else tuple(outputs))
-    slot = _slot()
-    _pack_bytes(slot.ray, 0, _RAY_SIZE, 0, origins.tobytes(), directions.tobytes(), 0.0, 0.0, 0, 0)
-    status = _trace(handle, slot.ray_pointer, None, slot.hit_pointer)
-    if status:
-        check(status)
-    hit = np.ndarray(origins.shape[:-1], _HIT_TYPE, bytearray(slot.hit))
-    _free.append(slot)
+def closest_in_arrays(handle: Any, origins: Any, directions: Any, outputs: Any) -> Optional[Hits]:
+    """What mlrt_trace_packet answers to one ray, in new arrays; None if these are not arrays of one ray."""
+    wanted = None if outputs is None else _wanted(outputs if outputs.__class__ is str else tuple(outputs))
+    hit = _trace_arrays(handle, origins, directions, None)
+    if hit is None:
+        return None
     if wanted is None:
-        return _new_hits(Hits, (hit["t"], hit["u"], hit["v"], hit["mesh"], hit["triangle"], hit["facing"], None))
+        return make_hits(Hits, (hit["t"], hit["u"], hit["v"], hit["mesh"], hit["triangle"], hit["facing"], None))
     arrays: list[Any] = [None] * len(Hits._fields)
     for place, name in wanted:
         arrays[place] = hit[name]
-    return _new_hits(Hits, arrays)
+    return make_hits(Hits, arrays)
 
 
-_new_hits = tuple.__new__
-
-
-def occluded_in_array(handle: Any, origins: Any, directions: Any, options: Any) -> np.ndarray:
+def occluded_in_array(handle: Any, origins: Any, directions: Any, options: Any) -> Optional[np.ndarray]:
     """Likewise of any hit."""
-    slot = _slot()
-    _pack_bytes(slot.ray, 0, _RAY_SIZE, 0, origins.tobytes(), directions.tobytes(), 0.0, 0.0, 0, 0)
-    status = _trace(handle, slot.ray_pointer, options, slot.hit_pointer)
-    if status:
-        check(status)
-    found = np.empty(origins.shape[:-1], np.bool_)
-    found.fill(slot.hit[_OCCLUDED_START] != b"\0")
-    _free.append(slot)
-    return found
+    hit = _trace_arrays(handle, origins, directions, options)
+    return None if hit is None else hit["occluded"]

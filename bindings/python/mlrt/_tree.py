@@ -372,7 +372,7 @@ class Tree:
         method, isa: how to trace. They never change the results. A method of the other structure (Tree.kdtree) is an
         UnsupportedError. progress: a bar, by tqdm, moves while rays are traced.
         """
-        tree = self._open_handle()
+        tree = self._handle or self._open_handle()
         if (
             t_min is None
             and t_max is None
@@ -384,11 +384,11 @@ class Tree:
             and isa is None
             and counters is None
             and not progress
-            and _single.is_one(origins, directions)
         ):
             hits = _single.closest_in_arrays(tree, origins, directions, outputs)
-            hits._rays = origins, directions
-            return hits
+            if hits is not None:
+                hits._rays = origins, directions
+                return hits
         one_mask, masks = (0, None) if mask is None else mask_words(mask)
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         if out is None:
@@ -423,7 +423,7 @@ class Tree:
         progress: bool = False,
     ) -> NDArray[np.bool_]:
         """Whether each ray hits anything: bool (...). Faster than `trace`, arguments as there; out: bool or uint8 (...)."""
-        tree = self._open_handle()
+        tree = self._handle or self._open_handle()
         if (
             t_min is None
             and t_max is None
@@ -435,9 +435,10 @@ class Tree:
             and isa is None
             and counters is None
             and not progress
-            and _single.is_one(origins, directions)
         ):
-            return _single.occluded_in_array(tree, origins, directions, _ANY_HIT)
+            found = _single.occluded_in_array(tree, origins, directions, _ANY_HIT)
+            if found is not None:
+                return found
         one_mask, masks = (0, None) if mask is None else mask_words(mask)
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         out, packed = occluded(out, rays.shape)
@@ -471,7 +472,7 @@ class Tree:
         A ray through an edge or a corner hits each triangle there. `crossing` and `crossing_total` count such a place once if
         the ray goes through the surface, and not if it only touches it. Other arguments as for `trace`.
         """
-        tree = self._open_handle()
+        tree = self._handle or self._open_handle()
         one_mask, masks = (0, None) if mask is None else mask_words(mask)
         rays = Rays(origins, directions, t_min, t_max, skip, row_length, masks)
         lists, packed = new_hit_lists(outputs, rays.shape, in_32_bits(k, "k"))

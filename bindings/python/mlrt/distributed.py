@@ -119,7 +119,7 @@ class Scene:
         names = check_names(outputs, HIT_FIELDS)
         rays = origins, directions, t_min, t_max, skip, mask
         records = self._pieces(_trace, "mlrt-trace", _record(names), names, rays, rays_per_piece, start)
-        return Hits(**{name: records[name] for name in names})
+        return _hits(records, names)
 
     def occluded(
         self,
@@ -197,7 +197,7 @@ class Scene:
             chunks=chunks, dtype=record, meta=np.empty((0, 0), record), name=f"mlrt-render-{uuid.uuid4().hex}",
         )  # fmt: skip
         records = self._started(records, start)
-        return Hits(**{name: records[name] for name in names})
+        return _hits(records, names)
 
     def _started(self, array: Array, start: bool) -> Array:
         return self._client.persist(array, retries=RETRIES) if start else array
@@ -205,12 +205,12 @@ class Scene:
 
 def gather(hits: Union[Hits, Array], client: Optional[Client] = None) -> Any:
     """mlrt.Hits of numpy arrays, or one array, from what a Scene returned. All of it comes to this process."""
-    client = _dask.distributed.default_client() if client is None else client
+    used: Any = _dask.distributed.default_client() if client is None else client
     if not isinstance(hits, Hits):
-        return client.compute(hits, retries=RETRIES).result()
+        return used.compute(hits, retries=RETRIES).result()
     names = [name for name, array in zip(hits._fields, hits) if array is not None]
-    futures = client.compute([getattr(hits, name) for name in names], retries=RETRIES)
-    return Hits(**dict(zip(names, client.gather(futures))))
+    futures = used.compute([getattr(hits, name) for name in names], retries=RETRIES)
+    return Hits(**dict(zip(names, used.gather(futures))))
 
 
 _PIXELS = 64  # a multiple of the sides of all tiles
@@ -219,6 +219,11 @@ _WIDTHS = {"origins": 3, "directions": 3, "t_min": 1, "t_max": 1, "skip": 2, "ma
 
 def _record(names: tuple[str, ...]) -> np.dtype[Any]:
     return np.dtype([(name, DTYPES[name]) for name in names])
+
+
+def _hits(records: Any, names: tuple[str, ...]) -> Hits:
+    """Hits of dask arrays, from one of records."""
+    return Hits(**{name: records[name] for name in names})
 
 
 def _array(values: Any) -> Any:

@@ -114,7 +114,7 @@ class Layouts(unittest.TestCase):
             (_abi.pack_hits, _abi.Hits),
             (_abi.pack_hit_lists, _abi.HitLists),
         ):
-            letters = pack._pack.__self__.format.lstrip("@")
+            letters = pack.func.__self__.format.lstrip("@")
             words = range(1, len(letters))  # but for the struct_size
             packed = structure.from_buffer_copy(pack(*words))
             self.assertEqual(packed.struct_size, ctypes.sizeof(structure))
@@ -123,6 +123,11 @@ class Layouts(unittest.TestCase):
                 value = getattr(packed, name)
                 values += [getattr(value, part) for part, _ in kind._fields_] if hasattr(kind, "_fields_") else [value]
             self.assertEqual(values, list(words), structure)
+
+    def test_plain_hits_are_those_without_strides(self):
+        addresses = range(1, 8)
+        with_strides = [number for address in addresses for number in (address, 0, 0)]
+        self.assertEqual(_abi.pack_plain_hits(9, *addresses), _abi.pack_hits(9, *with_strides))
 
     def test_every_array_has_an_element_size(self):
         for structure in (_abi.Rays, _abi.Hits, _abi.HitLists):

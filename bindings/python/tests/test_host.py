@@ -143,6 +143,21 @@ class Signals(WithBar):
         self.assertEqual(mlrt.Tree(soup(30000), progress=True).info.triangle_count, 30000)
         self.assertEqual(seen, [1])
 
+    def test_a_signal_that_comes_when_its_handler_is_set(self):
+        seen, install = [], signal.signal
+
+        def install_and_raise(number, handler):
+            previous = install(number, handler)
+            if number == signal.SIGALRM and handler == callbacks._handle:
+                signal.raise_signal(number)
+            return previous
+
+        signal.signal(signal.SIGALRM, lambda *_: seen.append(1))
+        callbacks = _host.Callbacks()
+        with mock.patch.object(_host.signal, "signal", install_and_raise), callbacks:
+            pass
+        self.assertEqual(seen, [1])
+
     def test_in_other_threads(self):
         made = []
         thread = threading.Thread(target=lambda: made.append(mlrt.Tree(*box(), progress=True)))
