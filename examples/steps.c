@@ -31,7 +31,7 @@
 
 #define LENGTH(array) (sizeof(array) / sizeof *(array))
 
-enum { MAXIMUM_RUNS = 101, MAXIMUM_VIEWS = 1000, MAXIMUM_FORMS = 6 };
+enum { MAXIMUM_RUNS = 101, MAXIMUM_VIEWS = 1000, MAXIMUM_FORMS = 12 };
 
 struct settings {
     struct word_list scenes;
@@ -146,19 +146,20 @@ static void study_forms(const struct subject *subject)
         const char *name;
         int32_t isa;
     } isas[] = {{"SSE2", MLRT_ISA_SSE}, {"AVX2", MLRT_ISA_AVX2}};
+    enum { FORM_COUNT = LENGTH(all_forms), COUNT = LENGTH(isas) * FORM_COUNT };
     const mlrt_camera camera = official_camera(subject);
-    for (size_t k = 0; k < LENGTH(isas); k++) {
-        struct form forms[LENGTH(all_forms)];
-        struct result results[LENGTH(all_forms)];
-        memcpy(forms, all_forms, sizeof forms);
-        for (size_t i = 0; i < LENGTH(forms); i++) forms[i].isa = isas[k].isa;
-        measure(subject, &camera, forms, LENGTH(forms), results);
-        for (size_t i = 0; i < LENGTH(forms); i++) {
-            const mlrt_counters *c = &results[i].counters;
-            printf("%s,%s,\"%s\",%.2f,%.3f,%.3f,%.3f\n", subject->name, isas[k].name, forms[i].name,
-                   1e3 * results[i].seconds, per_packet(subject, c->cell_count),
-                   per_packet(subject, c->entry_point_cell_count), per_packet(subject, c->triangle_test_count));
-        }
+    struct form forms[COUNT];
+    struct result results[COUNT];
+    for (size_t i = 0; i < COUNT; i++) {
+        forms[i] = all_forms[i % FORM_COUNT];
+        forms[i].isa = isas[i / FORM_COUNT].isa;
+    }
+    measure(subject, &camera, forms, COUNT, results);
+    for (size_t i = 0; i < COUNT; i++) {
+        const mlrt_counters *c = &results[i].counters;
+        printf("%s,%s,\"%s\",%.2f,%.3f,%.3f,%.3f\n", subject->name, isas[i / FORM_COUNT].name, forms[i].name,
+               1e3 * results[i].seconds, per_packet(subject, c->cell_count),
+               per_packet(subject, c->entry_point_cell_count), per_packet(subject, c->triangle_test_count));
     }
 }
 

@@ -15,6 +15,9 @@ import sys
 
 import matplotlib
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "common"))
+import stamp
+
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
@@ -196,9 +199,11 @@ def main():
     data, output = sys.argv[1:]
     for name, draw, chart in (("bench-avx2", draw_scenes, "scenes"), ("bench-triangles", draw_triangles, "triangles"),
                               ("bench-resolution", draw_resolution, "resolution")):
-        rows = read(os.path.join(data, name + ".csv"))
+        table, picture = os.path.join(data, name + ".csv"), os.path.join(output, f"speed-{chart}.png")
+        rows = read(table)
         if rows:
-            draw(rows, os.path.join(output, f"speed-{chart}.png"))
+            draw(rows, picture)
+            stamp.stamp(picture, [table])
 
 
 if __name__ == "__main__":
