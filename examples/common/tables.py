@@ -24,7 +24,9 @@ several=WHAT    of several rows for one cell the least, median, greatest, sum, o
 ratio=x/y       one more column: the first cell's value in column x over that in column y
 label=A|B       heads of the columns of rows=
 
-DATA.md is the output of a program in Markdown: section=N stands for all of its section "## N.", without the head.
+DATA.md is the output of a program in Markdown: section=N stands for all of its section "## N.", without the head. For
+figures its tables have the columns `section`, `scene` (the second word of the line above the table), `row`, and their own,
+with _ for spaces and colons.
 
 A figure in a sentence is watched by a comment below its paragraph, with a cell as above:
 
@@ -54,6 +56,28 @@ class Mistake(Exception):
 # ---- data ------------------------------------------------------------------------------------------------------------
 
 
+def joined(text):
+    return re.sub(r"[ :]+", "_", text.strip())
+
+
+def read_markdown(path):
+    """The rows of all tables."""
+    rows, section, scene, head = [], "", "", None
+    with open(path) as file:
+        for line in file:
+            cells = [cell.strip(" *`") for cell in line.strip().strip("|").split("|")]
+            if not line.startswith("|"):
+                head = None
+                section = line[3:].split(".")[0] if line.startswith("## ") else section
+                scene = line.partition(": ")[2].split()[0] if ": " in line else scene
+            elif head is None:
+                head = [joined(cell) for cell in ["row"] + cells[1:]]
+            elif not line.startswith("| ---"):
+                values = [joined(cells[0])] + [cell.replace(",", "") for cell in cells[1:]]
+                rows.append(dict(zip(head, values), section=section, scene=scene))
+    return rows
+
+
 def read(data, names):
     rows = []
     for name in names.split(","):
@@ -61,6 +85,9 @@ def read(data, names):
         path = os.path.join(data, file)
         if not os.path.exists(path):
             raise Mistake(f"{path} is not there")
+        if file.endswith(".md"):
+            rows += read_markdown(path)
+            continue
         with open(path, newline="") as lines:
             rows += [dict(row, file=title.replace("_", " ")) for row in csv.DictReader(lines)]
     return rows
@@ -85,10 +112,9 @@ def spaced(text):
 
 
 def value_in(row, column):
-    """None: there is no such value."""
     if column.endswith("^"):
         return row[column[:-1]].split("=")[0]
-    return row[column]
+    return row.get(column)
 
 
 class Specification:
