@@ -373,8 +373,8 @@ charts-speed: | $(AFTER_DEPS)
 	@mkdir -p docs/data
 	$(BUILD)/bin/bench --csv --isa avx2 --peer-isa avx2 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx2.csv
 	$(BUILD)/bin/bench --csv --isa avx512 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx512.csv
-	$(BUILD)/bin/bench --study triangles $(BENCH) > docs/data/bench-triangles.csv
-	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
+	$(BUILD)/bin/bench --study triangles --isa avx512 $(BENCH) > docs/data/bench-triangles.csv
+	$(BUILD)/bin/bench --study resolution --isa avx512 --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
 	$(BUILD)/bin/bench --study build --threads 1 --runs 3 $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
 

@@ -48,6 +48,8 @@ KINDS = {
 WHO = [("mrays", "mlrt, exact", BLUE, 2.6), ("embree_fast_mrays", "Embree 3 fast", BLACK, 1.4),
        ("embree_robust_mrays", "Embree 3 robust", GREY, 1.4)]
 
+ISAS = {"avx512": "both with AVX-512", "avx2": "AVX2", "sse": "SSE2", "auto": "widest vectors"}
+
 FAMILY_DASHES, DASH_NAMES = ["-", "--", ":", "-."], ["solid", "dashed", "dotted", "dash-dotted"]
 
 
@@ -170,7 +172,7 @@ def draw_triangles(rows, path):
     legend_below(figure, who_handles() + [Line2D([], [], color="none", label=f"{name}: {family}")
                                           for family, name in zip(families, DASH_NAMES)])
     size = rows[0]["size"]
-    figure.suptitle(f"Time per ray and the number of triangles, {size} x {size} pixels, one thread", fontsize=12)
+    figure.suptitle(f"Time per ray and the number of triangles, {size} x {size} pixels, one thread, {ISAS[rows[0]['isa']]}", fontsize=12)
     figure.tight_layout(rect=(0, 0.07, 1, 0.99))
     finish(figure, path)
 
@@ -188,7 +190,7 @@ def draw_resolution(rows, path):
             axes.xaxis.set_minor_formatter(NullFormatter())
         line[0].set_ylabel("nanoseconds per ray")
     legend_below(figure, who_handles())
-    figure.suptitle("Time per ray and resolution, one thread", fontsize=12)
+    figure.suptitle(f"Time per ray and resolution, one thread, {ISAS[rows[0]['isa']]}", fontsize=12)
     figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 0.99))
     finish(figure, path)
 

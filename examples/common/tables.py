@@ -17,8 +17,8 @@ DATA.csv        several may be given, A.csv=TITLE,B.csv=TITLE: the column `file`
 rows=A,B        a row for each combination of what these columns have. rows=cell: a row for each cell=
 columns=A,B     a column for each combination; without it, for each cell=. A^ is what A has before a "="
 cell=[TITLE:]   what is in a cell: text, with _ for spaces, and values in braces. A VALUE is a column, a sum A+B, or a
-                quotient of these. FORMAT is Python's, or % with decimals, or `speed`, three digits of a rate; ? after it
-                leaves out 0. TITLE: where there are several
+                quotient of these. FORMAT is Python's, or % with decimals, ppm, ms, or `speed`, three digits of a rate;
+                ? after it leaves out 0. TITLE: where there are several
 where=A=x|y:T   only rows whose A is x or y, in this order, with titles, if any; where=A!=x: only the others
 several=WHAT    of several rows for one cell the least, median, greatest, sum, or `spread`, three columns
 ratio=x/y       one more column: the first cell's value in column x over that in column y
@@ -117,6 +117,11 @@ def value_in(row, column):
     return row.get(column)
 
 
+def word(value):
+    """As a specification writes it."""
+    return (value or "").replace(" ", "_")
+
+
 class Specification:
     def __init__(self, text):
         self.rows, self.columns, self.cells, self.ratios, self.label = [], [], [], [], None
@@ -133,7 +138,7 @@ class Specification:
             elif key == "where":
                 column, _, values = value.partition("=")
                 pairs = [one.partition(":") for one in values.split("|")]
-                self.wanted[column] = {one: title.replace("_", " ") or one for one, _, title in pairs}
+                self.wanted[column] = {one: title.replace("_", " ") for one, _, title in pairs}
             elif key == "ratio":
                 self.ratios.append(value.split("/"))
             elif key == "several":
@@ -144,20 +149,20 @@ class Specification:
                 raise Mistake(f"{key}= is nothing known")
 
     def keep(self, rows):
-        return [row for row in rows if all(value_in(row, c) in values for c, values in self.wanted.items())
-                and all(value_in(row, c) != value for c, value in self.unwanted)]
+        return [row for row in rows if all(word(value_in(row, c)) in values for c, values in self.wanted.items())
+                and all(word(value_in(row, c)) != value for c, value in self.unwanted)]
 
     def keys(self, rows, columns):
         """All combinations that occur, in the order of `where`, else of the data."""
         orders = []
         for column in columns:
-            seen = list(dict.fromkeys(value_in(row, column) for row in rows))
-            orders.append([value for value in self.wanted.get(column, seen) if value in seen])
+            seen = {word(value_in(row, column)): value_in(row, column) for row in rows}
+            orders.append([seen[one] for one in self.wanted.get(column, seen) if one in seen])
         present = {tuple(value_in(row, c) for c in columns) for row in rows}
         return [key for key in itertools.product(*orders) if key in present]
 
     def title(self, column, value):
-        return self.wanted.get(column, {}).get(value, value)
+        return self.wanted.get(column, {}).get(word(value)) or value
 
 
 # ---- cells -----------------------------------------------------------------------------------------------------------
@@ -183,6 +188,10 @@ def show(form, value):
         return ""
     if form == "speed":
         return f"{value:.0f}" if value >= 100 else f"{value:.1f}"
+    if form == "ppm":
+        return f"{1e6 * value:,.0f}"
+    if form == "ms":
+        return f"{1e3 * value:,.{0 if value >= 0.1 or value == 0 else 2 if value >= 0.001 else 4}f}"
     if form.endswith("%"):
         return f"{100 * value:{form[:-1]}f} %"
     return f"{value:{form}}"
