@@ -416,9 +416,10 @@ data-python: library
 DOCUMENTS := README.md $(wildcard docs/*.md bindings/*.md bindings/*/README.md)
 CHARTS := $(filter-out docs/office.png docs/engine.png docs/map-tests.png,$(wildcard docs/*.png))
 tables:
-	$(PYTHON) examples/common/tables.py docs/data $(DOCUMENTS) $(CHARTS)
+	@$(PYTHON) examples/common/tables.py docs/data $(DOCUMENTS) $(CHARTS)
 check-tables:
-	$(PYTHON) examples/common/tables.py --check docs/data $(DOCUMENTS) $(CHARTS)
+	@$(PYTHON) examples/common/tables.py --check docs/data $(DOCUMENTS) $(CHARTS)
+	@sh tests/tables.sh $(PYTHON) $(BUILD)/tables
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 
