@@ -145,17 +145,20 @@ static void study_forms(const struct subject *subject)
     static const struct {
         const char *name;
         int32_t isa;
-    } isas[] = {{"SSE2", MLRT_ISA_SSE}, {"AVX2", MLRT_ISA_AVX2}};
+        uint64_t capability;
+    } isas[] = {{"SSE2", MLRT_ISA_SSE, MLRT_CAN_SSE}, {"AVX2", MLRT_ISA_AVX2, MLRT_CAN_AVX2}};
     enum { FORM_COUNT = LENGTH(all_forms), COUNT = LENGTH(isas) * FORM_COUNT };
     const mlrt_camera camera = official_camera(subject);
     struct form forms[COUNT];
     struct result results[COUNT];
-    for (size_t i = 0; i < COUNT; i++) {
-        forms[i] = all_forms[i % FORM_COUNT];
-        forms[i].isa = isas[i / FORM_COUNT].isa;
+    size_t count = 0; // this machine may have none of them, or the first alone
+    while (count < COUNT && mlrt_capabilities() & isas[count / FORM_COUNT].capability) {
+        forms[count] = all_forms[count % FORM_COUNT];
+        forms[count].isa = isas[count / FORM_COUNT].isa;
+        count++;
     }
-    measure(subject, &camera, forms, COUNT, results);
-    for (size_t i = 0; i < COUNT; i++) {
+    measure(subject, &camera, forms, count, results);
+    for (size_t i = 0; i < count; i++) {
         const mlrt_counters *c = &results[i].counters;
         printf("%s,%s,\"%s\",%.2f,%.3f,%.3f,%.3f\n", subject->name, isas[i / FORM_COUNT].name, forms[i].name,
                1e3 * results[i].seconds, per_packet(subject, c->cell_count),
