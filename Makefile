@@ -394,7 +394,9 @@ data-reproduction: | $(AFTER_DEPS)
 	$(BUILD)/bin/reproduce $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS)) $(PAPER_TILES) --only 1 > docs/data/reproduce-1.md
 	$(BUILD)/bin/reproduce $(PAPER_ROOMS) $(PAPER_TILES) --only 2,3,4 > docs/data/reproduce-2.md
 	$(BUILD)/bin/reproduce $(PAPER_ROOMS) --only 5,6,7 > docs/data/reproduce-5.md
-	for study in forms parts views; do $(BUILD)/bin/steps --study $$study $(PAPER_ROOMS) > docs/data/steps-$$study.csv; done
+	$(BUILD)/bin/steps --study forms --runs 9 $(PAPER_ROOMS) > docs/data/steps-forms.csv
+	$(BUILD)/bin/steps --study views $(PAPER_ROOMS) > docs/data/steps-views.csv
+	$(BUILD)/bin/steps --study parts $(PAPER_ROOMS) $(addprefix --scene ,$(wildcard $(SCENES)/sponza_dabrovic.ply)) > docs/data/steps-parts.csv
 
 PRICE_SCENES = room office building scan $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
 data-price: | $(AFTER_DEPS)

@@ -9,9 +9,10 @@
  * Pictures store the numbers of the triangles hit. Forms take turns; a time is the median of processor times of one
  * thread. What is counted is counted once, apart from the times. Each line is printed when it is known.
  *
- * Parts: from random places, with tiles of several sizes, the numbers of packets, steps, tests and beams of a picture
- * vary more or less alone. Their costs are those which predict all the times best: least squares of the relative errors,
- * and none below 0. A cycle is half the time of two additions that wait for each other.
+ * Parts: a packet alone is measured by a picture that looks away from the scene. From random places, with tiles of
+ * several sizes, the numbers of steps, tests and beams of a picture vary more or less alone. Their costs are those which
+ * predict all the times best: least squares of the relative errors, and none below 0. A cycle is half the time of two
+ * additions that wait for each other.
  *
  * Exit codes: 0, 1 if something failed, 2 for a mistake on the command line.
  */
@@ -246,18 +247,20 @@ static void solve(double equations[PART_COUNT][PART_COUNT + 1], const int *used,
     for (int i = 0; i < PART_COUNT; i++) costs[i] = equations[i][PART_COUNT] / equations[i][i];
 }
 
-// Least squares of relative errors. A part whose cost would be negative is taken out, the most negative first.
-static void fit(const struct observation *observations, size_t count, double costs[PART_COUNT])
+// Least squares of relative errors; the cost of packets is known. A part whose cost would be negative is taken out, the
+// most negative first.
+static void fit(const struct observation *observations, size_t count, double packet_seconds, double costs[PART_COUNT])
 {
-    int used[PART_COUNT] = {1, 1, 1, 1, 1, 1}, worst;
+    int used[PART_COUNT] = {[STARTS] = 1, [STEPS] = 1, [TESTS] = 1, [BEAMS] = 1, [SEARCH_STEPS] = 1}, worst;
     do {
         double equations[PART_COUNT][PART_COUNT + 1] = {{0}};
         for (size_t n = 0; n < count; n++) {
             const struct observation *o = &observations[n];
+            const double rest = 1 - o->counts[PACKETS] * packet_seconds / o->seconds;
             for (int i = 0; i < PART_COUNT; i++) {
                 for (int k = 0; k < PART_COUNT; k++)
                     equations[i][k] += o->counts[i] / o->seconds * (o->counts[k] / o->seconds);
-                equations[i][PART_COUNT] += o->counts[i] / o->seconds;
+                equations[i][PART_COUNT] += rest * o->counts[i] / o->seconds;
             }
         }
         solve(equations, used, costs);
@@ -265,6 +268,7 @@ static void fit(const struct observation *observations, size_t count, double cos
         for (int i = 1; i < PART_COUNT; i++) worst = costs[i] < costs[worst] ? i : worst;
         used[worst] = costs[worst] >= 0;
     } while (costs[worst] < 0);
+    costs[PACKETS] = packet_seconds;
 }
 
 static double predict(const struct observation *observation, const double costs[PART_COUNT])
@@ -292,6 +296,24 @@ static double seconds_of_cycle(void)
     return least / (2 * ROUNDS);
 }
 
+// Of a packet that meets nothing: the camera stands outside and looks away.
+static double seconds_of_packet(const struct subject *subject)
+{
+    const struct form from_root = {.method = MLRT_METHOD_PACKET4};
+    struct subject outside = *subject;
+    struct result result;
+    float lo[3], hi[3];
+    scene_bounds(&subject->scene, lo, hi);
+    for (int k = 0; k < 3; k++) {
+        const double extent = (double)hi[k] - (double)lo[k];
+        outside.scene.view.eye[k] = (double)hi[k] + extent + 1;
+        outside.scene.view.look[k] = outside.scene.view.eye[k] + 1 + 0.1 * k;
+    }
+    const mlrt_camera camera = official_camera(&outside);
+    measure(&outside, &camera, &from_root, 1, &result);
+    return result.seconds / (double)result.counters.packet_count;
+}
+
 static void study_parts(const struct subject *subject)
 {
     static struct observation observations[MAXIMUM_VIEWS * LENGTH(fitted_forms)];
@@ -307,7 +329,7 @@ static void study_parts(const struct subject *subject)
     }
     double costs[PART_COUNT];
     const double cycle = seconds_of_cycle(), *root = observations[0].counts, *paper = observations[1].counts;
-    fit(observations, count, costs);
+    fit(observations, count, seconds_of_packet(subject), costs);
     for (size_t n = 0; n < count; n++) errors[n] = fabs(predict(&observations[n], costs) / observations[n].seconds - 1);
     const double packets = (double)subject->settings->size * subject->settings->size / 16;
     for (int i = 0; i < PART_COUNT; i++) {
@@ -347,7 +369,7 @@ static int study_scene(const struct settings *settings, const char *word)
 
 int main(int argc, char **argv)
 {
-    struct settings settings = {.size = 1024, .runs = 5, .view_count = 40};
+    struct settings settings = {.size = 1024, .runs = 3, .view_count = 40};
     const struct option options[] = {
         {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...", "scenes (default: room,office)", 0, 0},
         {OPTION_TEXT, "--views", &settings.views, "FILE.json", "views of scenes that are files", 0, 0},
@@ -355,7 +377,7 @@ int main(int argc, char **argv)
          "times of each form of the method; the same from random places;\nthe cost of each part (default: forms)", 0,
          0},
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side, a multiple of 64 (default: 1024)", 64, 8192},
-        {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 5)", 1, MAXIMUM_RUNS},
+        {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 3)", 1, MAXIMUM_RUNS},
         {OPTION_COUNT, "--places", &settings.view_count, "N", "random places (default: 40)", 1, MAXIMUM_VIEWS - 1},
     };
     int exit_code, failed = 0;
