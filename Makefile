@@ -404,10 +404,11 @@ data-price: | $(AFTER_DEPS)
 	$(BUILD)/bin/price --csv --guess $(GUESSING) $(addprefix --scene ,$(PRICE_SCENES)) $(addprefix --views ,$(VIEWS)) > docs/data/price-guess.csv
 	$(BUILD)/bin/price --csv --worst $(addprefix --scene ,$(PRICE_SCENES)) $(addprefix --views ,$(VIEWS)) > docs/data/price-worst.csv
 
+DEPTH_FILES = $(if $(SCENES),$(wildcard $(patsubst %,$(SCENES)/%.ply,erw6 conference_mgf dragon cruiser_mgf)))
 data-depth: | $(AFTER_DEPS)
 	@$(MAKE) --no-print-directory $(BUILD)/bin/depth
 	$(BUILD)/bin/depth --csv > docs/data/depth-small.csv
-	$(BUILD)/bin/depth --csv --runs 3 --scene building $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS)) > docs/data/depth-limits.csv
+	$(BUILD)/bin/depth --csv --runs 3 --scene building $(addprefix --scene ,$(DEPTH_FILES)) $(addprefix --views ,$(VIEWS)) > docs/data/depth-limits.csv
 
 PYTHON_SCENES = $(patsubst %,--scene %,$(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))) $(addprefix --views ,$(VIEWS))
 data-python: library
