@@ -78,13 +78,18 @@ def read_markdown(path):
     return rows
 
 
+def located(data, name):
+    path = os.path.join(data, name)
+    if not os.path.exists(path):
+        raise Mistake(f"{path} is not there")
+    return path
+
+
 def read(data, names):
     rows = []
     for name in names.split(","):
         file, _, title = name.partition("=")
-        path = os.path.join(data, file)
-        if not os.path.exists(path):
-            raise Mistake(f"{path} is not there")
+        path = located(data, file)
         if file.endswith(".md"):
             rows += read_markdown(path)
             continue
@@ -94,9 +99,7 @@ def read(data, names):
 
 
 def read_section(data, name, number):
-    path = os.path.join(data, name)
-    if not os.path.exists(path):
-        raise Mistake(f"{path} is not there")
+    path = located(data, name)
     with open(path) as file:
         found = re.search(rf"^## {number}\.[^\n]*\n\n(.*?)\n*(?=^## |\Z)", file.read(), re.S | re.M)
     if not found:
@@ -126,8 +129,8 @@ class Specification:
     def __init__(self, text):
         self.rows, self.columns, self.cells, self.ratios, self.label = [], [], [], [], None
         self.wanted, self.unwanted, self.several = {}, [], None
-        for word in text.split():
-            key, _, value = word.partition("=")
+        for argument in text.split():
+            key, _, value = argument.partition("=")
             if key in ("rows", "columns"):
                 setattr(self, key, value.split(","))
             elif key == "cell":
@@ -217,10 +220,6 @@ def fill(template, values):
 def cell_text(rows, template, several):
     if PART.search(template) is None:
         raise Mistake(f"{template} has no value")
-    form, column = PART.search(template).groups()
-    if form == "":  # as it stands
-        found = {row[column] for row in rows}
-        return found.pop() if len(found) == 1 else ""
     return fill(template, values_of(rows, template, several))
 
 
@@ -307,6 +306,14 @@ def renew(text, data, report):
     return TABLE.sub(replace, text)
 
 
+def check_forms(text, report):
+    """Comments that look like those above, but are not of their form, would check nothing."""
+    watched = sum(len(ONE_FIGURE.findall(found[2])) for found in FIGURE.finditer(text))
+    for kind, count in (("table", len(TABLE.findall(text))), ("figure", watched)):
+        if text.count(f"<!-- {kind}:") != count:
+            report(1, f"{text.count(f'<!-- {kind}:')} comments begin with `{kind}:`, {count} are of its form and in its place")
+
+
 def check_figures(text, data, report):
     for found in FIGURE.finditer(text):
         paragraph = found[1]
@@ -348,6 +355,7 @@ def main():
         with open(path) as file:
             old = file.read()
         new = renew(old, data, report)
+        check_forms(new, report)
         check_figures(new, data, report)
         check_owners(new, report)
         if new != old and not is_check:
