@@ -4,9 +4,9 @@
 
     tables.py [--check] DATA FILE...
 
-FILE is a Markdown file, whose tables are written anew, or a chart (PNG), whose stamp is compared (stamp.py). With --check
+FILE is a Markdown file, whose tables and figures are written anew, or a chart (PNG), whose stamp is compared (stamp.py). With --check
 nothing is written, and the exit status is 1 if something would be; so it is in either case where a table of figures
-(with a column aligned to the right) has no data, or where a chart or a figure in a sentence is not that of its data.
+(with a column aligned to the right) has no data, or where a chart is not that of its data.
 
 A table stands between two lines:
 
@@ -314,17 +314,28 @@ def check_forms(text, report):
             report(1, f"{text.count(f'<!-- {kind}:')} comments begin with `{kind}:`, {count} are of its form and in its place")
 
 
-def check_figures(text, data, report):
-    for found in FIGURE.finditer(text):
-        paragraph = found[1]
-        for figure in ONE_FIGURE.finditer(found[2]):
-            written, names, words = figure.groups()
+def renew_figures(text, data, report):
+    """In the comment and in the paragraph above it, if the figure is there only once; whether the sentence still holds is for
+    its author to see."""
+    def replace(found):
+        paragraph, comments = found[1], found[2]
+        for written, names, words in ONE_FIGURE.findall(comments):
+            place = re.compile(rf"(?<![\d.,]){re.escape(written)}(?!\d|[.,]\d)")
+            times = len(place.findall(paragraph))
             try:
                 right = figure_of(data, names, words)
             except (Mistake, KeyError, ValueError) as mistake:
-                right = str(mistake)
-            if right != written or not re.search(rf"(?<![\d.]){re.escape(written)}(?!\d|\.\d)", paragraph):
-                report(line_of(text, found.start()), f"figure {written}: {names} says {right}, and the paragraph must say so")
+                report(line_of(text, found.start()), f"figure {written}: {names}: {mistake}")
+                continue
+            if times == 0 or (right != written and times > 1):
+                report(line_of(text, found.start()), f"figure {written}: {names} says {right}; it is in the paragraph {times} times")
+            elif right != written:
+                report(line_of(text, found.start()), f"figure {written}: {names} says {right}", False)
+                paragraph = place.sub(right, paragraph)
+                comments = comments.replace(f"<!-- figure: {written} is {names} {words} -->", f"<!-- figure: {right} is {names} {words} -->")
+        return found[0].replace(found[1], paragraph, 1).replace(found[2], comments, 1)
+
+    return FIGURE.sub(replace, text)
 
 
 def check_owners(text, report):
@@ -354,9 +365,8 @@ def main():
 
         with open(path) as file:
             old = file.read()
-        new = renew(old, data, report)
+        new = renew_figures(renew(old, data, report), data, report)
         check_forms(new, report)
-        check_figures(new, data, report)
         check_owners(new, report)
         if new != old and not is_check:
             with open(path, "w") as file:
