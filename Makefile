@@ -23,7 +23,10 @@
 #                        files with SCENES=folder VIEWS=cameras.json; BENCH='--threads 2' has options of build/bin/bench
 #   make charts          docs/*.png, on the same scenes: charts-accuracy draws accuracy-* (speed against wrong
 #                        decisions, stability, stages), charts-speed draws speed-* (beside Embree: takes long)
+#   make data            docs/data of tables that have no chart, on the same scenes: data-reproduction (the paper),
+#                        data-price (exactness), data-depth (kd-trees), data-python (the Python package: needs deps-python)
 #   make sweep           compares the choices that tiles make with fixed ones, on the same scenes: docs/data/sweep.csv
+#   make tables          writes the tables of README.md, docs/ and bindings/ from docs/data
 #   make deps-study      installs what these need besides: Embree 3 to compare with, matplotlib to draw
 #   make docs            a page for each function, and the rest of docs/, in build/docs/html; make deps-docs installs
 #                        doxygen
@@ -38,7 +41,7 @@
 #   make check-header    compiles mlrt.h alone, in every C and C++ of the compilers here
 #   make check-layers    checks all includes in src: no circle, no arrow upward, each header compiles alone
 #   make check-lemmas    proves the bounds of bundles (docs/accuracy.md), if Gappa is installed
-#   make check-tables    compares the tables of README.md and docs/ with docs/data
+#   make check-tables    compares tables, watched figures and charts of README.md, docs/ and bindings/ with docs/data
 #   make check-copies    runs three copies of the library in one process
 #   make check-churn     makes and destroys 10,000 trees and pools under valgrind
 #   make fuzz CC=clang SAN=address,undefined,fuzzer-no-link   fuzzes the loading of trees; FUZZ has options of libFuzzer
@@ -139,7 +142,8 @@ TEST_COMMON := $(patsubst tests/%.c,$(BUILD)/tests/%.o,$(filter-out tests/print_
 .PHONY: test test-python fuzz test-bindings test-install check-abi update-abi check-header check-copies check-churn check-layers test-wheel test-trimesh
 .PHONY: install install-strip uninstall
 .PHONY: help test-packaging deps-packaging
-.PHONY: bench charts charts-accuracy charts-speed check-tables check-lemmas sweep
+.PHONY: bench charts charts-accuracy charts-speed data data-reproduction data-price data-depth data-python
+.PHONY: tables check-tables check-lemmas sweep
 .SECONDARY:
 
 all: library examples
@@ -350,6 +354,7 @@ charts-accuracy: | $(AFTER_DEPS)
 	$(BUILD)/bin/pays --csv > docs/data/pays.csv
 	$(BUILD)/bin/pays --csv --scene room,doubled,office,building | tail -n +2 >> docs/data/pays.csv
 	$(BUILD)/bin/errors --guess $(GUESSING) -o docs/errors.png > docs/data/errors.csv
+	$(PYTHON) examples/common/stamp.py docs/errors.png docs/data/errors.csv
 	$(PYTHON) examples/study/charts.py docs/data docs
 
 # ---- speed ----------------------------------------------------------------------------------------------------------
@@ -368,21 +373,56 @@ charts-speed: | $(AFTER_DEPS)
 	@mkdir -p docs/data
 	$(BUILD)/bin/bench --csv --isa avx2 --peer-isa avx2 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx2.csv
 	$(BUILD)/bin/bench --csv --isa avx512 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx512.csv
-	$(BUILD)/bin/bench --study triangles $(BENCH) > docs/data/bench-triangles.csv
-	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
-	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
+	$(BUILD)/bin/bench --study triangles --isa avx512 $(BENCH) > docs/data/bench-triangles.csv
+	$(BUILD)/bin/bench --study resolution --isa avx512 --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
+	$(BUILD)/bin/bench --study build --threads 1 --runs 3 $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
-	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
-
-# Documents whose tables are made from docs/data.
-DOCUMENTS := README.md docs/performance.md bindings/python/README.md
-check-tables:
-	$(PYTHON) examples/bench/tables.py --check docs/data $(DOCUMENTS)
 
 # Compares the choices that the library makes while it traces with fixed ones; some twenty minutes with four scenes.
 sweep: | $(AFTER_DEPS)
 	$(PYTHON) examples/bench/sweep.py $(BENCH_ALL) > docs/data/sweep.csv
-	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
+
+# ---- data of tables, and documents ----------------------------------------------------------------------------------
+
+data: data-reproduction data-price data-depth data-python
+
+# Tables of docs/reproduction.md: all scenes in the first, the two rooms in the others.
+PAPER_ROOMS = $(addprefix --scene ,$(filter %/erw6.ply %/conference_mgf.ply,$(SCENE_FILES))) $(addprefix --views ,$(VIEWS))
+PAPER_TILES = --its 128 --mts 8 --sf 16
+data-reproduction: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/reproduce $(BUILD)/bin/steps
+	$(BUILD)/bin/reproduce $(addprefix --scene ,$(SCENE_FILES)) $(addprefix --views ,$(VIEWS)) $(PAPER_TILES) --only 1 > docs/data/reproduce-1.md
+	$(BUILD)/bin/reproduce $(PAPER_ROOMS) $(PAPER_TILES) --only 2,3,4 > docs/data/reproduce-2.md
+	$(BUILD)/bin/reproduce $(PAPER_ROOMS) --only 5,6,7 > docs/data/reproduce-5.md
+	$(BUILD)/bin/steps --study forms --runs 9 $(PAPER_ROOMS) > docs/data/steps-forms.csv
+	$(BUILD)/bin/steps --study views $(PAPER_ROOMS) > docs/data/steps-views.csv
+	$(BUILD)/bin/steps --study parts $(PAPER_ROOMS) $(addprefix --scene ,$(wildcard $(SCENES)/sponza_dabrovic.ply)) > docs/data/steps-parts.csv
+
+PRICE_SCENES = room office building scan $(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))
+data-price: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/price $(GUESSING)
+	$(BUILD)/bin/price --csv --guess $(GUESSING) $(addprefix --scene ,$(PRICE_SCENES)) $(addprefix --views ,$(VIEWS)) > docs/data/price-guess.csv
+	$(BUILD)/bin/price --csv --worst $(addprefix --scene ,$(PRICE_SCENES)) $(addprefix --views ,$(VIEWS)) > docs/data/price-worst.csv
+
+DEPTH_FILES = $(if $(SCENES),$(wildcard $(patsubst %,$(SCENES)/%.ply,erw6 conference_mgf dragon cruiser_mgf)))
+data-depth: | $(AFTER_DEPS)
+	@$(MAKE) --no-print-directory $(BUILD)/bin/depth
+	$(BUILD)/bin/depth --csv > docs/data/depth-small.csv
+	$(BUILD)/bin/depth --csv --runs 3 --scene building $(addprefix --scene ,$(DEPTH_FILES)) $(addprefix --views ,$(VIEWS)) > docs/data/depth-limits.csv
+
+PYTHON_SCENES = $(patsubst %,--scene %,$(if $(SCENES),$(wildcard $(PAPER_SCENES:%=$(SCENES)/%.ply)))) $(addprefix --views ,$(VIEWS))
+data-python: library
+	for table in arrays trimesh calls distributed; do PYTHONPATH=bindings/python $(TEST_PYTHON) bindings/python/bench.py \
+	    --only $$table --csv docs/data/python-$$table.csv $(if $(SCENES),$$([ $$table = arrays -o $$table = trimesh ] && echo $(PYTHON_SCENES))); done
+
+# Documents whose tables are made from docs/data, and charts that are drawn from it; the other pictures are renderings.
+DOCUMENTS := README.md $(wildcard docs/*.md bindings/*.md bindings/*/README.md)
+CHARTS := $(filter-out docs/office.png docs/engine.png docs/map-tests.png,$(wildcard docs/*.png))
+tables:
+	@$(PYTHON) examples/common/tables.py docs/data $(DOCUMENTS) $(CHARTS)
+check-tables:
+	@$(PYTHON) examples/common/tables.py --check docs/data $(DOCUMENTS) $(CHARTS)
+	@sh tests/tables.sh $(PYTHON) $(BUILD)/tables
 
 # ---- tests ---------------------------------------------------------------------------------------------------------
 

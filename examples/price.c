@@ -4,6 +4,7 @@
  *
  *     price                          compares with the library of `make GUESS=1`, found in build/guess
  *     price --worst                  the worst cases
+ *     price --csv                    comma-separated values, docs/data/price-*.csv
  *
  * Both libraries are loaded into this process and take turns on the same pictures, so that a machine that slows down
  * does so for both. The build that guesses takes the float filter's best guess for each decision (src/base/platform.h);
@@ -35,7 +36,8 @@ enum { MAXIMUM_RUNS = 101 };
 struct settings {
     struct word_list scenes;
     const char *views, *guess;
-    uint32_t size, runs, worst;
+    uint32_t size, runs;
+    int worst, csv;
 };
 
 static mlrt_mesh mesh_of(const struct scene *scene)
@@ -58,17 +60,24 @@ static double render(const struct library *library, const mlrt_tree *tree, const
     return thread_seconds_now() - start;
 }
 
-/* Rays by what became of them, per million. */
-static void print_stages(const mlrt_counters *counters)
+// A line is a word, then numbers: in columns, or parted by commas.
+static void begin_line(int csv, const char *name)
 {
-    const double lanes = (double)counters->lane_test_count, tests = (double)counters->triangle_test_count;
-    printf(" %10.3f %10.3f %10.3f %10.4f\n", 100 * (double)counters->undecided_test_count / tests,
-           100 * (double)counters->judged_lane_count / lanes, 100 * (double)counters->tie_lane_count / lanes,
-           100 * (double)(counters->exact_edge_count + counters->exact_range_count + counters->exact_order_count) /
-               lanes);
+    printf(csv ? "%s" : "%-18s", name);
 }
 
-static void compare(const char *name, const struct scene *scene, const mlrt_camera *camera, uint32_t runs,
+static void add_number(int csv, int decimals, double value)
+{
+    printf(csv ? ",%.*f" : " %10.*f", decimals, value);
+}
+
+static void end_line(void)
+{
+    putchar('\n');
+    fflush(stdout);
+}
+
+static void compare(int csv, const char *name, const struct scene *scene, const mlrt_camera *camera, uint32_t runs,
                     const struct library *guess)
 {
     const mlrt_mesh mesh = mesh_of(scene);
@@ -91,10 +100,18 @@ static void compare(const char *name, const struct scene *scene, const mlrt_came
     if (mlrt_render_tiles(tree, camera, &counting, &frame, NULL, NULL) != MLRT_OK) exit(1);
 
     const double million = (double)pixels / 1e6;
-    printf("%-18s %9.1f %9.1f %8.1f %10.1f", name, million / median(times, runs), million / median(other_times, runs),
-           100 * (median(ratios, runs) - 1), (double)wrong / million);
-    print_stages(&counters);
-    fflush(stdout);
+    const double lanes = (double)counters.lane_test_count, tests = (double)counters.triangle_test_count;
+    const double exact = (double)(counters.exact_edge_count + counters.exact_range_count + counters.exact_order_count);
+    begin_line(csv, name);
+    add_number(csv, 1, million / median(times, runs));
+    add_number(csv, 1, million / median(other_times, runs));
+    add_number(csv, 1, 100 * (median(ratios, runs) - 1));
+    add_number(csv, 1, (double)wrong / million);
+    add_number(csv, 3, 100 * (double)counters.undecided_test_count / tests);
+    add_number(csv, 3, 100 * (double)counters.judged_lane_count / lanes);
+    add_number(csv, 3, 100 * (double)counters.tie_lane_count / lanes);
+    add_number(csv, 4, 100 * exact / lanes);
+    end_line();
     free(triangles);
     free(guessed);
     mlrt_destroy_tree(tree);
@@ -187,15 +204,19 @@ static void align(const struct scene *scene, mlrt_camera *camera)
     camera->sample_x = camera->sample_y = 0;
 }
 
-static void print_worst(const char *scene, const char *what, double *times, double *other_times, uint32_t runs,
+static void print_worst(int csv, const char *scene, const char *what, double *times, double *other_times, uint32_t runs,
                         double rays)
 {
     const double worst = median(times, runs) * 1e9 / rays, plain = median(other_times, runs) * 1e9 / rays;
-    printf("%-18s %-34s %9.1f %9.1f %8.2f\n", scene, what, worst, plain, worst / plain);
-    fflush(stdout);
+    begin_line(csv, scene);
+    printf(csv ? ",\"%s\"" : " %-34s", what);
+    add_number(csv, 1, worst);
+    add_number(csv, 1, plain);
+    add_number(csv, 2, worst / plain);
+    end_line();
 }
 
-static void measure_vertices(const char *name, const struct scene *scene, const mlrt_tree *tree,
+static void measure_vertices(int csv, const char *name, const struct scene *scene, const mlrt_tree *tree,
                              const mlrt_camera *camera, int from_zero, uint32_t runs)
 {
     mlrt_camera moved = *camera;
@@ -212,13 +233,13 @@ static void measure_vertices(const char *name, const struct scene *scene, const 
         times[run] = trace(tree, &rays, triangles);
         other_times[run] = trace(tree, &other, triangles);
     }
-    print_worst(name, from_zero ? "vertices, exactly (from 0,0,0)" : "vertices, from the eye", times, other_times, runs,
-                (double)rays.side * rays.side);
+    print_worst(csv, name, from_zero ? "vertices, exactly (from 0,0,0)" : "vertices, from the eye", times, other_times,
+                runs, (double)rays.side * rays.side);
     free(rays.directions);
     free(triangles);
 }
 
-static void measure_alignment(const char *name, const struct scene *scene, const mlrt_tree *tree,
+static void measure_alignment(int csv, const char *name, const struct scene *scene, const mlrt_tree *tree,
                               const mlrt_camera *camera, uint32_t runs)
 {
     mlrt_camera aligned = *camera;
@@ -231,11 +252,12 @@ static void measure_alignment(const char *name, const struct scene *scene, const
         times[run] = render(&this_library, tree, &aligned, triangles);
         other_times[run] = render(&this_library, tree, &moved, triangles);
     }
-    print_worst(name, "axis-parallel, eye in planes", times, other_times, runs, (double)camera->width * camera->height);
+    print_worst(csv, name, "axis-parallel, eye in planes", times, other_times, runs,
+                (double)camera->width * camera->height);
     free(triangles);
 }
 
-static void measure_doubling(const char *name, const struct scene *scene, const mlrt_tree *tree,
+static void measure_doubling(int csv, const char *name, const struct scene *scene, const mlrt_tree *tree,
                              const mlrt_camera *camera, uint32_t runs)
 {
     const mlrt_mesh meshes[2] = {mesh_of(scene), mesh_of(scene)};
@@ -247,20 +269,21 @@ static void measure_doubling(const char *name, const struct scene *scene, const 
         times[run] = render(&this_library, doubled, camera, triangles);
         other_times[run] = render(&this_library, tree, camera, triangles);
     }
-    print_worst(name, "everything drawn twice", times, other_times, runs, (double)camera->width * camera->height);
+    print_worst(csv, name, "everything drawn twice", times, other_times, runs, (double)camera->width * camera->height);
     free(triangles);
     mlrt_destroy_tree(doubled);
 }
 
-static void measure_worst_cases(const char *name, const struct scene *scene, const mlrt_camera *camera, uint32_t runs)
+static void measure_worst_cases(int csv, const char *name, const struct scene *scene, const mlrt_camera *camera,
+                                uint32_t runs)
 {
     const mlrt_mesh mesh = mesh_of(scene);
     mlrt_tree *tree;
     if (mlrt_build_tree(&mesh, 1, NULL, &tree) != MLRT_OK) exit(1);
-    measure_vertices(name, scene, tree, camera, 0, runs);
-    measure_vertices(name, scene, tree, camera, 1, runs);
-    measure_alignment(name, scene, tree, camera, runs);
-    measure_doubling(name, scene, tree, camera, runs);
+    measure_vertices(csv, name, scene, tree, camera, 0, runs);
+    measure_vertices(csv, name, scene, tree, camera, 1, runs);
+    measure_alignment(csv, name, scene, tree, camera, runs);
+    measure_doubling(csv, name, scene, tree, camera, runs);
     mlrt_destroy_tree(tree);
 }
 
@@ -273,11 +296,15 @@ static int run(const struct settings *settings)
         fprintf(stderr, "It is built by: make GUESS=1 library\n");
         return 1;
     }
+    const int csv = settings->csv;
     if (settings->worst) {
-        printf("%-18s %-34s %9s %9s %8s\n", "scene", "worst case", "ns/ray", "plain", "ratio");
+        puts(csv ? "scene,case,ns,plain_ns,ratio"
+                 : "scene              worst case                             ns/ray      plain      ratio");
     } else {
-        printf("%-18s %9s %9s %8s %10s %10s %10s %10s %10s\n", "scene", "exact", "guess", "price %", "wrong/M",
-               "undecided%", "double %", "ties %", "exact %");
+        puts(csv ? "scene,exact_mrays,guess_mrays,price_percent,wrong_per_million,undecided_percent,double_percent,"
+                   "ties_percent,exact_percent"
+                 : "scene                   exact      guess    price %    wrong/M undecided%   double %     ties %    "
+                   "exact %");
     }
     for (size_t i = 0; i < settings->scenes.count; i++) {
         struct scene scene = {.vertices = NULL};
@@ -289,9 +316,9 @@ static int run(const struct settings *settings)
             return 1;
         }
         if (settings->worst) {
-            measure_worst_cases(name, &scene, &camera, settings->runs);
+            measure_worst_cases(csv, name, &scene, &camera, settings->runs);
         } else {
-            compare(name, &scene, &camera, settings->runs, &guess);
+            compare(csv, name, &scene, &camera, settings->runs, &guess);
         }
         free_scene(&scene);
     }
@@ -301,7 +328,6 @@ static int run(const struct settings *settings)
 int main(int argc, char **argv)
 {
     struct settings settings = {.guess = "build/guess/libmlrt.so", .size = 1024, .runs = 15};
-    int worst = 0;
     const struct option options[] = {
         {OPTION_LIST, "--scene", &settings.scenes, "NAME|FILE,...", "scenes (default: room,office,building,scan)", 0,
          0},
@@ -310,13 +336,13 @@ int main(int argc, char **argv)
          "the library made with GUESS=1 (default: build/guess/libmlrt.so)", 0, 0},
         {OPTION_COUNT, "--size", &settings.size, "N", "pixels per side (default: 1024)", 4, 8192},
         {OPTION_COUNT, "--runs", &settings.runs, "N", "runs of each (default: 15)", 1, MAXIMUM_RUNS},
-        {OPTION_FLAG, "--worst", &worst, "", "the worst cases, and not the price", 0, 0},
+        {OPTION_FLAG, "--worst", &settings.worst, "", "the worst cases, and not the price", 0, 0},
+        {OPTION_FLAG, "--csv", &settings.csv, "", "comma-separated values instead of columns", 0, 0},
     };
     int exit_code;
     if (!parse_options("price - what exactness costs", options, sizeof options / sizeof *options, argc, argv,
                        &exit_code))
         return exit_code;
-    settings.worst = worst != 0;
     if (settings.scenes.count == 0) settings.scenes = (struct word_list){4, {"room", "office", "building", "scan"}};
     return run(&settings);
 }

@@ -2,12 +2,13 @@
 """How fast mlrt is from Python, beside open3d, embreex and trimesh, whichever of them are installed (pip install them).
 
     python bench.py --scene dragon.ply --views cameras.json --threads 1,2     Mray/s, and what a call costs
-    python bench.py --csv speed.csv                                           a procedural scene; also as CSV
+    python bench.py --only trimesh --csv speed.csv                            a procedural scene, one table; also as CSV
 
 Each scene has coherent rays, the pixels of a view row by row, and random ones: origins anywhere in the bounding box, directions
 anywhere on the sphere. All get the same rays in the arrays they like best: float32, contiguous, (n, 3) each, for open3d packed
 as its (n, 6) tensor before the clock runs; through trimesh float64, as trimesh's own arrays are. Contestants take turns, and of
-all turns the median counts. Whether they agree on what is hit is checked.
+all turns the median counts: processor time of the process with one thread, elapsed time with more and over Dask. Whether they
+agree on what is hit is checked.
 """
 
 import argparse
@@ -52,6 +53,9 @@ class Scene(NamedTuple):
     vertices: np.ndarray  # float32 (n, 3)
     faces: np.ndarray  # int32 (m, 3)
     view: dict[str, Any]
+
+
+Line = tuple[str, ...]  # of a CSV file
 
 
 class Row(NamedTuple):
@@ -193,12 +197,8 @@ PEERS: dict[str, Any] = {"embreex": Embreex, "open3d": Open3d}
 # ---- measuring ---------------------------------------------------------------------------------------------------------
 
 
-def take_turns(contestants: dict[str, Question], rounds: int, threads: int = 1) -> dict[str, float]:
-    """Seconds: of each the median of `rounds` runs, one of each in turn, after one that does not count.
-
-    Of one thread the time that the processor took, which other programs disturb less.
-    """
-    clock = process_time if threads == 1 else perf_counter
+def take_turns(contestants: dict[str, Question], rounds: int, clock: Callable[[], float]) -> dict[str, float]:
+    """Seconds: of each the median of `rounds` runs, one of each in turn, after one that does not count."""
     seconds: dict[str, list[float]] = {name: [] for name in contestants}
     for turn in range(rounds + 1):
         for name, ask in contestants.items():
@@ -223,7 +223,7 @@ def measure_arrays(scene: Scene, peers: list[str], options: argparse.Namespace) 
             questions = {name: one.questions(*rays, threads) for name, one in contestants.items()}
             for question in QUESTIONS:
                 asked = {name: asks[question] for name, asks in questions.items() if question in asks}
-                seconds = take_turns(asked, options.rounds, threads)
+                seconds = take_turns(asked, options.rounds, process_time if threads == 1 else perf_counter)
                 yield Row(scene.name, kind, question, threads, {name: len(rays[0]) / s / 1e6 for name, s in seconds.items()})
 
 
@@ -239,14 +239,14 @@ def measure_drop_in(scene: Scene, options: argparse.Namespace) -> Iterator[Row]:
         asked: dict[str, Question] = {
             name: partial(getattr(one, method), *rays, **arguments) for name, one in contestants.items()
         }
-        seconds = take_turns(asked, options.rounds)
+        seconds = take_turns(asked, options.rounds, process_time)
         yield Row(scene.name, "coherent", title, 1, {name: len(rays[0]) / s / 1e6 for name, s in seconds.items()})
 
 
 def microseconds(ask: Question) -> float:
-    """Per call, the best of many."""
-    number = max(1, int(0.01 / max(timeit.timeit(ask, number=1), 1e-6)))
-    return min(timeit.repeat(ask, number=number, repeat=40)) / number * 1e6
+    """Processor time per call, the best of many."""
+    number = max(1, int(0.01 / max(timeit.timeit(ask, timer=process_time, number=1), 1e-6)))
+    return min(timeit.repeat(ask, timer=process_time, number=number, repeat=40)) / number * 1e6
 
 
 def box() -> Scene:
@@ -317,23 +317,27 @@ def print_table(title: str, names: list[str], rows: Iterable[Row]) -> list[Row]:
     return done
 
 
-def print_calls(peers: list[str]) -> None:
+def print_calls(peers: list[str]) -> list[Line]:
     scene = box()
     tree = mlrt.Tree(scene.vertices, scene.faces)
     few, many = (calls(tree, count) | peer_calls(scene, peers, count) for count in (1, 256))
-    print("\nMicroseconds per call, a tree of one box, the best of many\n\n| call | 1 ray | 256 rays |\n| --- | ---: | ---: |")
+    print("\nMicroseconds of processor time per call, a tree of one box, the best of many\n\n| call | 1 ray | 256 rays |\n| --- | ---: | ---: |")
+    done: list[Line] = [("call", "one_us", "many_us")]
     for call, ask in few.items():
         several = f"{microseconds(many[call]):.0f}" if call in many else ""
-        print(f"| {call} | {microseconds(ask):.1f} | {several} |", flush=True)
+        done.append((call, f"{microseconds(ask):.1f}", several))
+        print(f"| {call} | {done[-1][1]} | {several} |", flush=True)
+    return done
 
 
-def print_distributed(found: list[Scene], options: argparse.Namespace) -> None:
+def print_distributed(found: list[Scene], options: argparse.Namespace) -> list[Line]:
     """Random rays and a picture over one and two worker processes, each with one thread; in turn, the median."""
     dask: Any = importlib.import_module("dask.distributed")
     distributed: Any = importlib.import_module("mlrt.distributed")
     array: Any = importlib.import_module("dask.array")
     print("\nMray/s over Dask, from rays that the workers have to triangles and t that they keep\n")
     print("| scene | rays | one process without Dask | 1 worker | 2 workers | 2 over 1 |\n| --- | --- | ---: | ---: | ---: | ---: |")
+    done: list[Line] = [("scene", "rays", "alone", "one_worker", "two_workers")]
     with ExitStack() as stack:
         workers = {"processes": True, "threads_per_worker": 1, "dashboard_address": None}
         clusters = [stack.enter_context(dask.LocalCluster(n_workers=count, **workers)) for count in (1, 2)]
@@ -363,10 +367,12 @@ def print_distributed(found: list[Scene], options: argparse.Namespace) -> None:
 
                 asks["random"][name], asks["picture"][name] = trace, render
             for kind, contestants in asks.items():
-                seconds = take_turns(contestants, options.rounds, threads=0)  # of all processes
+                seconds = take_turns(contestants, options.rounds, perf_counter)
                 speeds = [len(rays[0]) / seconds[name] / 1e6 for name in ("alone", "1", "2")]
+                done.append((scene.name, kind, *(f"{speed:.3f}" for speed in speeds)))
                 cells = " | ".join(f"{speed:.1f}" for speed in speeds)
                 print(f"| {scene.name} | {kind} | {cells} | {speeds[2] / speeds[1]:.2f} |", flush=True)
+    return done
 
 
 def visits(tree: mlrt.Tree, any_hit: bool, origins: np.ndarray, directions: np.ndarray) -> tuple[float, float]:
@@ -389,13 +395,19 @@ def print_counts(found: list[Scene]) -> None:
             print(f"| {scene.name} | {question} | {cells:.2f} | {tests:.2f} |", flush=True)
 
 
-def write_csv(path: str, rows: list[Row]) -> None:
+def lines_of(rows: list[Row], names: list[str]) -> list[Line]:
+    """With the best of all but the first, which the ratio is to."""
+    done: list[Line] = [("scene", "rays", "question", "threads", *names, "best_other")]
+    for row in rows:
+        others = [row.speeds[name] for name in names[1:] if name in row.speeds]
+        speeds = [f"{row.speeds[name]:.3f}" if name in row.speeds else "" for name in names]
+        done.append((row.scene, row.rays, row.question, str(row.threads), *speeds, f"{max(others):.3f}" if others else ""))
+    return done
+
+
+def write_csv(path: str, lines: list[Line]) -> None:
     with open(path, "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(("scene", "rays", "question", "threads", "contestant", "mray_per_second"))
-        for row in rows:
-            for name, speed in row.speeds.items():
-                writer.writerow((row.scene, row.rays, row.question, row.threads, name, f"{speed:.3f}"))
+        csv.writer(file, lineterminator="\n").writerows(lines)
 
 
 def parse() -> argparse.Namespace:
@@ -406,8 +418,11 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--threads", type=lambda text: [int(one) for one in text.split(",")], default=[1], metavar="1,2")
     parser.add_argument("--rounds", type=int, default=7, help="turns that each takes (default: %(default)s)")
     parser.add_argument("--only", choices=("arrays", "trimesh", "calls", "counts", "distributed"), help="one of the tables")
-    parser.add_argument("--csv", metavar="FILE", help="write the speeds there as well")
-    return parser.parse_args()
+    parser.add_argument("--csv", metavar="FILE", help="with --only: write the table there as well")
+    options = parser.parse_args()
+    if options.csv and options.only in (None, "counts"):
+        parser.error("--csv needs --only, of a table of times")
+    return options
 
 
 def main() -> None:
@@ -418,23 +433,25 @@ def main() -> None:
     missing = [name for name in PEERS if name not in peers] + ([] if with_trimesh else ["trimesh with embreex"])
     if missing:
         print(f"Not installed, so not compared with: {', '.join(missing)}.")
-    rows: list[Row] = []
+    lines: list[Line] = []
     if options.only in (None, "arrays"):
         for question, meaning in QUESTIONS.items():
             print(f"- {question}: {meaning}")
+        names = ["mlrt", *peers]
         speeds = (row for scene in found for row in measure_arrays(scene, peers, options))
-        rows += print_table("Mray/s from numpy arrays; embreex has one thread", ["mlrt", *peers], speeds)
+        lines = lines_of(print_table("Mray/s from numpy arrays; embreex has one thread", names, speeds), names)
     if options.only in (None, "trimesh") and with_trimesh:
+        names = ["mlrt.trimesh", "trimesh"]
         speeds = (row for scene in found for row in measure_drop_in(scene, options))
-        rows += print_table("Mray/s through trimesh with embreex, and with mlrt.trimesh", ["mlrt.trimesh", "trimesh"], speeds)
+        lines = lines_of(print_table("Mray/s through trimesh with embreex, and with mlrt.trimesh", names, speeds), names)
     if options.only in (None, "calls"):
-        print_calls(peers)
+        lines = print_calls(peers)
     if options.only in (None, "counts"):
         print_counts(found)
     if options.only in (None, "distributed") and installed("distributed") is not None:
-        print_distributed(found, options)
+        lines = print_distributed(found, options)
     if options.csv:
-        write_csv(options.csv, rows)
+        write_csv(options.csv, lines)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,9 @@ import sys
 
 import matplotlib
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "common"))
+import stamp
+
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
@@ -44,6 +47,8 @@ KINDS = {
 
 WHO = [("mrays", "mlrt, exact", BLUE, 2.6), ("embree_fast_mrays", "Embree 3 fast", BLACK, 1.4),
        ("embree_robust_mrays", "Embree 3 robust", GREY, 1.4)]
+
+ISAS = {"avx512": "both with AVX-512", "avx2": "AVX2", "sse": "SSE2", "auto": "widest vectors"}
 
 FAMILY_DASHES, DASH_NAMES = ["-", "--", ":", "-."], ["solid", "dashed", "dotted", "dash-dotted"]
 
@@ -167,7 +172,7 @@ def draw_triangles(rows, path):
     legend_below(figure, who_handles() + [Line2D([], [], color="none", label=f"{name}: {family}")
                                           for family, name in zip(families, DASH_NAMES)])
     size = rows[0]["size"]
-    figure.suptitle(f"Time per ray and the number of triangles, {size} x {size} pixels, one thread", fontsize=12)
+    figure.suptitle(f"Time per ray and the number of triangles, {size} x {size} pixels, one thread, {ISAS[rows[0]['isa']]}", fontsize=12)
     figure.tight_layout(rect=(0, 0.07, 1, 0.99))
     finish(figure, path)
 
@@ -185,7 +190,7 @@ def draw_resolution(rows, path):
             axes.xaxis.set_minor_formatter(NullFormatter())
         line[0].set_ylabel("nanoseconds per ray")
     legend_below(figure, who_handles())
-    figure.suptitle("Time per ray and resolution, one thread", fontsize=12)
+    figure.suptitle(f"Time per ray and resolution, one thread, {ISAS[rows[0]['isa']]}", fontsize=12)
     figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 0.99))
     finish(figure, path)
 
@@ -196,9 +201,11 @@ def main():
     data, output = sys.argv[1:]
     for name, draw, chart in (("bench-avx2", draw_scenes, "scenes"), ("bench-triangles", draw_triangles, "triangles"),
                               ("bench-resolution", draw_resolution, "resolution")):
-        rows = read(os.path.join(data, name + ".csv"))
+        table, picture = os.path.join(data, name + ".csv"), os.path.join(output, f"speed-{chart}.png")
+        rows = read(table)
         if rows:
-            draw(rows, os.path.join(output, f"speed-{chart}.png"))
+            draw(rows, picture)
+            stamp.stamp(picture, [table])
 
 
 if __name__ == "__main__":

@@ -21,6 +21,9 @@ import sys
 
 import matplotlib
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "common"))
+import stamp
+
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
@@ -453,9 +456,11 @@ def main():
     for name, draw, chart in (("methods", draw_summary, "accuracy-summary"), ("methods", draw_speed, "accuracy-speed"),
                               ("stability", draw_stability, "accuracy-stability"), ("stages", draw_stages, "accuracy-stages"),
                               ("price", draw_price, "accuracy-price"), ("pays", draw_pays, "depth-pays")):
-        rows = read(os.path.join(data, name + ".csv"))
+        table, picture = os.path.join(data, name + ".csv"), os.path.join(output, chart + ".png")
+        rows = read(table)
         if rows:
-            draw(rows, os.path.join(output, chart + ".png"))
+            draw(rows, picture)
+            stamp.stamp(picture, [table])
 
 
 if __name__ == "__main__":
