@@ -425,7 +425,7 @@ static MLRT_NOINLINE void find_split(struct build *build, const struct portion *
     } else {
         struct mlrt_bvh_bins bins;
         fill_bins(build, portion, &bins);
-        mlrt_choose_split(&build->costs, &bins, portion->set.count, split);
+        mlrt_choose_split(&build->costs, &bins, &portion->set.box, split);
     }
     uint32_t lower = split->lower_count;
     if (split->cost < HUGE_VAL && !may_split(build, portion, lower, portion->set.count - lower)) split->cost = HUGE_VAL;
