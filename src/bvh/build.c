@@ -88,7 +88,9 @@ static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, 0.0f, MLRT_TRIANGLE_COST
 #define PLANE_GAIN 0.99
 
 /* References per leaf, on average, that the budget allows for: so building takes 104 / 4 bytes of nodes for each. */
+#ifndef LEAF_SHARE
 #define LEAF_SHARE 4
+#endif
 
 /* Binary levels in the first attempt. Bounds the stack. */
 #define BINARY_DEPTH 64
@@ -388,7 +390,7 @@ static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chun
 static void fill_bins(struct build *build, const struct portion *portion, struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_bvh_set *set = &portion->set;
-    mlrt_clear_bins(bins);
+    mlrt_clear_bins(set->count, bins);
     if (build->shared_portion != portion) {
         for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
             mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->centres,
@@ -396,7 +398,7 @@ static void fill_bins(struct build *build, const struct portion *portion, struct
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
-    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_bins(&build->shares[i].bins);
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_bins(set->count, &build->shares[i].bins);
     mlrt_run_items(build->pool, chunks_of(set->count), fill_bins_item, build);
     for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_bins(&build->shares[i].bins, bins);
 }

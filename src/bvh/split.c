@@ -188,6 +188,9 @@ static void apply_ranks(struct mlrt_quad_box *references, const struct mlrt_bvh_
 
 /* ---- many references ------------------------------------------------------------------------------------------- */
 
+#ifndef FEW_REFERENCES
+#define FEW_REFERENCES 256
+#endif
 /* The bin of a centre along each axis is the whole part of (centre - start) * scale. */
 struct binning {
     MLRT_ALIGNED(16) float start[4];
@@ -195,30 +198,35 @@ struct binning {
 };
 
 /* If all centres along an axis are equal, or so close that the scale would overflow, it is 0: all are in bin 0. */
-static struct binning cut_bins(const struct mlrt_quad_box *centres)
+static struct binning cut_bins(const struct mlrt_quad_box *centres, uint32_t bin_count)
 {
     struct binning binning;
     for (int k = 0; k < 4; k++) {
         float extent = k < 3 ? centres->hi[k] - centres->lo[k] : 0;
-        float scale = extent > 0 ? MLRT_BVH_BINS * (1 - 0x1p-10f) / extent : 0;
+        float scale = extent > 0 ? (float)bin_count * (1 - 0x1p-10f) / extent : 0;
         binning.start[k] = k < 3 ? centres->lo[k] : 0;
         binning.scale[k] = scale <= FLT_MAX ? scale : 0;
     }
     return binning;
 }
 
-void mlrt_clear_bins(struct mlrt_bvh_bins *bins)
+static uint32_t bins_of(uint32_t count)
 {
-    bins->bin_count = MLRT_BVH_BINS;
-    for (int i = 0; i < MLRT_BVH_BINS; i++)
+    return count < FEW_REFERENCES ? MLRT_BVH_BINS / 2 : MLRT_BVH_BINS;
+}
+
+void mlrt_clear_bins(uint32_t count, struct mlrt_bvh_bins *bins)
+{
+    bins->bin_count = bins_of(count);
+    for (uint32_t i = 0; i < bins->bin_count; i++)
         for (int axis = 0; axis < 3; axis++) clear_box(&bins->box[i][axis]);
-    memset(bins->count, 0, sizeof bins->count);
+    memset(bins->count, 0, bins->bin_count * sizeof *bins->count);
 }
 
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                     const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins)
 {
-    struct binning binning = cut_bins(centres);
+    struct binning binning = cut_bins(centres, bins->bin_count);
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
     for (uint32_t i = first; i < first + count; i++) {
         MLRT_ALIGNED(16) float bin[4];
@@ -235,7 +243,7 @@ void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint
 
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum)
 {
-    for (int i = 0; i < MLRT_BVH_BINS; i++)
+    for (uint32_t i = 0; i < sum->bin_count; i++)
         for (int axis = 0; axis < 3; axis++) {
             extend_box(&sum->box[i][axis], f4_load(bins->box[i][axis].lo), f4_load(bins->box[i][axis].hi));
             sum->count[i][axis] += bins->count[i][axis];
@@ -253,7 +261,7 @@ static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_s
     static const struct {
         MLRT_ALIGNED(16) float by[4];
     } MOVED[2] = {{{INFINITY, INFINITY, INFINITY, INFINITY}}, {{0, 0, 0, 0}}};
-    struct binning binning = cut_bins(&set->centres);
+    struct binning binning = cut_bins(&set->centres, bins_of(set->count));
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
     struct growing_box lower = empty_box(), upper = empty_box();
     struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *place = next;

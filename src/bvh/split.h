@@ -50,7 +50,8 @@ float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count);
 void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
                     const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
-void mlrt_clear_bins(struct mlrt_bvh_bins *bins);
+/* Empties the bins of a set of `count` references. */
+void mlrt_clear_bins(uint32_t count, struct mlrt_bvh_bins *bins);
 
 /* Adds `count` references, from `first` on, to bins of a set whose centres lie in the box `centres`. */
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
