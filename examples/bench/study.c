@@ -129,7 +129,7 @@ static void print_builds(const struct bench_settings *settings, const struct sub
 {
     for (int i = 0; i < BUILDER_COUNT; i++) {
         if (built[i].unsupported) continue;
-        printf("%s,%zu,%s,%u,%.4f,%.4f,%.1f\n", subject->name, subject->scene.triangle_count, builders[i].name,
+        printf("%s,%zu,%s,%u,%.5f,%.5f,%.1f\n", subject->name, subject->scene.triangle_count, builders[i].name,
                (unsigned)settings->threads, median(built[i].elapsed, settings->runs),
                median(built[i].processor, settings->runs),
                built[i].memory_size / (double)subject->scene.triangle_count);

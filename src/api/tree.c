@@ -63,7 +63,8 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
     if (status != MLRT_OK) return status;
     const double work = MLRT_COPY_WORK + (is_kdtree ? MLRT_KDTREE_WORK : MLRT_BVH_WORK);
     mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
-    status = mlrt_copy_meshes(meshes, mesh_count, &progress, tree);
+    mlrt_pool *pool = is_kdtree ? NULL : call->options.tree.pool;
+    status = mlrt_copy_meshes(meshes, mesh_count, pool, &progress, tree);
     if (status == MLRT_OK) {
         status = is_kdtree ? mlrt_build_nodes(tree, &call->options.kdtree, &progress)
                            : mlrt_build_bvh(tree, &call->options.tree, &progress);

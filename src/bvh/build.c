@@ -3,10 +3,12 @@
  * The builder of the hierarchy of boxes. It cuts sets of references in two, again and again: the result is a binary
  * hierarchy. collapse.c chooses which of its nodes become nodes of sixteen, and these are written in depth-first order.
  *
- * The upper levels are built one set after the other, and for each set all workers of the pool fill the bins. Below
- * them are subtrees (tasks), each built by one worker. The result does not depend on the number of threads: a set is
- * split according to its references and its shares of depth, leaves and spare places alone, every part has its place in
- * the arrays before it is built, and the bins of several workers are merged by minima, maxima and sums of integers.
+ * The upper sets are cut level by level. All workers of the pool fill the bins of a set that has much of its level; the
+ * other sets of the level are cut by one worker each. Below them are subtrees (tasks), each built by one worker.
+ *
+ * The result does not depend on the number of threads: a set is split according to its references and its shares of
+ * depth, leaves and spare places alone, every part has its place in the arrays before it is built, and the bins of
+ * several workers are merged by minima, maxima and sums of integers.
  *
  * Three quantities are bounded for any input:
  *
@@ -155,6 +157,8 @@ struct build {
     struct mlrt_bvh_costs costs;
     struct mlrt_quad_box *references;
     struct mlrt_binary_tree binary;
+    struct portion *level; /* sets too large for tasks, at one depth */
+    struct portion *sides; /* two for each set of a level */
     struct task *tasks;
     struct share *shares;
     struct chunk *chunks;
@@ -163,6 +167,7 @@ struct build {
     uint32_t leaf_limit;
     uint32_t task_capacity;
     uint32_t task_count;
+    uint32_t level_capacity;
     uint32_t task_size; /* sets of at most so many references are tasks */
     uint32_t chunk_count;
     uint32_t depth_limit;
@@ -587,17 +592,75 @@ static int32_t build_task(void *work, uint32_t item, uint32_t worker)
     return mlrt_is_cancelled(build->progress);
 }
 
-/* Cuts portions until they are small enough for tasks, and lists the tasks in depth-first order. */
-static void find_tasks(struct build *build, struct portion *portion)
+/* A level that is being cut: the workers cut `count` of its sets, from `first` on, each on its own. */
+struct level {
+    struct build *build;
+    uint32_t first;
+    uint32_t count;
+};
+
+static int32_t cut_item(void *work, uint32_t item, uint32_t worker)
 {
-    struct portion sides[2];
-    if (portion->set.count <= build->task_size) {
-        build->tasks[build->task_count++].portion = *portion;
-        return;
+    const struct level *level = work;
+    struct build *build = level->build;
+    struct portion *portion = &build->level[level->first + item];
+    (void)worker;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    (void)cut(build, portion, start_node(build, portion), &build->sides[2 * (level->first + item)]);
+    mlrt_leave_fp_environment(environment);
+    return mlrt_is_cancelled(build->progress);
+}
+
+/* Cuts the sets of a level. If one has much of it, all workers fill its bins before the others are cut. */
+static void cut_level(struct build *build, uint32_t count)
+{
+    struct level level = {build, 0, count};
+    const uint64_t worker_count = mlrt_worker_count(build->pool);
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < count; i++) sum += build->level[i].set.count;
+    for (uint32_t i = 0; i < count && build->shares != NULL; i++) {
+        const struct portion portion = build->level[i];
+        if (2 * worker_count * portion.set.count < 3 * sum || portion.set.count <= 2 * CHUNK_SIZE) continue;
+        build->level[i] = build->level[level.first];
+        build->level[level.first++] = portion;
     }
-    build->shared_portion = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
-    if (!cut(build, portion, start_node(build, portion), sides)) return;
-    for (int side = 0; side < 2; side++) find_tasks(build, &sides[side]);
+    for (uint32_t i = 0; i < level.first; i++) {
+        struct level alone = {build, i, 1};
+        build->shared_portion = &build->level[i];
+        cut_item(&alone, 0, 0);
+    }
+    build->shared_portion = NULL;
+    mlrt_run_items(build->pool, count - level.first, cut_item, &level);
+}
+
+/* Sorts the tasks in depth-first order, which is that of the numbers of their nodes. */
+static void sort_tasks(struct build *build)
+{
+    for (uint32_t i = 1; i < build->task_count; i++) {
+        const struct task task = build->tasks[i];
+        uint32_t j = i;
+        for (; j > 0 && build->tasks[j - 1].portion.node > task.portion.node; j--) build->tasks[j] = build->tasks[j - 1];
+        build->tasks[j] = task;
+    }
+}
+
+/* Cuts portions, level by level, until they are small enough for tasks, and lists the tasks in depth-first order. */
+static void find_tasks(struct build *build, const struct portion *root)
+{
+    build->sides[0] = *root;
+    for (uint32_t side_count = 1; side_count > 0 && !mlrt_is_cancelled(build->progress);) {
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < side_count; i++) {
+            const struct portion *side = &build->sides[i];
+            if (side->set.count <= build->task_size)
+                build->tasks[build->task_count++].portion = *side;
+            else
+                build->level[count++] = *side;
+        }
+        cut_level(build, count);
+        side_count = 2 * count;
+    }
+    sort_tasks(build);
 }
 
 static int is_next_task(const struct build *build, uint32_t number, uint32_t next_task)
@@ -747,9 +810,11 @@ static int allocate_work(struct build *build)
     build->binary.nodes = mlrt_allocate(memory, node_capacity(build), sizeof *build->binary.nodes);
     build->binary.triangles = mlrt_allocate(memory, build->capacity, sizeof *build->binary.triangles);
     build->tasks = mlrt_allocate(memory, build->task_capacity, sizeof *build->tasks);
+    build->level = mlrt_allocate(memory, build->level_capacity, sizeof *build->level);
+    build->sides = mlrt_allocate(memory, 2 * (size_t)build->level_capacity, sizeof *build->sides);
     if (share_count(build) > 0) build->shares = mlrt_allocate(memory, share_count(build), sizeof *build->shares);
     return build->chunks != NULL && build->references != NULL && build->binary.nodes != NULL &&
-           build->binary.triangles != NULL && build->tasks != NULL &&
+           build->binary.triangles != NULL && build->tasks != NULL && build->level != NULL && build->sides != NULL &&
            (share_count(build) == 0 || build->shares != NULL);
 }
 
@@ -766,6 +831,8 @@ static void release_work(struct build *build)
     release(build, build->binary.nodes, node_capacity(build), sizeof *build->binary.nodes);
     release(build, build->binary.triangles, build->capacity, sizeof *build->binary.triangles);
     release(build, build->tasks, build->task_capacity, sizeof *build->tasks);
+    release(build, build->level, build->level_capacity, sizeof *build->level);
+    release(build, build->sides, 2 * (size_t)build->level_capacity, sizeof *build->sides);
     release(build, build->shares, share_count(build), sizeof *build->shares);
 }
 
@@ -835,7 +902,6 @@ static int32_t build_binary(struct build *build, uint32_t depth_limit, struct ml
     build->task_count = 0;
     build->depth_limit = depth_limit;
     find_tasks(build, &root);
-    build->shared_portion = NULL;
     if (!mlrt_is_cancelled(build->progress)) mlrt_run_items(build->pool, build->task_count, build_task, build);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
@@ -874,6 +940,7 @@ static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count
     build->leaf_limit = build->capacity / LEAF_SHARE + 1;
     build->task_size = build->capacity / TASK_SHARE > TASK_SIZE ? build->capacity / TASK_SHARE : TASK_SIZE;
     /* A level has at most capacity / task_size sets larger than tasks, and cutting n of these leaves n + 1 tasks. */
+    build->level_capacity = build->capacity / build->task_size + 1;
     build->task_capacity = BINARY_DEPTH * (build->capacity / build->task_size) + 1;
     build->chunk_count = chunks_of(triangle_count);
     const double levels = log2((double)triangle_count / MLRT_BVH_LEAF_LIMIT + 2);
@@ -918,6 +985,7 @@ struct mlrt_demand mlrt_foresee_bvh(const mlrt_tree_options *options, uint32_t t
     const uint64_t binary = (uint64_t)build.capacity * sizeof *build.binary.triangles +
                             node_capacity(&build) * (uint64_t)sizeof *build.binary.nodes +
                             build.task_capacity * (uint64_t)sizeof *build.tasks +
+                            3 * build.level_capacity * (uint64_t)sizeof *build.level +
                             build.chunk_count * (uint64_t)sizeof *build.chunks +
                             (options->pool ? mlrt_worker_count(options->pool) * (uint64_t)sizeof *build.shares : 0);
     const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +

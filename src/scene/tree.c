@@ -1,10 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Facts about a tree that both structures use: whether its bounds are float-safe, and which triangles are left out.
+ * Facts about a tree that both structures use: the mesh of a triangle, whether its bounds are float-safe, and which
+ * triangles are left out.
  */
 #include "scene/tree.h"
 
 #include "exact/predicate.h"
+
+uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
+{
+    uint32_t below = 0, above = tree->mesh_count;
+    while (above - below > 1) {
+        uint32_t middle = below + (above - below) / 2;
+        if (tree->mesh_first[middle] <= number) {
+            below = middle;
+        } else {
+            above = middle;
+        }
+    }
+    return below;
+}
 
 int mlrt_has_safe_bounds(const struct mlrt_tree *tree)
 {

@@ -64,6 +64,9 @@ static inline void mlrt_read_in_order(struct mlrt_tree *tree)
     tree->by_number = (struct mlrt_triangles){tree->triangles ? tree->triangles->v[0] : NULL, NULL, 0, 1};
 }
 
+/* Returns the position of the mesh that triangle `number` belongs to. */
+uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
+
 /* 1 if all bounds of the tree are mlrt_is_float_safe. */
 int mlrt_has_safe_bounds(const struct mlrt_tree *tree);
 
