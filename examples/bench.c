@@ -7,6 +7,7 @@
  *     bench --threads 2                              one thread and two, and the gain of a loop of integers by two
  *     bench --against OLD.so --alone                 beside another build of the library
  *     bench --study build                            seconds and bytes per triangle
+ *     bench --study costs                            the speed of trees by other costs of nodes and triangles
  *
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
  * millions of rays per second (medians; of pictures, lit ones too, millions of pixels), the fastest way to call Embree,
@@ -236,7 +237,7 @@ int main(int argc, char **argv)
          "kinds of rays, a list (default: all);\nlit is a frame with shadows, after frame also the difference, "
          "lit-frame",
          0, 0},
-        {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build",
+        {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build|costs",
          "time against the number of triangles or pixels; building. CSV", STUDY_NONE, 0},
         {OPTION_HEADING, NULL, NULL, NULL, "How:", 0, 0},
         {OPTION_SET, "--method", &settings.methods, "default,ray,packet2,packet4,multilevel,tile",

@@ -7,7 +7,7 @@
 #include "common/timer.h"
 #include "contest.h"
 
-enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD };
+enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD, STUDY_COSTS };
 
 struct bench_settings {
     struct word_list scenes, default_scenes;

@@ -23,6 +23,7 @@ struct contender {
     enum who who;
     int32_t method, isa; /* of the library, or the old one */
     uint32_t threads;    /* 1, or those of pool and crew */
+    const mlrt_tree *tree; /* of the library; NULL = the contest's */
     int unsupported;     /* 1 = this library cannot do this: not measured */
     int variant;         /* of the peer, the fastest */
     double mrays;        /* millions of rays per second; of the spin loop, of steps */

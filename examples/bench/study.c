@@ -2,6 +2,8 @@
 /* study.c - sweeps and builds: see study.h */
 #include "study.h"
 
+#include "cost_study.h"
+
 #include "common/timer.h"
 #include "common/tree.h"
 
@@ -13,6 +15,7 @@ uint32_t default_kinds(int32_t study)
 {
     if (study == STUDY_TRIANGLES) return 1u << PRIMARY | 1u << BOUNCE;
     if (study == STUDY_RESOLUTION) return 1u << FRAME;
+    if (study == STUDY_COSTS) return 1u << FRAME | 1u << ARRAY | 1u << SHADOW | 1u << BOUNCE | 1u << SINGLE;
     return (1u << KIND_COUNT) - 1;
 }
 
@@ -175,5 +178,6 @@ int run_study(const struct bench_settings *settings)
 {
     if (settings->study == STUDY_TRIANGLES) return study_triangles(settings);
     if (settings->study == STUDY_RESOLUTION) return study_sweep(settings, &settings->scenes, SMALLEST_SIZE);
+    if (settings->study == STUDY_COSTS) return study_costs(settings);
     return study_build(settings);
 }
