@@ -23,7 +23,7 @@ void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlr
  * The least cost of two children in `slots` slots, at least 2 and at most those that they can use. Sets *lower_slots to
  * the number that the lower child gets.
  */
-MLRT_INLINE float distribute(const struct mlrt_forest_costs children[2], int slots, uint8_t *lower_slots)
+static float distribute(const struct mlrt_forest_costs children[2], int slots, uint8_t *lower_slots)
 {
     const int spare = slots - children[1].slot_count, first = spare > 1 ? spare : 1;
     const int last = children[0].slot_count < slots ? children[0].slot_count : slots - 1;
