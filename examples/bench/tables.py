@@ -18,6 +18,10 @@ from DATA/NAME.csv. WHAT is one of
     ratio,gain  two of these in each cell, the second in brackets
     all         ratio and millions of rays per second, of one kind: a row for each scene
     settings    what sweep.py wrote: a row for each setting, a column for each kind and scene
+    costs       of bench --study costs, by one instruction set in place of a kind: a row for each setting; for each
+                scene, over the default tree, the geometric mean of all kinds, and in brackets the least of them
+    builds      of bench --study build, with as many threads as the number in place of a kind: for each scene seconds
+                and bytes per triangle of each builder (one thread: processor time), and ratios
     spread      a row for each kind: the least, the median and the greatest `ratio` of all scenes. NAME may be
                 several, NAME.csv=TITLE,NAME.csv=TITLE,...: side by side
 
@@ -34,9 +38,9 @@ BLOCK = re.compile(r"(<!-- table: (\S+) (\S+) ([^>]*?) -->\n).*?(<!-- end of tab
 RATES = ("mrays", "embree_fast_mrays", "embree_robust_mrays")
 
 
-def read(path):
+def read(path, threads="1"):
     with open(path, newline="") as file:
-        return [row for row in csv.DictReader(file) if row.get("threads", "1") == "1"]
+        return [row for row in csv.DictReader(file) if row.get("threads", "1") == threads]
 
 
 def in_order(rows, column):
@@ -92,6 +96,35 @@ def table_of_settings(rows, titles):
     return table(["setting"] + head, body)
 
 
+def table_of_costs(rows, isa):
+    scenes, settings = in_order(rows, "scene"), in_order(rows, "setting")
+
+    def cell(setting, scene):
+        ratios = [float(row["over_default"]) for row in rows
+                  if (row["setting"], row["scene"], row["isa"]) == (setting, scene, isa)]
+        return f"{statistics.geometric_mean(ratios):.2f} ({min(ratios):.2f})" if ratios else ""
+
+    return table(["setting"] + scenes, [[setting] + [cell(setting, scene) for scene in scenes] for setting in settings])
+
+
+BUILDERS = {"fast": "mlrt_fast", "default": "mlrt", "best": "mlrt_best", "Embree medium": "embree_fast_medium",
+            "Embree high": "embree_fast_high"}
+
+
+def table_of_builds(rows, threads):
+    clock = "processor_seconds" if threads == "1" else "seconds"
+    found = {(row["scene"], row["builder"]): row for row in rows}
+
+    def line(scene):
+        cells = [found[scene, builder] for builder in BUILDERS.values()]
+        seconds = [float(cell[clock]) for cell in cells]
+        times = [f"{time:.3g} s, {float(cell['bytes_per_triangle']):.0f} B" for time, cell in zip(seconds, cells)]
+        return [scene] + times + [f"{seconds[0] / seconds[3]:.2f}", f"{seconds[1] / seconds[4]:.2f}"]
+
+    head = ["scene"] + list(BUILDERS) + ["fast / medium", "default / high"]
+    return table(head, [line(scene) for scene in in_order(rows, "scene")])
+
+
 def table_of_spreads(data, names, titles):
     head, columns = ["rays"], []
     for name in names.split(","):
@@ -110,7 +143,11 @@ def table_of_spreads(data, names, titles):
 def make_table(data, name, what, titles):
     if what == "spread":
         return table_of_spreads(data, name, titles)
+    if what == "builds":
+        return table_of_builds(read(os.path.join(data, name), *titles), *titles)
     rows = read(os.path.join(data, name))
+    if what == "costs":
+        return table_of_costs(rows, *titles)
     if what == "all":
         return table_of_all(rows, *titles)
     if what == "settings":
