@@ -370,7 +370,8 @@ charts-speed: | $(AFTER_DEPS)
 	$(BUILD)/bin/bench --csv --isa avx512 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx512.csv
 	$(BUILD)/bin/bench --study triangles $(BENCH) > docs/data/bench-triangles.csv
 	$(BUILD)/bin/bench --study resolution --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
-	$(BUILD)/bin/bench --study build $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
+	for n in 1 2; do $(BUILD)/bin/bench --study build --threads $$n $(BENCH_ALL) $(BENCH) > docs/data/bench-build-$$n.csv; done
+	$(BUILD)/bin/bench --study costs --isa avx2,avx512 --size 512 $(BENCH_ALL) $(BENCH) > docs/data/costs.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
 	$(PYTHON) examples/bench/tables.py docs/data $(DOCUMENTS)
 

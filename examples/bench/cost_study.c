@@ -71,11 +71,9 @@ static int compare(const struct bench_settings *settings, const struct forest *f
     struct contest contest = {.tree = forest->trees[0], .runs = settings->runs, .count = SETTING_COUNT};
     struct task task;
     for (int i = 0; i < SETTING_COUNT; i++)
-        contest.contenders[i] =
-            (struct contender){.who = LIBRARY, .isa = isa, .threads = 1, .tree = forest->trees[i]};
+        contest.contenders[i] = (struct contender){.who = LIBRARY, .isa = isa, .threads = 1, .tree = forest->trees[i]};
     contest.task = &task;
-    const int failed =
-        make_task(kind, &forest->subject, forest->trees[0], NULL, &task) || hold_contest(&contest);
+    const int failed = make_task(kind, &forest->subject, forest->trees[0], NULL, &task) || hold_contest(&contest);
     for (int i = 0; i < SETTING_COUNT && !failed; i++) {
         if (contest.contenders[i].unsupported) continue;
         printf("%s,%s,%s,%s,%.2f,%.1f,%.3f,%.3f\n", forest->subject.name, kind_names[kind], isa_names[isa],

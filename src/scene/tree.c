@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Facts about a tree that both structures use: the mesh of a triangle, whether its bounds are float-safe, and which
- * triangles are left out.
+ * Facts about a tree of any structure: the mesh of a triangle, and which triangles are left out.
  */
 #include "scene/tree.h"
 
@@ -9,24 +8,16 @@
 
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
-    uint32_t below = 0, above = tree->mesh_count;
+    uint32_t below = 0, above = tree->meshes.count;
     while (above - below > 1) {
         uint32_t middle = below + (above - below) / 2;
-        if (tree->mesh_first[middle] <= number) {
+        if (tree->meshes.first[middle] <= number) {
             below = middle;
         } else {
             above = middle;
         }
     }
     return below;
-}
-
-int mlrt_has_safe_bounds(const struct mlrt_tree *tree)
-{
-    int is_safe = 1;
-    for (int k = 0; k < 3; k++)
-        is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
-    return is_safe;
 }
 
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
