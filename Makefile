@@ -375,7 +375,8 @@ charts-speed: | $(AFTER_DEPS)
 	$(BUILD)/bin/bench --csv --isa avx512 $(BENCH_ALL) $(BENCH) > docs/data/bench-avx512.csv
 	$(BUILD)/bin/bench --study triangles --isa avx512 $(BENCH) > docs/data/bench-triangles.csv
 	$(BUILD)/bin/bench --study resolution --isa avx512 --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
-	$(BUILD)/bin/bench --study build --threads 1 --runs 3 $(BENCH_ALL) $(BENCH) > docs/data/bench-build.csv
+	for n in 1 2; do $(BUILD)/bin/bench --study build --threads $$n --runs 3 $(BENCH_ALL) $(BENCH) > docs/data/bench-build-$$n.csv; done
+	$(BUILD)/bin/bench --study costs --isa avx2,avx512 --size 512 $(BENCH_ALL) $(BENCH) > docs/data/costs.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
 
 # Compares the choices that the library makes while it traces with fixed ones; some twenty minutes with four scenes.

@@ -8,6 +8,7 @@
  *     bench --against OLD.so --alone                 beside another build of the library
  *     bench --study build                            seconds and bytes per triangle
  *     bench --study calls --alone                    nanoseconds and instructions of calls of 1 to 16 rays
+ *     bench --study costs                            the speed of trees by other costs of nodes and triangles
  *
  * The kinds of rays are those of bench/task.h, the rules those of bench/contest.h and bench/peer.h. The table has
  * millions of rays per second (medians; of pictures, lit ones too, millions of pixels), the fastest way to call Embree,
@@ -237,8 +238,8 @@ int main(int argc, char **argv)
          "kinds of rays, a list (default: all);\nlit is a frame with shadows, after frame also the difference, "
          "lit-frame",
          0, 0},
-        {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build|calls",
-         "time against the number of triangles or pixels; building; calls of few rays. CSV", STUDY_NONE, 0},
+        {OPTION_CHOICE, "--study", &settings.study, "none|triangles|resolution|build|calls|costs",
+         "time against the number of triangles or pixels; building; calls of few rays; costs of the builder. CSV", STUDY_NONE, 0},
         {OPTION_HEADING, NULL, NULL, NULL, "How:", 0, 0},
         {OPTION_SET, "--method", &settings.methods, "default,ray,packet2,packet4,multilevel,tile",
          "methods, a list (default: default)", 0, 0},

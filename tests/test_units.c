@@ -237,7 +237,7 @@ static void test_odd_triangles_stay_local(void **state)
         assert_no_more(name, "packets of a camera", c.packet_count, d.packet_count, 128 * 128 / 32);
         assert_no_more(name, "cells of a camera", c.cell_count, d.cell_count, c.cell_count / 4);
         assert_no_more(name, "tests of a camera", c.triangle_test_count, d.triangle_test_count,
-                       c.triangle_test_count / 10);
+                       c.triangle_test_count / 8);
         assert_no_more(name, "judged lanes of a camera", c.judged_lane_count, d.judged_lane_count,
                        odd == AT_THE_END ? 128 * 128 / 4 : 200);
         free_rays(&list);

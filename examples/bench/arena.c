@@ -25,24 +25,25 @@ static int32_t build_by(const struct library *library, const mlrt_mesh *mesh, in
 }
 
 int32_t build_mlrt(const struct library *library, const struct scene *scene, int32_t kind, mlrt_pool *pool,
-                   mlrt_tree **tree, double *seconds)
+                   mlrt_tree **tree, struct span *time)
 {
     const mlrt_mesh mesh = {.struct_size = sizeof mesh,
                             .vertices = scene->vertices,
                             .vertex_count = scene->vertex_count,
                             .indices = scene->indices,
                             .triangle_count = scene->triangle_count};
-    double (*const now)(void) = pool ? seconds_now : thread_seconds_now;
-    const double start = now();
+    const struct span start = span_start();
     const int32_t status = build_by(library, &mesh, kind, pool, tree);
-    *seconds = now() - start;
+    *time = span_since(start);
     return status;
 }
 
 static int build_own_tree(const struct bench_settings *settings, struct arena *arena)
 {
-    const int32_t status = build_mlrt(&this_library, &arena->subject.scene, settings->tree, arena->pool, &arena->tree,
-                                      &arena->build_seconds);
+    struct span time;
+    const int32_t status =
+        build_mlrt(&this_library, &arena->subject.scene, settings->tree, arena->pool, &arena->tree, &time);
+    arena->build_seconds = time.elapsed;
     if (status == MLRT_OK) return 0;
     fprintf(stderr, "%s: the tree: %s\n", arena->subject.name, mlrt_status_string(status));
     return 1;
@@ -51,10 +52,10 @@ static int build_own_tree(const struct bench_settings *settings, struct arena *a
 // The old library's tree, unless it cannot build what was asked for.
 static int build_old_tree(const struct bench_settings *settings, struct arena *arena)
 {
-    double seconds;
+    struct span time;
     if (!arena->old) return 0;
     const int32_t status =
-        build_mlrt(arena->old, &arena->subject.scene, settings->tree, arena->old_pool, &arena->old_tree, &seconds);
+        build_mlrt(arena->old, &arena->subject.scene, settings->tree, arena->old_pool, &arena->old_tree, &time);
     if (status == MLRT_OK) return 0;
     fprintf(stderr, "%s: the old library's tree: %s\n", arena->subject.name,
             status == MLRT_ERROR_UNSUPPORTED ? "it is from before mlrt_build_tree, and has no other than the default"

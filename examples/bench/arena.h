@@ -4,9 +4,10 @@
 #define ARENA_H
 
 #include "common/options.h"
+#include "common/timer.h"
 #include "contest.h"
 
-enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD, STUDY_CALLS };
+enum { STUDY_NONE, STUDY_TRIANGLES, STUDY_RESOLUTION, STUDY_BUILD, STUDY_CALLS, STUDY_COSTS };
 
 struct bench_settings {
     struct word_list scenes, default_scenes;
@@ -42,7 +43,7 @@ void close_arena(struct arena *arena);
 
 /* Builds a tree of a kind (TREE_*); MLRT_ERROR_UNSUPPORTED where the library is too old for it. */
 int32_t build_mlrt(const struct library *library, const struct scene *scene, int32_t kind, mlrt_pool *pool,
-                   mlrt_tree **tree, double *seconds);
+                   mlrt_tree **tree, struct span *time);
 
 /* Prepares a task of the arena's scene, and its contenders. Returns 0 or 1; free the task either way. */
 int start_contest(const struct bench_settings *settings, const struct arena *arena, enum kind kind, struct task *task,

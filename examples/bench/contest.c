@@ -44,7 +44,8 @@ static int32_t run_once(const struct contest *contest, const struct contender *c
 {
     struct crew *crew = contender->threads > 1 ? contest->crew : NULL;
     const mlrt_trace_options options = options_of(contest, contender);
-    if (contender->who == LIBRARY) return run_library(&this_library, contest->tree, &options, task, answers);
+    const mlrt_tree *tree = contender->tree ? contender->tree : contest->tree;
+    if (contender->who == LIBRARY) return run_library(&this_library, tree, &options, task, answers);
     if (contender->who == OLD_LIBRARY) return run_library(contest->old, contest->old_tree, &options, task, answers);
     if (contender->who == SPIN_LOOP)
         run_crew(crew, SPIN_ITEMS, spin, NULL);

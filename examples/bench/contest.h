@@ -21,12 +21,13 @@ enum who { LIBRARY, OLD_LIBRARY, PEER_FAST, PEER_ROBUST, SPIN_LOOP, WHO_COUNT };
 
 struct contender {
     enum who who;
-    int32_t method, isa; /* of the library, or the old one */
-    uint32_t threads;    /* 1, or those of pool and crew */
-    int unsupported;     /* 1 = this library cannot do this: not measured */
-    int variant;         /* of the peer, the fastest */
-    double mrays;        /* millions of rays per second; of the spin loop, of steps */
-    size_t different;    /* answers that are not those of the robust peer: the library's, or the fast peer's. Of the old
+    int32_t method, isa;   /* of the library, or the old one */
+    uint32_t threads;      /* 1, or those of pool and crew */
+    const mlrt_tree *tree; /* of the library; NULL = the contest's */
+    int unsupported;       /* 1 = this library cannot do this: not measured */
+    int variant;           /* of the peer, the fastest */
+    double mrays;          /* millions of rays per second; of the spin loop, of steps */
+    size_t different; /* answers that are not those of the robust peer: the library's, or the fast peer's. Of the old
                             library: that are not the library's, by the same method and instruction set */
 };
 

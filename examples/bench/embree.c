@@ -47,14 +47,13 @@ static int share_mesh(const struct scene *scene, RTCGeometry geometry, struct pe
 }
 
 static int build_scene(const struct scene *scene, const struct peer_settings *settings, struct peer *peer,
-                       double *seconds)
+                       struct span *time)
 {
     const enum RTCBuildQuality quality =
         settings->quality == PEER_HIGH_QUALITY ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM;
     RTCGeometry geometry = rtcNewGeometry(peer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (share_mesh(scene, geometry, peer)) return 1;
-    double (*const now)(void) = settings->threads > 1 ? seconds_now : thread_seconds_now;
-    const double start = now();
+    const struct span start = span_start();
     peer->scene = rtcNewScene(peer->device);
     rtcSetSceneFlags(peer->scene, settings->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     rtcSetSceneBuildQuality(peer->scene, quality);
@@ -63,7 +62,7 @@ static int build_scene(const struct scene *scene, const struct peer_settings *se
     rtcAttachGeometry(peer->scene, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(peer->scene);
-    *seconds = now() - start;
+    *time = span_since(start);
     return rtcGetDeviceError(peer->device) != RTC_ERROR_NONE;
 }
 
@@ -77,7 +76,7 @@ struct peer *create_peer(const struct scene *scene, const struct peer_settings *
     static const char *const isa_names[] = {"", ",isa=sse4.2", ",isa=avx", ",isa=avx2", ",isa=avx512"};
     char configuration[64];
     struct peer *peer = calloc(1, sizeof *peer);
-    double seconds;
+    struct span time;
     snprintf(configuration, sizeof configuration, "hugepages=1,threads=%u%s", (unsigned)settings->threads,
              isa_names[settings->isa]);
     if (peer) peer->device = rtcNewDevice(configuration);
@@ -87,12 +86,12 @@ struct peer *create_peer(const struct scene *scene, const struct peer_settings *
         return NULL;
     }
     rtcSetDeviceMemoryMonitorFunction(peer->device, count_memory, peer);
-    if (build_scene(scene, settings, peer, &seconds)) {
+    if (build_scene(scene, settings, peer, &time)) {
         fprintf(stderr, "cannot build Embree's scene\n");
         destroy_peer(peer);
         return NULL;
     }
-    if (build) *build = (struct peer_build){seconds, peer->memory_size};
+    if (build) *build = (struct peer_build){time, peer->memory_size};
     return peer;
 }
 

@@ -11,6 +11,7 @@
 #ifndef PEER_H
 #define PEER_H
 
+#include "common/timer.h"
 #include "crew.h"
 #include "task.h"
 
@@ -30,7 +31,7 @@ struct peer_settings {
 
 /* What it took. */
 struct peer_build {
-    double seconds;
+    struct span time;
     int64_t memory_size; /* held by the hierarchy, in bytes; the mesh stays the caller's and is not in it */
 };
 

@@ -3,6 +3,8 @@
 #include "study.h"
 
 #include "calls.h"
+#include "cost_study.h"
+
 #include "common/timer.h"
 #include "common/tree.h"
 
@@ -14,6 +16,7 @@ uint32_t default_kinds(int32_t study)
 {
     if (study == STUDY_TRIANGLES) return 1u << PRIMARY | 1u << BOUNCE;
     if (study == STUDY_RESOLUTION) return 1u << FRAME;
+    if (study == STUDY_COSTS) return 1u << FRAME | 1u << ARRAY | 1u << SHADOW | 1u << BOUNCE | 1u << SINGLE;
     return (1u << KIND_COUNT) - 1;
 }
 
@@ -95,16 +98,16 @@ static const struct builder {
 
 struct built {
     int unsupported;
-    double seconds[MAXIMUM_RUNS];
+    double elapsed[MAXIMUM_RUNS], processor[MAXIMUM_RUNS]; // seconds
     double memory_size;
 };
 
 static int build_with_mlrt(const struct builder *builder, const struct scene *scene, mlrt_pool *pool,
-                           struct built *built, double *seconds)
+                           struct built *built, struct span *time)
 {
     mlrt_tree_info info = {.struct_size = sizeof info};
     mlrt_tree *tree;
-    const int32_t status = build_mlrt(&this_library, scene, builder->kind, pool, &tree, seconds);
+    const int32_t status = build_mlrt(&this_library, scene, builder->kind, pool, &tree, time);
     if (status == MLRT_OK && mlrt_get_tree_info(tree, &info) == MLRT_OK) built->memory_size = (double)info.memory_size;
     mlrt_destroy_tree(tree);
     if (status == MLRT_OK) return 0;
@@ -113,14 +116,14 @@ static int build_with_mlrt(const struct builder *builder, const struct scene *sc
 }
 
 static int build_with_peer(const struct builder *builder, const struct scene *scene, uint32_t threads,
-                           struct built *built, double *seconds)
+                           struct built *built, struct span *time)
 {
     const struct peer_settings settings = {builder->robust, builder->kind, threads, PEER_ISA_AUTO};
-    struct peer_build build = {0, 0};
+    struct peer_build build = {{0, 0}, 0};
     built->unsupported = !have_peer();
     if (built->unsupported) return 0;
     struct peer *peer = create_peer(scene, &settings, &build);
-    *seconds = build.seconds;
+    *time = build.time;
     built->memory_size = (double)build.memory_size;
     destroy_peer(peer);
     return peer == NULL;
@@ -130,8 +133,9 @@ static void print_builds(const struct bench_settings *settings, const struct sub
 {
     for (int i = 0; i < BUILDER_COUNT; i++) {
         if (built[i].unsupported) continue;
-        printf("%s,%zu,%s,%u,%.4f,%.1f\n", subject->name, subject->scene.triangle_count, builders[i].name,
-               (unsigned)settings->threads, median(built[i].seconds, settings->runs),
+        printf("%s,%zu,%s,%u,%.5f,%.5f,%.1f\n", subject->name, subject->scene.triangle_count, builders[i].name,
+               (unsigned)settings->threads, median(built[i].elapsed, settings->runs),
+               median(built[i].processor, settings->runs),
                built[i].memory_size / (double)subject->scene.triangle_count);
     }
     fflush(stdout);
@@ -146,10 +150,13 @@ static int build_scene(const struct bench_settings *settings, mlrt_pool *pool, c
     for (uint32_t turn = 0; turn < settings->runs * BUILDER_COUNT && !failed; turn++) {
         const struct builder *builder = &builders[turn % BUILDER_COUNT];
         struct built *result = &built[turn % BUILDER_COUNT];
-        double *seconds = &result->seconds[turn / BUILDER_COUNT];
-        if (result->unsupported) continue;
-        failed = builder->is_peer ? build_with_peer(builder, &subject.scene, settings->threads, result, seconds)
-                                  : build_with_mlrt(builder, &subject.scene, pool, result, seconds);
+        struct span time = {0, 0};
+        result->unsupported |= settings->threads > 1 && !builder->is_peer && builder->kind >= TREE_KDTREE;
+        if (result->unsupported) continue; // kd-trees are built by one thread
+        failed = builder->is_peer ? build_with_peer(builder, &subject.scene, settings->threads, result, &time)
+                                  : build_with_mlrt(builder, &subject.scene, pool, result, &time);
+        result->elapsed[turn / BUILDER_COUNT] = time.elapsed;
+        result->processor[turn / BUILDER_COUNT] = time.processor;
     }
     if (!failed) print_builds(settings, &subject, built);
     free_subject(&subject);
@@ -160,7 +167,7 @@ static int study_build(const struct bench_settings *settings)
 {
     mlrt_pool *pool;
     int failed = mlrt_create_pool(settings->threads, &pool) != MLRT_OK;
-    puts("scene,triangles,builder,threads,seconds,bytes_per_triangle");
+    puts("scene,triangles,builder,threads,seconds,processor_seconds,bytes_per_triangle");
     for (size_t i = 0; i < settings->scenes.count && !failed; i++) {
         failed = build_scene(settings, pool, settings->scenes.words[i]);
     }
@@ -173,5 +180,6 @@ int run_study(const struct bench_settings *settings)
     if (settings->study == STUDY_TRIANGLES) return study_triangles(settings);
     if (settings->study == STUDY_RESOLUTION) return study_sweep(settings, &settings->scenes, SMALLEST_SIZE);
     if (settings->study == STUDY_CALLS) return study_calls(settings);
+    if (settings->study == STUDY_COSTS) return study_costs(settings);
     return study_build(settings);
 }

@@ -20,7 +20,8 @@ cell=[TITLE:]   what is in a cell: text, with _ for spaces, and values in braces
                 quotient of these. FORMAT is Python's, or % with decimals, ppm, ms, or `speed`, three digits of a rate;
                 ? after it leaves out 0. TITLE: where there are several
 where=A=x|y:T   only rows whose A is x or y, in this order, with titles, if any; where=A!=x: only the others
-several=WHAT    of several rows for one cell the least, median, greatest, sum, or `spread`, three columns
+several=WHAT    of several rows for one cell the least, median, greatest, sum, (geometric) mean, or `spread`, three columns;
+                mean,least: the mean for the first value of a cell, the least for the others
 ratio=x/y       one more column: the first cell's value in column x over that in column y
 label=A|B       heads of the columns of rows=
 
@@ -45,7 +46,7 @@ import stamp
 TABLE = re.compile(r"(<!-- table: (\S+)\s+([^>]*?)\s*-->\n)(.*?)(<!-- end of table -->)", re.S)
 FIGURE = re.compile(r"((?:^[^\n]+\n)+)\s*((?:<!-- figure:[^>]*?-->\s*)+)", re.M)
 ONE_FIGURE = re.compile(r"<!-- figure: (.+?) is (\S+)\s+([^>]*?)\s*-->")
-SEVERAL = {"least": min, "median": statistics.median, "greatest": max, "sum": sum}
+SEVERAL = {"least": min, "median": statistics.median, "greatest": max, "sum": sum, "mean": statistics.geometric_mean}
 PART = re.compile(r"\{([^}:]*):([^}]*)\}")
 
 
@@ -203,11 +204,13 @@ def show(form, value):
 def values_of(rows, template, several):
     """For each value in the template one number; of several rows those that `several` says."""
     values = []
-    for _, value in PART.findall(template):
+    ways = several.split(",") if several else [None]
+    for i, (_, value) in enumerate(PART.findall(template)):
         found = [one for one in (number(row, value) for row in rows) if one is not None]
         if len(found) > 1 and several is None:
             raise Mistake(f"{len(found)} rows have a {value} for one cell")
-        values.append((SEVERAL[several](found) if several else found[0]) if found else None)
+        way = ways[min(i, len(ways) - 1)]
+        values.append((SEVERAL[way](found) if way else found[0]) if found else None)
     return values
 
 

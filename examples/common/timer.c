@@ -24,6 +24,17 @@ double thread_seconds_now(void)
     return read_clock(CLOCK_THREAD_CPUTIME_ID);
 }
 
+struct span span_start(void)
+{
+    return (struct span){seconds_now(), read_clock(CLOCK_PROCESS_CPUTIME_ID)};
+}
+
+struct span span_since(struct span start)
+{
+    const struct span now = span_start();
+    return (struct span){now.elapsed - start.elapsed, now.processor - start.processor};
+}
+
 static int compare_doubles(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;

@@ -11,6 +11,15 @@ double seconds_now(void);
 /* Seconds that the calling thread has been running for: those in which a busy machine let it wait do not count. */
 double thread_seconds_now(void);
 
+/* The time that passed, and the processor time of all threads of the program. */
+struct span {
+    double elapsed, processor;
+};
+
+/* Both clocks, and how far they have gone since. */
+struct span span_start(void);
+struct span span_since(struct span start);
+
 /* The value in the middle, or between the two there. Sorts `values`, of which there is at least one. */
 double median(double *values, size_t count);
 

@@ -59,7 +59,9 @@ static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struc
     if (status != MLRT_OK) return status;
     const double work = MLRT_COPY_WORK + (double)tree->structure->builder.work;
     mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
-    status = mlrt_copy_meshes(meshes, mesh_count, &progress, tree);
+    const int has_pool = tree->structure->builder.options_form == MLRT_STRUCT_TREE_OPTIONS;
+    mlrt_pool *pool = has_pool ? call->options.tree.pool : NULL;
+    status = mlrt_copy_meshes(meshes, mesh_count, pool, &progress, tree);
     if (status == MLRT_OK) status = tree->structure->builder.build(tree, &call->options, &progress);
     return mlrt_end_progress(&progress, status);
 }

@@ -123,9 +123,9 @@
 #endif
 
 /*
- * The builder's cost of each triangle of a leaf, where a node costs 1; bvh/build.c has the measurements. Lower costs
- * make larger leaves. Sweep, 0.08: dragon 0.84 (shadows) and 0.88, cruiser 1.01 and 1.09, others 0.97 to 1.02. 0.005:
- * dragon 1.04 and 1.07, others 0.96 to 1.01.
+ * The builder's cost of each triangle of a leaf, where a leaf costs 1; bvh/build.c has more measurements. Lower costs make
+ * larger leaves. Mean over five kinds of rays (docs/performance.md, "How large leaves are"), 0.005: dragon 1.02 to 1.04,
+ * conference 0.95 to 0.97, others 0.97 to 1.01. 0.08: 0.92 to 1.02.
  */
 #ifndef MLRT_TRIANGLE_COST
 #define MLRT_TRIANGLE_COST 0.02f

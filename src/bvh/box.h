@@ -94,12 +94,11 @@ MLRT_INLINE struct mlrt_bvh_set finish_set(const struct growing_set *growing, ui
 
 /*
  * The expected cost of a set of any size, not yet times its area: that of leaves that are full except the last. Because
- * whole leaves and quads are counted, splits that fill them are cheaper.
+ * whole leaves are counted, splits that fill them are cheaper.
  */
 MLRT_INLINE double set_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
 {
-    return costs->leaf * (float)((count + 15) / 16) + costs->quad * (float)((count + 3) / 4) +
-           costs->triangle * (float)count;
+    return costs->leaf * (float)((count + 15) / 16) + costs->triangle * (float)count;
 }
 
 #endif

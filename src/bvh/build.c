@@ -3,10 +3,12 @@
  * The builder of the hierarchy of boxes. It cuts sets of references in two, again and again: the result is a binary
  * hierarchy. collapse.c chooses which of its nodes become nodes of sixteen, and these are written in depth-first order.
  *
- * The upper levels are built one set after the other, and for each set all workers of the pool fill the bins. Below
- * them are subtrees (tasks), each built by one worker. The result does not depend on the number of threads: a set is
- * split according to its references and its shares of depth, leaves and spare places alone, every part has its place in
- * the arrays before it is built, and the bins of several workers are merged by minima, maxima and sums of integers.
+ * The upper sets are cut level by level. All workers of the pool fill the bins of a set that has much of its level; the
+ * other sets of the level are cut by one worker each. Below them are subtrees (tasks), each built by one worker.
+ *
+ * The result does not depend on the number of threads: a set is split according to its references and its shares of
+ * depth, leaves and spare places alone, every part has its place in the arrays before it is built, and the bins of
+ * several workers are merged by minima, maxima and sums of integers.
  *
  * Three quantities are bounded for any input:
  *
@@ -75,9 +77,10 @@ static const struct preset PRESETS[] = {
  *     0.3   0.2   0.03         6.42    5.2 to 6.6
  *     0.8   0     0.08         6.35    5.1 to 7.0
  *
- * So smaller leaves save at most a third of the quads, but no visits. `quad` is kept for trials with other kernels.
+ * So smaller leaves, and a cost of each quad, save at most a third of the quads, but no visits. docs/performance.md,
+ * "How large leaves are", has the speed with other costs.
  */
-static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, 0.0f, MLRT_TRIANGLE_COST};
+static const struct mlrt_bvh_costs COSTS = {1.0f, 1.0f, MLRT_TRIANGLE_COST};
 
 /*
  * A spatial split is used if its cost is below this part of the best other split's. In scenes of regular parts both
@@ -124,7 +127,7 @@ struct portion {
 
 /* A subtree that one worker builds. */
 struct task {
-    struct portion portion;
+    struct portion *portion;
     struct mlrt_forest_costs costs;
     uint32_t slots; /* of the node above, that it may take */
     uint32_t depth; /* of that node */
@@ -153,6 +156,8 @@ struct build {
     struct mlrt_bvh_costs costs;
     struct mlrt_quad_box *references;
     struct mlrt_binary_tree binary;
+    struct portion *portions; /* the root, and the sides of all sets that are too large for tasks */
+    struct portion **level;   /* those of one depth that are too large */
     struct task *tasks;
     struct share *shares;
     struct chunk *chunks;
@@ -161,7 +166,10 @@ struct build {
     uint32_t leaf_limit;
     uint32_t task_capacity;
     uint32_t task_count;
-    uint32_t task_size; /* sets of at most so many references are tasks */
+    uint32_t portion_count;
+    uint32_t level_capacity;
+    uint32_t task_size;   /* sets of at most so many references are tasks */
+    uint64_t shared_size; /* sets of a level of at least so many: all workers fill their bins */
     uint32_t chunk_count;
     uint32_t depth_limit;
     double scene_area;                    /* area of the core of the scene; a few boxes may be larger */
@@ -388,7 +396,7 @@ static int is_chunk_due(const struct build *build, uint32_t count, uint32_t chun
 static void fill_bins(struct build *build, const struct portion *portion, struct mlrt_bvh_bins *bins)
 {
     const struct mlrt_bvh_set *set = &portion->set;
-    mlrt_clear_bins(bins);
+    mlrt_clear_bins(set->count, bins);
     if (build->shared_portion != portion) {
         for (uint32_t i = 0; is_chunk_due(build, set->count, i); i++)
             mlrt_fill_bins(build->references, set->first + i * CHUNK_SIZE, count_in_chunk(portion, i), &set->centres,
@@ -396,7 +404,7 @@ static void fill_bins(struct build *build, const struct portion *portion, struct
         return;
     }
     uint32_t worker_count = mlrt_worker_count(build->pool);
-    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_bins(&build->shares[i].bins);
+    for (uint32_t i = 0; i < worker_count; i++) mlrt_clear_bins(set->count, &build->shares[i].bins);
     mlrt_run_items(build->pool, chunks_of(set->count), fill_bins_item, build);
     for (uint32_t i = 0; i < worker_count; i++) mlrt_merge_bins(&build->shares[i].bins, bins);
 }
@@ -425,7 +433,7 @@ static MLRT_NOINLINE void find_split(struct build *build, const struct portion *
     } else {
         struct mlrt_bvh_bins bins;
         fill_bins(build, portion, &bins);
-        mlrt_choose_split(&build->costs, &bins, portion->set.count, split);
+        mlrt_choose_split(&build->costs, &bins, &portion->set.box, split);
     }
     uint32_t lower = split->lower_count;
     if (split->cost < HUGE_VAL && !may_split(build, portion, lower, portion->set.count - lower)) split->cost = HUGE_VAL;
@@ -580,27 +588,69 @@ static int32_t build_task(void *work, uint32_t item, uint32_t worker)
     struct build *build = work;
     (void)worker;
     const uint64_t environment = mlrt_enter_fp_environment();
-    build_subtree(build, &build->tasks[item].portion, &build->tasks[item].costs);
+    build_subtree(build, build->tasks[item].portion, &build->tasks[item].costs);
     mlrt_leave_fp_environment(environment);
     return mlrt_is_cancelled(build->progress);
 }
 
-/* Cuts portions until they are small enough for tasks, and lists the tasks in depth-first order. */
-static void find_tasks(struct build *build, struct portion *portion)
+static int32_t cut_item(void *work, uint32_t item, uint32_t worker)
 {
-    struct portion sides[2];
-    if (portion->set.count <= build->task_size) {
-        build->tasks[build->task_count++].portion = *portion;
-        return;
+    struct build *build = work;
+    struct portion *portion = build->level[item];
+    (void)worker;
+    if (build->shared_portion == NULL && portion->set.count >= build->shared_size) return 0;
+    const uint64_t environment = mlrt_enter_fp_environment();
+    (void)cut(build, portion, start_node(build, portion), &build->portions[build->portion_count + 2 * item]);
+    mlrt_leave_fp_environment(environment);
+    return mlrt_is_cancelled(build->progress);
+}
+
+/* Cuts the sets of a level: first those that have much of it, with bins that all workers fill, then each by one worker. */
+static void cut_level(struct build *build, uint32_t count)
+{
+    const uint64_t worker_count = mlrt_worker_count(build->pool);
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < count; i++) sum += build->level[i]->set.count;
+    const uint64_t much = 3 * sum / (2 * worker_count);
+    build->shared_size = build->shares == NULL ? UINT64_MAX : much > 2 * CHUNK_SIZE ? much : 2 * CHUNK_SIZE + 1;
+    for (uint32_t i = 0; i < count; i++) {
+        build->shared_portion = build->level[i];
+        if (build->level[i]->set.count >= build->shared_size) cut_item(build, i, 0);
     }
-    build->shared_portion = build->shares != NULL && portion->set.count > 2 * CHUNK_SIZE ? portion : NULL;
-    if (!cut(build, portion, start_node(build, portion), sides)) return;
-    for (int side = 0; side < 2; side++) find_tasks(build, &sides[side]);
+    build->shared_portion = NULL;
+    mlrt_run_items(build->pool, count, cut_item, build);
+    build->portion_count += 2 * count;
+}
+
+/* Adds a task to those in depth-first order, which is that of the numbers of their nodes. */
+static void add_task(struct build *build, struct portion *portion)
+{
+    uint32_t i = build->task_count++;
+    for (; i > 0 && build->tasks[i - 1].portion->node > portion->node; i--)
+        build->tasks[i].portion = build->tasks[i - 1].portion;
+    build->tasks[i].portion = portion;
+}
+
+/* Cuts portions[0], level by level, until the parts are small enough for tasks. */
+static void find_tasks(struct build *build)
+{
+    build->portion_count = 1;
+    for (uint32_t i = 0; i < build->portion_count && !mlrt_is_cancelled(build->progress);) {
+        uint32_t count = 0;
+        for (; i < build->portion_count; i++) {
+            struct portion *portion = &build->portions[i];
+            if (portion->set.count <= build->task_size)
+                add_task(build, portion);
+            else
+                build->level[count++] = portion;
+        }
+        cut_level(build, count);
+    }
 }
 
 static int is_next_task(const struct build *build, uint32_t number, uint32_t next_task)
 {
-    return next_task < build->task_count && build->tasks[next_task].portion.node == number;
+    return next_task < build->task_count && build->tasks[next_task].portion->node == number;
 }
 
 /* Sets the choices of the nodes above the tasks, after all tasks have set theirs. */
@@ -650,7 +700,7 @@ static int32_t measure_task(void *work, uint32_t item, uint32_t worker)
     struct task *task = &build->tasks[item];
     (void)worker;
     task->size = NOTHING;
-    mlrt_measure_forest(&build->binary, task->portion.node, task->slots, task->depth, &task->size);
+    mlrt_measure_forest(&build->binary, task->portion->node, task->slots, task->depth, &task->size);
     return mlrt_is_cancelled(build->progress);
 }
 
@@ -700,8 +750,8 @@ static int32_t write_task(void *work, uint32_t item, uint32_t worker)
     struct build *build = work;
     struct task *task = &build->tasks[item];
     (void)worker;
-    mlrt_write_forest(&build->binary, task->portion.node, task->slots, build->tree, build->progress, &task->cursor);
-    return mlrt_advance(build->progress, LAST_WORK * task->portion.set.count);
+    mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &task->cursor);
+    return mlrt_advance(build->progress, LAST_WORK * task->portion->set.count);
 }
 
 /*
@@ -745,9 +795,11 @@ static int allocate_work(struct build *build)
     build->binary.nodes = mlrt_allocate(memory, node_capacity(build), sizeof *build->binary.nodes);
     build->binary.triangles = mlrt_allocate(memory, build->capacity, sizeof *build->binary.triangles);
     build->tasks = mlrt_allocate(memory, build->task_capacity, sizeof *build->tasks);
+    build->level = mlrt_allocate(memory, build->level_capacity, sizeof *build->level);
+    build->portions = mlrt_allocate(memory, 2 * (size_t)build->task_capacity, sizeof *build->portions);
     if (share_count(build) > 0) build->shares = mlrt_allocate(memory, share_count(build), sizeof *build->shares);
     return build->chunks != NULL && build->references != NULL && build->binary.nodes != NULL &&
-           build->binary.triangles != NULL && build->tasks != NULL &&
+           build->binary.triangles != NULL && build->tasks != NULL && build->level != NULL && build->portions != NULL &&
            (share_count(build) == 0 || build->shares != NULL);
 }
 
@@ -764,6 +816,8 @@ static void release_work(struct build *build)
     release(build, build->binary.nodes, node_capacity(build), sizeof *build->binary.nodes);
     release(build, build->binary.triangles, build->capacity, sizeof *build->binary.triangles);
     release(build, build->tasks, build->task_capacity, sizeof *build->tasks);
+    release(build, build->level, build->level_capacity, sizeof *build->level);
+    release(build, build->portions, 2 * (size_t)build->task_capacity, sizeof *build->portions);
     release(build, build->shares, share_count(build), sizeof *build->shares);
 }
 
@@ -821,19 +875,17 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 /* Builds the binary hierarchy, and sets *size to that of the result. Returns a status. */
 static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
 {
-    struct portion root = {mlrt_measure_set(build->references, 0, build->reference_count, build->progress),
-                           build->capacity - build->reference_count,
-                           0,
-                           0,
-                           build->leaf_limit,
-                           0};
+    struct portion *root = &build->portions[0];
+    root->set = mlrt_measure_set(build->references, 0, build->reference_count, build->progress);
+    root->spare = build->capacity - build->reference_count;
+    root->node = root->depth = root->failed_count = 0;
+    root->budget = build->leaf_limit;
     struct mlrt_forest_costs costs;
     uint32_t next_task = 0;
-    measure_scene(build, &root.set.box);
+    measure_scene(build, &root->set.box);
     build->task_count = 0;
     build->depth_limit = depth_limit;
-    find_tasks(build, &root);
-    build->shared_portion = NULL;
+    find_tasks(build);
     if (!mlrt_is_cancelled(build->progress)) mlrt_run_items(build->pool, build->task_count, build_task, build);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
@@ -872,6 +924,7 @@ static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count
     build->leaf_limit = build->capacity / LEAF_SHARE + 1;
     build->task_size = build->capacity / TASK_SHARE > TASK_SIZE ? build->capacity / TASK_SHARE : TASK_SIZE;
     /* A level has at most capacity / task_size sets larger than tasks, and cutting n of these leaves n + 1 tasks. */
+    build->level_capacity = build->capacity / build->task_size + 1;
     build->task_capacity = BINARY_DEPTH * (build->capacity / build->task_size) + 1;
     build->chunk_count = chunks_of(triangle_count);
     const double levels = log2((double)triangle_count / MLRT_BVH_LEAF_LIMIT + 2);
@@ -916,7 +969,8 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
     const uint64_t references = (uint64_t)build.capacity * sizeof *build.references;
     const uint64_t binary = (uint64_t)build.capacity * sizeof *build.binary.triangles +
                             node_capacity(&build) * (uint64_t)sizeof *build.binary.nodes +
-                            build.task_capacity * (uint64_t)sizeof *build.tasks +
+                            build.task_capacity * (uint64_t)(sizeof *build.tasks + 2 * sizeof *build.portions) +
+                            build.level_capacity * (uint64_t)sizeof *build.level +
                             build.chunk_count * (uint64_t)sizeof *build.chunks +
                             (options->pool ? mlrt_worker_count(options->pool) * (uint64_t)sizeof *build.shares : 0);
     const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +

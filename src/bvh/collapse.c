@@ -14,19 +14,22 @@
 void mlrt_choose_leaf(const struct mlrt_bvh_costs *costs, float area, struct mlrt_binary_node *node,
                       struct mlrt_forest_costs *result)
 {
-    float cost = area * mlrt_bvh_leaf_cost(costs, node->count);
-    for (int i = 0; i < MLRT_BVH_WIDTH; i++) {
-        node->choice[i] = 0;
-        result->cost[i] = cost;
-    }
+    memset(node->choice, 0, sizeof node->choice);
+    result->cost[1] = area * mlrt_bvh_leaf_cost(costs, node->count);
+    result->slot_count = 1;
 }
 
-/* The least cost of two children in `slots` slots. Sets *lower_slots to the number that the lower child gets. */
-MLRT_INLINE float distribute(const struct mlrt_forest_costs children[2], int slots, uint8_t *lower_slots)
+/*
+ * The least cost of two children in `slots` slots, at least 2 and at most those that they can use. Sets *lower_slots to
+ * the number that the lower child gets.
+ */
+static float distribute(const struct mlrt_forest_costs children[2], int slots, uint8_t *lower_slots)
 {
-    float best = children[0].cost[1] + children[1].cost[slots - 1];
-    *lower_slots = 1;
-    for (int i = 2; i < slots; i++) {
+    const int spare = slots - children[1].slot_count, first = spare > 1 ? spare : 1;
+    const int last = children[0].slot_count < slots ? children[0].slot_count : slots - 1;
+    float best = children[0].cost[first] + children[1].cost[slots - first];
+    *lower_slots = (uint8_t)first;
+    for (int i = first + 1; i <= last; i++) {
         float cost = children[0].cost[i] + children[1].cost[slots - i];
         if (cost >= best) continue;
         best = cost;
@@ -38,7 +41,10 @@ MLRT_INLINE float distribute(const struct mlrt_forest_costs children[2], int slo
 void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struct mlrt_forest_costs children[2],
                      struct mlrt_binary_node *node, struct mlrt_forest_costs *result)
 {
-    float best = area * costs->node + distribute(children, MLRT_BVH_WIDTH, &node->choice[0]);
+    const int usable = children[0].slot_count + children[1].slot_count;
+    const int most = usable < MLRT_BVH_WIDTH ? usable : MLRT_BVH_WIDTH;
+    float best = area * costs->node + distribute(children, most, &node->choice[0]);
+    memset(node->choice + 1, 0, sizeof node->choice - 1);
     node->choice[1] = 1;
     if (node->count <= MLRT_BVH_LEAF_LIMIT) {
         float leaf = area * mlrt_bvh_leaf_cost(costs, node->count);
@@ -47,8 +53,9 @@ void mlrt_choose_cut(const struct mlrt_bvh_costs *costs, float area, const struc
             node->choice[1] = 0;
         }
     }
-    result->cost[0] = result->cost[1] = best;
-    for (int i = 2; i < MLRT_BVH_WIDTH; i++) {
+    result->cost[1] = best;
+    result->slot_count = most < MLRT_BVH_WIDTH ? most : MLRT_BVH_WIDTH - 1;
+    for (int i = 2; i <= result->slot_count; i++) {
         float cost = distribute(children, i, &node->choice[i]);
         if (cost < best)
             best = cost;
@@ -125,6 +132,8 @@ static void write_leaf(const struct mlrt_binary_tree *binary, const struct mlrt_
 {
     uint32_t *numbers = tree->bvh.numbers + 4 * (size_t)quad;
     uint32_t place_count = 4 * quads_of(node->count);
+    for (uint32_t i = 0; i < node->count; i++)
+        mlrt_prefetch(&tree->triangles[binary->triangles[node->first + i] & ~MLRT_REFERENCE_COPY]);
     const uint32_t first = sort_numbers(binary->triangles + node->first, node->count, numbers);
     for (uint32_t place = node->count; place < place_count; place++) numbers[place] = MLRT_NONE;
     float *row = tree->bvh.corners + 36 * (size_t)quad;

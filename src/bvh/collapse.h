@@ -30,9 +30,13 @@ struct mlrt_binary_node {
     uint8_t choice[MLRT_BVH_WIDTH];
 };
 
-/* cost[i]: the least cost, times area, of a binary node and all below it as at most i slots. cost[0] is not used. */
+/*
+ * cost[i], 1 <= i <= slot_count: the least cost, times area, of a binary node and all below it as at most i slots. More
+ * slots would be of no use, or there are no more.
+ */
 struct mlrt_forest_costs {
     float cost[MLRT_BVH_WIDTH];
+    int slot_count;
 };
 
 /* Sets choices and costs of a binary node without children, of 1 to 16 triangles. `area` is relative to the scene's. */

@@ -52,7 +52,6 @@ static inline void mlrt_mark_copy(struct mlrt_quad_box *reference)
 struct mlrt_bvh_costs {
     float node;
     float leaf;     /* of each leaf, whatever its triangles */
-    float quad;     /* of each four places of a leaf */
     float triangle; /* of each triangle of a leaf */
 };
 

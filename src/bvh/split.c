@@ -31,71 +31,168 @@ struct mlrt_bvh_set mlrt_measure_set(const struct mlrt_quad_box *references, uin
 
 float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
 {
-    return costs->leaf + costs->quad * (float)((count + 3) / 4) + costs->triangle * (float)count;
+    return costs->leaf + costs->triangle * (float)count;
 }
 
-/* ---- few references: all places between two of them ----------------------------------------------------------- */
+/* ---- the best of all places between bins ----------------------------------------------------------------------- */
 
-static void sort_by_centre(const float centre[MLRT_SWEEP_LIMIT][4], uint32_t axis, uint32_t count, uint8_t *order)
+/*
+ * Areas are worked out in floats, for a box along each axis at once, and relative to the square of the set's largest
+ * extent: so they neither overflow nor vanish together. Returns 1 / that extent.
+ */
+static float relative_unit(const struct mlrt_quad_box *box)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        float key = centre[i][axis];
-        uint32_t j = i;
-        for (; j > 0 && centre[order[j - 1]][axis] > key; j--) order[j] = order[j - 1];
-        order[j] = (uint8_t)i;
+    float extent = 0x1p-100f;
+    for (int k = 0; k < 3; k++) {
+        const float size = box->hi[k] - box->lo[k];
+        if (size > extent) extent = size;
     }
+    return 1 / extent;
 }
 
-static void sweep_axis(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references, uint32_t count,
-                       const uint8_t *order, uint32_t axis, struct mlrt_bvh_split *split)
+/* The boxes and counts of bins on one side of a place, for each axis. */
+struct side {
+    struct growing_box box[3];
+    MLRT_ALIGNED(16) int32_t count[4];
+};
+
+static struct side empty_side(void)
 {
-    double upper_area[MLRT_SWEEP_LIMIT];
+    return (struct side){{empty_box(), empty_box(), empty_box()}, {0, 0, 0, 0}};
+}
+
+/*
+ * Adds a row of bins to a side. Returns its cost along each axis, as set_cost says. The cost of a side without
+ * references is NaN: its area is infinite, its cost per area 0.
+ */
+MLRT_INLINE f4 add_row(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t row, f4 unit,
+                       struct side *side)
+{
+    MLRT_ALIGNED(16) float per_area[4];
+    f4 products[3];
+    MLRT_UNROLL
+    for (int axis = 0; axis < 3; axis++) {
+        const struct mlrt_quad_box *box = &bins->box[row][axis];
+        grow(&side->box[axis], f4_load(box->lo), f4_load(box->hi));
+        const f4 extent = f4_mul(f4_sub(side->box[axis].hi, side->box[axis].lo), unit);
+        products[axis] = f4_mul(extent, f4_next(extent));
+    }
+    for (int axis = 0; axis < 4; axis++) {
+        const int32_t count = side->count[axis] += bins->count[row][axis];
+        per_area[axis] = costs->leaf * (float)((count + 15) >> 4) + costs->triangle * (float)count;
+    }
+    return f4_mul(f4_sums(products[0], products[1], products[2]), f4_load(per_area));
+}
+
+/* The box of the references in bins first .. last along the axis. */
+static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last,
+                      struct mlrt_quad_box *joined)
+{
     struct growing_box box = empty_box();
-    struct mlrt_quad_box kept;
-    for (uint32_t i = count - 1; i > 0; i--) {
-        grow(&box, f4_load(references[order[i]].lo), f4_load(references[order[i]].hi));
-        store_box(&box, &kept);
-        upper_area[i] = area_of(&kept);
+    for (uint32_t i = first; i <= last; i++) grow(&box, f4_load(bins->box[i][axis].lo), f4_load(bins->box[i][axis].hi));
+    store_box(&box, joined);
+}
+
+void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
+                       const struct mlrt_quad_box *box, struct mlrt_bvh_split *split)
+{
+    MLRT_ALIGNED(16) float upper[MLRT_BVH_BINS][4], cost[MLRT_BVH_BINS][4], best[4];
+    const uint32_t last = bins->bin_count - 1;
+    const float relative = relative_unit(box);
+    const f4 unit = f4_set1(relative);
+    struct side side = empty_side();
+    f4 least = f4_set1(INFINITY);
+    uint32_t axis = 0, bin = 0;
+    for (uint32_t i = last; i > 0; i--) f4_store(upper[i], add_row(costs, bins, i, unit, &side));
+    side = empty_side();
+    for (uint32_t i = 0; i < last; i++) {
+        const f4 sum = f4_add(add_row(costs, bins, i, unit, &side), f4_load(upper[i + 1]));
+        f4_store(cost[i], sum);
+        f4_store(cost[i], sum);
+        least = f4_min(sum, least); /* `least` if the sum is NaN */
     }
-    box = empty_box();
-    for (uint32_t i = 1; i < count; i++) {
-        grow(&box, f4_load(references[order[i - 1]].lo), f4_load(references[order[i - 1]].hi));
-        store_box(&box, &kept);
-        double cost = area_of(&kept) * set_cost(costs, i) + upper_area[i] * set_cost(costs, count - i);
-        if (cost >= split->cost) continue;
-        split->cost = cost;
-        split->axis = axis;
-        split->lower_count = i;
-    }
+    f4_store(best, least);
+    for (uint32_t k = 1; k < 3; k++) axis = best[k] < best[axis] ? k : axis;
+    split->sorted = 0;
+    split->cost = best[axis] < INFINITY ? (double)best[axis] / relative / relative : HUGE_VAL;
+    if (split->cost == HUGE_VAL) return;
+    while (cost[bin][axis] != best[axis]) bin++;
+    split->axis = axis;
+    split->bin = bin;
+    split->lower_count = 0;
+    for (uint32_t i = 0; i <= bin; i++) split->lower_count += (uint32_t)bins->count[i][axis];
+    join_bins(bins, axis, 0, bin, &split->box[0]);
+    join_bins(bins, axis, bin + 1, last, &split->box[1]);
+}
+
+/* ---- few references: each has bins of its own ------------------------------------------------------------------- */
+
+/*
+ * The bits of a float as an integer that is in the same order, but for the last 5, which have the position: so all keys
+ * differ.
+ */
+static int32_t key_of(float centre, uint32_t position)
+{
+    int32_t bits;
+    memcpy(&bits, &centre, sizeof bits);
+    bits ^= bits < 0 ? INT32_MAX : 0;
+    return (int32_t)(((uint32_t)bits & ~31u) | position);
+}
+
+/* The loops have a fixed length, so compilers vectorize them. Keys behind the last are INT32_MAX. */
+static uint32_t rank_of(const int32_t key[MLRT_SWEEP_LIMIT], uint32_t count, uint32_t position)
+{
+    const int32_t own = key[position];
+    int32_t rank = 0;
+    for (int i = 0; i < 16; i++) rank += key[i] < own;
+    if (count > 16)
+        for (int i = 16; i < MLRT_SWEEP_LIMIT; i++) rank += key[i] < own;
+    return (uint32_t)rank;
 }
 
 void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
                     const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split)
 {
-    MLRT_ALIGNED(16) float centre[MLRT_SWEEP_LIMIT][4];
-    uint8_t order[3][MLRT_SWEEP_LIMIT];
+    MLRT_ALIGNED(16) int32_t key[3][MLRT_SWEEP_LIMIT];
+    uint8_t rank[3][MLRT_SWEEP_LIMIT];
+    struct mlrt_bvh_bins bins;
     references += set->first;
-    for (uint32_t i = 0; i < set->count; i++)
-        f4_store(centre[i], centre_of(f4_load(references[i].lo), f4_load(references[i].hi)));
-    split->cost = HUGE_VAL;
-    split->axis = 0;
-    split->sorted = 1;
-    for (uint32_t axis = 0; axis < 3; axis++) {
-        sort_by_centre((const float(*)[4])centre, axis, set->count, order[axis]);
-        sweep_axis(costs, references, set->count, order[axis], axis, split);
+    for (uint32_t i = 0; i < set->count; i++) {
+        MLRT_ALIGNED(16) float centre[4];
+        f4_store(centre, centre_of(f4_load(references[i].lo), f4_load(references[i].hi)));
+        for (int axis = 0; axis < 3; axis++) key[axis][i] = key_of(centre[axis], i);
     }
-    memcpy(split->order, order[split->axis], sizeof split->order);
+    for (int axis = 0; axis < 3; axis++)
+        for (uint32_t i = set->count; i < MLRT_SWEEP_LIMIT; i++) key[axis][i] = INT32_MAX;
+    bins.bin_count = set->count;
+    for (uint32_t i = 0; i < set->count; i++) {
+        for (int axis = 0; axis < 3; axis++) {
+            rank[axis][i] = (uint8_t)rank_of(key[axis], set->count, i);
+            bins.box[rank[axis][i]][axis] = references[i];
+            bins.count[i][axis] = 1;
+        }
+    }
+    split->axis = 0; /* where there is no split */
+    mlrt_choose_split(costs, &bins, &set->box, split);
+    split->sorted = 1;
+    memcpy(split->rank, rank[split->axis], sizeof split->rank);
 }
 
-static void apply_order(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
+static void apply_ranks(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                         const struct mlrt_bvh_split *split)
 {
     struct mlrt_quad_box sorted[MLRT_SWEEP_LIMIT];
-    for (uint32_t i = 0; i < set->count; i++) sorted[i] = references[set->first + split->order[i]];
+    for (uint32_t i = 0; i < set->count; i++) sorted[split->rank[i]] = references[set->first + i];
     memcpy(references + set->first, sorted, set->count * sizeof *sorted);
 }
 
-/* ---- many references: between bins ----------------------------------------------------------------------------- */
+/* ---- many references ------------------------------------------------------------------------------------------- */
+
+/*
+ * Sets of fewer references have half as many bins: fast builds take 2 to 6 % less time, and expected costs differ by less
+ * than 0.6 % either way.
+ */
+#define FEW_REFERENCES 256
 
 /* The bin of a centre along each axis is the whole part of (centre - start) * scale. */
 struct binning {
@@ -104,131 +201,89 @@ struct binning {
 };
 
 /* If all centres along an axis are equal, or so close that the scale would overflow, it is 0: all are in bin 0. */
-static struct binning cut_bins(const struct mlrt_quad_box *centres)
+static struct binning cut_bins(const struct mlrt_quad_box *centres, uint32_t bin_count)
 {
     struct binning binning;
     for (int k = 0; k < 4; k++) {
         float extent = k < 3 ? centres->hi[k] - centres->lo[k] : 0;
-        float scale = extent > 0 ? MLRT_BVH_BINS * (1 - 0x1p-10f) / extent : 0;
+        float scale = extent > 0 ? (float)bin_count * (1 - 0x1p-10f) / extent : 0;
         binning.start[k] = k < 3 ? centres->lo[k] : 0;
         binning.scale[k] = scale <= FLT_MAX ? scale : 0;
     }
     return binning;
 }
 
-MLRT_INLINE f4 bin_of(f4 lo, f4 hi, f4 start, f4 scale)
+static uint32_t bins_of(uint32_t count)
 {
-    return f4_mul(f4_sub(centre_of(lo, hi), start), scale);
+    return count < FEW_REFERENCES ? MLRT_BVH_BINS / 2 : MLRT_BVH_BINS;
 }
 
-void mlrt_clear_bins(struct mlrt_bvh_bins *bins)
+void mlrt_clear_bins(uint32_t count, struct mlrt_bvh_bins *bins)
 {
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < MLRT_BVH_BINS; i++) clear_box(&bins->box[axis][i]);
-    memset(bins->count, 0, sizeof bins->count);
+    bins->bin_count = bins_of(count);
+    for (uint32_t i = 0; i < bins->bin_count; i++)
+        for (int axis = 0; axis < 3; axis++) clear_box(&bins->box[i][axis]);
+    memset(bins->count, 0, bins->bin_count * sizeof *bins->count);
 }
 
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
                     const struct mlrt_quad_box *centres, struct mlrt_bvh_bins *bins)
 {
-    struct binning binning = cut_bins(centres);
+    struct binning binning = cut_bins(centres, bins->bin_count);
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
     for (uint32_t i = first; i < first + count; i++) {
         MLRT_ALIGNED(16) float bin[4];
         f4 lo = f4_load(references[i].lo), hi = f4_load(references[i].hi);
-        f4_store(bin, bin_of(lo, hi, start, scale));
+        f4_store(bin, f4_mul(f4_sub(centre_of(lo, hi), start), scale));
+        MLRT_UNROLL
         for (int axis = 0; axis < 3; axis++) {
             int number = (int)bin[axis];
-            extend_box(&bins->box[axis][number], lo, hi);
-            bins->count[axis][number]++;
+            extend_box(&bins->box[number][axis], lo, hi);
+            bins->count[number][axis]++;
         }
     }
 }
 
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum)
 {
-    for (int axis = 0; axis < 3; axis++)
-        for (int i = 0; i < MLRT_BVH_BINS; i++) {
-            extend_box(&sum->box[axis][i], f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-            sum->count[axis][i] += bins->count[axis][i];
+    for (uint32_t i = 0; i < sum->bin_count; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            extend_box(&sum->box[i][axis], f4_load(bins->box[i][axis].lo), f4_load(bins->box[i][axis].hi));
+            sum->count[i][axis] += bins->count[i][axis];
         }
 }
 
-static void sweep_bins(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
-                       uint32_t axis, struct mlrt_bvh_split *split)
-{
-    double upper_area[MLRT_BVH_BINS];
-    struct growing_box box = empty_box();
-    struct mlrt_quad_box kept;
-    for (int i = MLRT_BVH_BINS - 1; i > 0; i--) {
-        grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-        store_box(&box, &kept);
-        upper_area[i] = area_of(&kept);
-    }
-    box = empty_box();
-    uint32_t lower_count = 0;
-    for (int i = 0; i < MLRT_BVH_BINS - 1; i++) {
-        if (bins->count[axis][i] == 0) continue;
-        lower_count += bins->count[axis][i];
-        if (lower_count == count) break;
-        grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-        store_box(&box, &kept);
-        double cost =
-            area_of(&kept) * set_cost(costs, lower_count) + upper_area[i + 1] * set_cost(costs, count - lower_count);
-        if (cost >= split->cost) continue;
-        split->cost = cost;
-        split->axis = axis;
-        split->bin = (uint32_t)i;
-        split->lower_count = lower_count;
-    }
-}
-
-/* The box of the references in bins first .. last along the axis. */
-static void join_bins(const struct mlrt_bvh_bins *bins, uint32_t axis, uint32_t first, uint32_t last,
-                      struct mlrt_quad_box *joined)
-{
-    struct growing_box box = empty_box();
-    for (uint32_t i = first; i <= last; i++) grow(&box, f4_load(bins->box[axis][i].lo), f4_load(bins->box[axis][i].hi));
-    store_box(&box, joined);
-}
-
-void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
-                       struct mlrt_bvh_split *split)
-{
-    split->cost = HUGE_VAL;
-    split->sorted = 0;
-    for (uint32_t axis = 0; axis < 3; axis++) sweep_bins(costs, bins, count, axis, split);
-    if (split->cost == HUGE_VAL) return;
-    join_bins(bins, split->axis, 0, split->bin, &split->box[0]);
-    join_bins(bins, split->axis, split->bin + 1, MLRT_BVH_BINS - 1, &split->box[1]);
-}
-
-/* Partitions the references in place: one of the upper side changes places with the last that is not yet tested. */
+/*
+ * Partitions the references in place, without branches, which would be mispredicted. Each is swapped with the first of
+ * the upper side, and is the last of the lower side if that grows.
+ */
 static void apply_bins(struct mlrt_quad_box *references, const struct mlrt_bvh_set *set,
                        const struct mlrt_bvh_split *split, struct mlrt_progress *progress, struct mlrt_bvh_set sides[2])
 {
-    struct binning binning = cut_bins(&set->centres);
+    /* Added to a centre, the first moves it out of the way of a side that it is not of. */
+    static const struct {
+        MLRT_ALIGNED(16) float by[4];
+    } MOVED[2] = {{{INFINITY, INFINITY, INFINITY, INFINITY}}, {{0, 0, 0, 0}}};
+    struct binning binning = cut_bins(&set->centres, bins_of(set->count));
     f4 start = f4_load(binning.start), scale = f4_load(binning.scale);
-    struct growing_set lower = empty_set(), upper = empty_set();
-    struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *back = end;
+    struct growing_box lower = empty_box(), upper = empty_box();
+    struct mlrt_quad_box *next = references + set->first, *end = next + set->count, *place = next;
     float limit = (float)(split->bin + 1);
-    while (next < back) {
-        if (mlrt_is_cancelled_in_round(progress, (size_t)(back - next))) break;
+    for (; next < end && !mlrt_is_cancelled_in_round(progress, (size_t)(end - next)); next++) {
         MLRT_ALIGNED(16) float bin[4];
-        f4 lo = f4_load(next->lo), hi = f4_load(next->hi);
-        f4_store(bin, bin_of(lo, hi, start, scale));
-        if (bin[split->axis] < limit) {
-            add_reference(&lower, lo, hi);
-            next++;
-        } else {
-            add_reference(&upper, lo, hi);
-            *next = *--back;
-            f4_store(back->lo, lo);
-            f4_store(back->hi, hi);
-        }
+        const f4 lo = f4_load(next->lo), hi = f4_load(next->hi), centre = centre_of(lo, hi);
+        f4_store(bin, f4_mul(f4_sub(centre, start), scale));
+        const int is_lower = bin[split->axis] < limit;
+        const f4 from_lower = f4_load(MOVED[is_lower].by), from_upper = f4_load(MOVED[1 - is_lower].by);
+        grow(&lower, f4_add(centre, from_lower), f4_sub(centre, from_lower));
+        grow(&upper, f4_add(centre, from_upper), f4_sub(centre, from_upper));
+        *next = *place;
+        f4_store(place->lo, lo);
+        f4_store(place->hi, hi);
+        place += is_lower;
     }
-    sides[0] = finish_set(&lower, set->first, split->lower_count);
-    sides[1] = finish_set(&upper, set->first + split->lower_count, set->count - split->lower_count);
+    store_box(&lower, &sides[0].centres);
+    store_box(&upper, &sides[1].centres);
 }
 
 /* ---- both ---------------------------------------------------------------------------------------------------- */
@@ -237,15 +292,18 @@ void mlrt_apply_bvh_split(struct mlrt_quad_box *references, const struct mlrt_bv
                           const struct mlrt_bvh_split *split, struct mlrt_progress *progress,
                           struct mlrt_bvh_set sides[2])
 {
-    if (split->cost < HUGE_VAL && !split->sorted) {
-        apply_bins(references, set, split, progress, sides);
+    const int is_split = split->cost < HUGE_VAL;
+    const uint32_t lower_count = is_split ? split->lower_count : set->count / 2;
+    const uint32_t upper = set->first + lower_count, upper_count = set->count - lower_count;
+    if (!is_split) {
+        sides[0] = mlrt_measure_set(references, set->first, lower_count, progress);
+        sides[1] = mlrt_measure_set(references, upper, upper_count, progress);
         return;
     }
-    uint32_t lower_count = set->count / 2;
-    if (split->cost < HUGE_VAL) {
-        apply_order(references, set, split);
-        lower_count = split->lower_count;
-    }
-    sides[0] = mlrt_measure_set(references, set->first, lower_count, progress);
-    sides[1] = mlrt_measure_set(references, set->first + lower_count, set->count - lower_count, progress);
+    sides[0] = (struct mlrt_bvh_set){split->box[0], set->centres, set->first, lower_count};
+    sides[1] = (struct mlrt_bvh_set){split->box[1], set->centres, upper, upper_count};
+    if (split->sorted)
+        apply_ranks(references, set, split);
+    else
+        apply_bins(references, set, split, progress, sides);
 }

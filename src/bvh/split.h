@@ -18,20 +18,22 @@
 /* With 16 bins expected costs are 0.3 % higher, with 64 they are no lower. */
 #define MLRT_BVH_BINS 32
 
+/* For each of the first `bin_count` bins of each axis, the box of its references and how many they are. */
 struct mlrt_bvh_bins {
-    struct mlrt_quad_box box[3][MLRT_BVH_BINS];
-    uint32_t count[3][MLRT_BVH_BINS];
+    struct mlrt_quad_box box[MLRT_BVH_BINS][3];
+    MLRT_ALIGNED(16) int32_t count[MLRT_BVH_BINS][4];
+    uint32_t bin_count;
 };
 
 /* A split of a set: by bins, or (sorted) by the order of its references. */
 struct mlrt_bvh_split {
     double cost; /* sum over both sides of area times cost; HUGE_VAL = there is no split */
     uint32_t axis;
-    uint32_t bin;                    /* by bins: bins up to this one are the lower side */
-    uint32_t lower_count;            /* references on the lower side */
-    int sorted;                      /* 1 = the first lower_count references of `order` are the lower side */
-    uint8_t order[MLRT_SWEEP_LIMIT]; /* sorted: positions in the set */
-    struct mlrt_quad_box box[2];     /* by bins: boxes of both sides */
+    uint32_t bin;                   /* bins up to this one are the lower side */
+    uint32_t lower_count;           /* references on the lower side */
+    int sorted;                     /* 1 = each reference has a bin of its own: its rank in the order of centres */
+    uint8_t rank[MLRT_SWEEP_LIMIT]; /* sorted: of each reference */
+    struct mlrt_quad_box box[2];    /* of both sides */
 };
 
 /* Half the surface area of a box. Finite for all floats. */
@@ -48,7 +50,8 @@ float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count);
 void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_box *references,
                     const struct mlrt_bvh_set *set, struct mlrt_bvh_split *split);
 
-void mlrt_clear_bins(struct mlrt_bvh_bins *bins);
+/* Empties the bins of a set of `count` references. */
+void mlrt_clear_bins(uint32_t count, struct mlrt_bvh_bins *bins);
 
 /* Adds `count` references, from `first` on, to bins of a set whose centres lie in the box `centres`. */
 void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint32_t count,
@@ -57,9 +60,9 @@ void mlrt_fill_bins(const struct mlrt_quad_box *references, uint32_t first, uint
 /* Adds bins to *sum: then it is as if the references of both had been added to it. */
 void mlrt_merge_bins(const struct mlrt_bvh_bins *bins, struct mlrt_bvh_bins *sum);
 
-/* Sets *split to the cheapest split between bins of `count` references. */
-void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins, uint32_t count,
-                       struct mlrt_bvh_split *split);
+/* Sets *split to the cheapest split between bins. `box` is that of all references. */
+void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh_bins *bins,
+                       const struct mlrt_quad_box *box, struct mlrt_bvh_split *split);
 
 /*
  * Orders the references of a set by sides, lower ones first, and sets `sides`. If split->cost is HUGE_VAL, the sides

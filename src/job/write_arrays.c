@@ -106,20 +106,6 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink)
     return 1;
 }
 
-uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
-{
-    uint32_t below = 0, above = tree->meshes.count;
-    while (above - below > 1) {
-        uint32_t middle = below + (above - below) / 2;
-        if (tree->meshes.first[middle] <= number) {
-            below = middle;
-        } else {
-            above = middle;
-        }
-    }
-    return below;
-}
-
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle)
 {
     *mesh = *triangle = MLRT_NONE;

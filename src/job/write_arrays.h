@@ -119,9 +119,6 @@ void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct ml
 void mlrt_gather_corners(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t hit,
                          float corners[9][MLRT_PACKET_RAYS]);
 
-/* Returns the position of the mesh that triangle `number` belongs to. */
-uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
-
 /* Sets the ids of triangle `number`; those of a miss for MLRT_NONE. */
 void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh, uint32_t *triangle);
 

@@ -8,10 +8,11 @@
 
 #include "base/platform.h"
 #include "base/progress.h"
+#include "base/scheduler.h"
 #include "base/structs.h"
 #include "scene/masks.h"
 
-/* Triangles copied between two calls of mlrt_advance: less than a millisecond. */
+/* Triangles that a worker copies at a time, before it calls mlrt_advance: less than a millisecond. */
 #define CHUNK_SIZE 8192
 
 #define PATH "meshes[%lu]"
@@ -155,17 +156,39 @@ static int32_t set_mesh_ids(const mlrt_mesh *meshes, struct mlrt_tree *tree)
 
 /* ---- triangles and masks ---- */
 
-static int32_t copy_triangles(const mlrt_mesh *mesh, uint32_t position, struct mlrt_progress *progress,
-                              struct mlrt_triangle *triangles)
+/* A call that copies, for the workers of a pool. */
+struct copying {
+    const mlrt_mesh *meshes;
+    struct mlrt_progress *progress;
+    struct mlrt_tree *tree;
+};
+
+/* Copies a chunk of the triangles of all meshes. */
+static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
 {
-    for (size_t i = 0; i < mesh->triangle_count; ++i) {
-        const int32_t status = mlrt_copy_triangle(mesh, position, i, &triangles[i]);
-        if (status != MLRT_OK) return status;
-        if ((i + 1) % CHUNK_SIZE == 0 && mlrt_advance(progress, CHUNK_SIZE * MLRT_COPY_WORK)) {
-            return MLRT_ERROR_CANCELLED;
+    const struct copying *copying = work;
+    struct mlrt_tree *tree = copying->tree;
+    uint32_t number = item * CHUNK_SIZE;
+    const uint32_t count = tree->triangle_count - number < CHUNK_SIZE ? tree->triangle_count - number : CHUNK_SIZE;
+    const uint32_t end = number + count;
+    (void)worker;
+    for (uint32_t position = mlrt_mesh_of_triangle(tree, number); number < end; ++position) {
+        const mlrt_mesh mesh = mlrt_mesh_at(copying->meshes, position);
+        for (; number < end && number < tree->meshes.first[position + 1]; ++number) {
+            const size_t triangle = number - tree->meshes.first[position];
+            const int32_t status = mlrt_copy_triangle(&mesh, position, triangle, &tree->triangles[number]);
+            if (status != MLRT_OK) return status;
         }
     }
-    return MLRT_OK;
+    return mlrt_advance(copying->progress, count * MLRT_COPY_WORK) ? MLRT_ERROR_CANCELLED : MLRT_OK;
+}
+
+/* After an error of a worker, the chunks are copied once more in order: the message is the caller's then, and the same. */
+static int32_t copy_triangles(struct copying *copying, mlrt_pool *pool)
+{
+    const uint32_t count = copying->tree->triangle_count, chunk_count = count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);
+    const int32_t status = mlrt_run_items(pool, chunk_count, copy_chunk, copying);
+    return status == MLRT_ERROR_INDEX_RANGE ? mlrt_run_items(NULL, chunk_count, copy_chunk, copying) : status;
 }
 
 int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count)
@@ -198,18 +221,17 @@ static int allocate_tables(struct mlrt_tree *tree)
     return tree->meshes.ids && tree->meshes.by_id && tree->meshes.first && tree->triangles;
 }
 
-int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, struct mlrt_progress *progress,
+int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, mlrt_pool *pool, struct mlrt_progress *progress,
                          struct mlrt_tree *tree)
 {
+    struct copying copying = {meshes, progress, tree};
     tree->meshes.count = (uint32_t)mesh_count;
     if (!allocate_tables(tree)) return MLRT_ERROR_OUT_OF_MEMORY;
     int32_t status = set_mesh_ids(meshes, tree);
     tree->meshes.first[0] = 0;
-    for (uint32_t i = 0; i < tree->meshes.count && status == MLRT_OK; ++i) {
-        const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
-        tree->meshes.first[i + 1] = tree->meshes.first[i] + (uint32_t)mesh.triangle_count;
-        status = copy_triangles(&mesh, i, progress, tree->triangles + tree->meshes.first[i]);
-    }
+    for (uint32_t i = 0; i < tree->meshes.count; ++i)
+        tree->meshes.first[i + 1] = tree->meshes.first[i] + (uint32_t)mlrt_mesh_at(meshes, i).triangle_count;
+    if (status == MLRT_OK) status = copy_triangles(&copying, pool);
     return status == MLRT_OK ? set_masks(meshes, tree) : status;
 }
 

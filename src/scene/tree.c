@@ -1,10 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which triangles of a tree are left out, whatever its structure.
+ * Facts about a tree of any structure: the mesh of a triangle, and which triangles are left out.
  */
 #include "scene/tree.h"
 
 #include "exact/predicate.h"
+
+uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
+{
+    uint32_t below = 0, above = tree->meshes.count;
+    while (above - below > 1) {
+        uint32_t middle = below + (above - below) / 2;
+        if (tree->meshes.first[middle] <= number) {
+            below = middle;
+        } else {
+            above = middle;
+        }
+    }
+    return below;
+}
 
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
 {

@@ -77,6 +77,9 @@ static inline void mlrt_read_in_order(struct mlrt_tree *tree)
     tree->by_number = (struct mlrt_triangles){tree->triangles ? tree->triangles->v[0] : NULL, NULL, 0, 1};
 }
 
+/* Returns the position of the mesh that triangle `number` belongs to. */
+uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number);
+
 /* 1 if the triangle is left out: no leaf may hold it. tree->info must have the counts of triangles left out. */
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);
 

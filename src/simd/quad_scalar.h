@@ -108,6 +108,12 @@ MLRT_INLINE f4 f4_flip(f4 a, float b) { return b < 0 ? (f4){{-a.x[0], -a.x[1], -
 MLRT_INLINE f4 f4_next(f4 a) { return (f4){{a.x[1], a.x[2], a.x[0], a.x[1]}}; }
 /* lanes 0, 1, 2 of a, and 2 of b */
 MLRT_INLINE f4 f4_join(f4 a, f4 b) { return (f4){{a.x[0], a.x[1], a.x[2], b.x[2]}}; }
+/* the sums of the first three lanes of a, b and c, and the last lane of no meaning */
+MLRT_INLINE f4 f4_sums(f4 a, f4 b, f4 c)
+{
+    const float sum = c.x[0] + c.x[1] + c.x[2];
+    return (f4){{a.x[0] + a.x[1] + a.x[2], b.x[0] + b.x[1] + b.x[2], sum, sum}};
+}
 MLRT_INLINE float f4_last(f4 a) { return a.x[3]; }
 MLRT_INLINE float f4_hmin(f4 a)
 {

@@ -68,6 +68,12 @@ MLRT_INLINE f4 f4_abs(f4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
 MLRT_INLINE f4 f4_flip(f4 a, float b) { return _mm_xor_ps(a, _mm_and_ps(_mm_set1_ps(b), _mm_set1_ps(-0.0f))); }
 MLRT_INLINE f4 f4_next(f4 a) { return _mm_shuffle_ps(a, a, _MM_SHUFFLE(1, 0, 2, 1)); }
 MLRT_INLINE f4 f4_join(f4 a, f4 b) { return _mm_shuffle_ps(a, _mm_unpackhi_ps(a, b), _MM_SHUFFLE(1, 0, 1, 0)); }
+MLRT_INLINE f4 f4_sums(f4 a, f4 b, f4 c)
+{
+    const __m128 xy = _mm_unpacklo_ps(a, b), z = _mm_shuffle_ps(_mm_unpackhi_ps(a, b), c, _MM_SHUFFLE(2, 2, 1, 0));
+    const __m128 x = _mm_movelh_ps(xy, c), y = _mm_shuffle_ps(xy, c, _MM_SHUFFLE(1, 1, 3, 2));
+    return _mm_add_ps(_mm_add_ps(x, y), z);
+}
 MLRT_INLINE float f4_last(f4 a) { return _mm_cvtss_f32(_mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 3, 3, 3))); }
 MLRT_INLINE float f4_hmin(f4 a)
 {
