@@ -391,6 +391,7 @@ typedef struct mlrt_kdtree_options {
     uint64_t max_references; /* most leaf entries, which limits the memory; 0 = 8 per triangle + 1024 */
     uint32_t max_depth;      /* most inner nodes above a leaf, 1..60; 0 = by the number of triangles */
     uint32_t rules_off;      /* MLRT_RULE_* or-ed together: rules to do without; 0 = all rules are on */
+    struct mlrt_pool *pool;  /* whose threads build; NULL = the calling thread alone. The tree is the same */
 } mlrt_kdtree_options;
 
 /*

@@ -82,6 +82,15 @@ void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count)
     if (from != keys) memcpy(keys, from, count * sizeof *keys);
 }
 
+size_t mlrt_sort_unique_keys(uint32_t *keys, uint32_t *spare, size_t count)
+{
+    size_t unique_count = 0;
+    mlrt_sort_keys(keys, spare, count);
+    for (size_t i = 0; i < count; i++)
+        if (unique_count == 0 || keys[unique_count - 1] != keys[i]) keys[unique_count++] = keys[i];
+    return unique_count;
+}
+
 /* ---- boxes --------------------------------------------------------------------------------------------------- */
 
 static double extent(const struct mlrt_box *box, uint32_t axis)
@@ -198,11 +207,7 @@ static size_t gather_planes(const struct mlrt_box *cell, const struct mlrt_refer
         if (is_planar(box, axis) && slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] >= enough)
             keys[key_count++] = mlrt_float_key(box->lo[axis]);
     }
-    mlrt_sort_keys(keys, keys + key_count, key_count);
-    size_t unique_count = 0;
-    for (size_t i = 0; i < key_count; i++)
-        if (unique_count == 0 || keys[unique_count - 1] != keys[i]) keys[unique_count++] = keys[i];
-    return unique_count;
+    return mlrt_sort_unique_keys(keys, keys + key_count, key_count);
 }
 
 /* The index of `key` in ascending keys, or key_count if it is not among them. */
