@@ -530,8 +530,9 @@ static int build_part(struct part *part)
 {
     struct build *build = part->build;
     part->node_count = 1;
-    if (!reserve(build, &part->nodes, 64, sizeof(struct mlrt_node)) ||
-        !reserve(build, &part->entries, 64, sizeof(uint32_t)) || !build_cell(part, &part->cell, &part->cost))
+    if (!reserve(build, &part->nodes, part->cell.count / 2 + 1, sizeof(struct mlrt_node)) ||
+        !reserve(build, &part->entries, part->cell.count + 1, sizeof(uint32_t)) ||
+        !build_cell(part, &part->cell, &part->cost))
         return 0;
     release(build, &part->references, sizeof(struct mlrt_reference));
     return 1;
