@@ -748,10 +748,10 @@ static void release_all(struct build *build)
 /* Hands the arrays of the whole tree over to `tree`. */
 static void take_result(struct part *whole, struct mlrt_tree *tree)
 {
-    tree->nodes = whole->nodes.elements;
-    tree->node_count = whole->node_count;
-    tree->references = whole->entries.elements;
-    tree->reference_count = whole->entry_count;
+    tree->kdtree.nodes = whole->nodes.elements;
+    tree->kdtree.node_count = whole->node_count;
+    tree->kdtree.references = whole->entries.elements;
+    tree->kdtree.reference_count = whole->entry_count;
     tree->info.retracted_count = whole->retracted_count;
     whole->nodes = whole->entries = (struct array){NULL, 0};
 }
@@ -766,8 +766,8 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
     build.pool = options != NULL ? options->pool : NULL;
     build.settings = resolve_options(options, tree->triangle_count);
     build.part_size = tree->triangle_count / PART_SHARE > PART_SIZE ? tree->triangle_count / PART_SHARE : PART_SIZE;
-    tree->nodes = NULL;
-    tree->references = NULL;
+    tree->kdtree.nodes = NULL;
+    tree->kdtree.references = NULL;
     tree->info.non_finite_count = 0;
     tree->info.zero_area_count = 0;
     if (tree->triangle_count > COUNT_LIMIT) return MLRT_ERROR_TOO_LARGE;
