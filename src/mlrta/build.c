@@ -151,7 +151,7 @@ struct build {
 };
 
 /* Changes the number of elements of `size` bytes and keeps the contents. Returns 0 if there is no memory. */
-static MLRT_NOINLINE int resize(struct build *build, struct array *array, size_t count, size_t size)
+static int resize(struct build *build, struct array *array, size_t count, size_t size)
 {
     pthread_mutex_lock(&build->memory_mutex);
     void *elements = mlrt_resize(build->memory, array->elements, array->capacity, count, size);
@@ -162,13 +162,14 @@ static MLRT_NOINLINE int resize(struct build *build, struct array *array, size_t
     return 1;
 }
 
-/* Makes room for `needed` elements. Returns 0 if there is no memory. */
-static int reserve(struct build *build, struct array *array, size_t needed, size_t size)
+/* Makes room for `needed` elements. Returns 0 if there is no memory. Not inlined: 240 bytes less. */
+static MLRT_NOINLINE int reserve(struct build *build, struct array *array, size_t needed, size_t size)
 {
     const size_t grown = array->capacity + array->capacity / 2;
     return needed <= array->capacity || resize(build, array, needed > grown ? needed : grown, size);
 }
 
+/* Not inlined: 360 bytes less. */
 static MLRT_NOINLINE void release(struct build *build, struct array *array, size_t size)
 {
     pthread_mutex_lock(&build->memory_mutex);
