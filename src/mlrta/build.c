@@ -98,6 +98,7 @@ struct settings {
     uint32_t rules_off;
     uint32_t depth_limit;
     uint64_t reference_limit;
+    mlrt_pool *pool;
 };
 
 /*
@@ -116,7 +117,7 @@ static struct settings resolve_options(const mlrt_kdtree_options *options, uint3
     static const mlrt_kdtree_options DEFAULTS;
     if (options == NULL) options = &DEFAULTS;
     struct settings settings = {PRESETS[options->preset], options->rules_off, options->max_depth,
-                                options->max_references};
+                                options->max_references, options->pool};
     if (options->traversal_cost > 0) settings.preset.model.traversal = options->traversal_cost;
     if (options->intersection_cost > 0) settings.preset.model.intersection = options->intersection_cost;
     if (settings.depth_limit == 0) settings.depth_limit = default_depth(triangle_count);
@@ -142,7 +143,6 @@ struct build {
     double scene_area;
     float tiny; /* as in mlrt_clip_halves */
     struct mlrt_progress *progress;
-    mlrt_pool *pool;
     struct array scratch; /* struct array of double: one for each worker, to look for planes and to sort */
     struct array parts;   /* struct part */
     uint32_t part_count;
@@ -591,7 +591,7 @@ static int build_parts(struct build *build)
             part_at(build, i)->lower = build->part_count;
             build->part_count += 2;
         }
-        if (mlrt_run_items(build->pool, count, run_part, build) != 0) return 0;
+        if (mlrt_run_items(build->settings.pool, count, run_part, build) != 0) return 0;
         build->first_part = end;
     }
     return 1;
@@ -702,7 +702,7 @@ static void make_safe(struct part *root)
 /* Makes part 0, whose root is the whole scene. Returns 0 if there is no memory, or the call is cancelled. */
 static int make_root(struct build *build, struct mlrt_tree *tree)
 {
-    const uint32_t worker_count = mlrt_worker_count(build->pool);
+    const uint32_t worker_count = mlrt_worker_count(build->settings.pool);
     if (!resize(build, &build->scratch, worker_count, sizeof(struct array))) return 0;
     memset(build->scratch.elements, 0, worker_count * sizeof(struct array));
     if (!resize(build, &build->parts, 1, sizeof(struct part))) return 0;
@@ -764,7 +764,6 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlr
     build.memory = &tree->memory;
     build.triangles = tree->triangles;
     build.progress = progress;
-    build.pool = options != NULL ? options->pool : NULL;
     build.settings = resolve_options(options, tree->triangle_count);
     build.part_size = tree->triangle_count / PART_SHARE > PART_SIZE ? tree->triangle_count / PART_SHARE : PART_SIZE;
     tree->kdtree.nodes = NULL;
