@@ -86,7 +86,7 @@ int main(int argc, char **argv)
          "(default: office)",
          0, 0},
         TREE_OPTIONS(build),
-        {OPTION_COUNT, "--threads", &threads, "N", "threads to build boxes with; 0 = one per processor (default: 1)", 0,
+        {OPTION_COUNT, "--threads", &threads, "N", "threads to build with; 0 = one per processor (default: 1)", 0,
          1024},
         {OPTION_COUNT, "--cancel", &cancel_count, "N",
          "also build N times and stop on the way: how long until it stops,\nand how often it asks", 1, 100000},

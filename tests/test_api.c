@@ -98,7 +98,7 @@ static void structs_have_no_padding(void **state)
     assert_int_equal(sizeof(mlrt_mesh), 4 * 4 + 6 * 8);
     assert_int_equal(sizeof(mlrt_host), 2 * 4 + 5 * 8);
     assert_int_equal(sizeof(mlrt_tree_options), 4 * 4 + 5 * 8);
-    assert_int_equal(sizeof(mlrt_kdtree_options), 4 * 4 + 5 * 8 + 2 * 4);
+    assert_int_equal(sizeof(mlrt_kdtree_options), 4 * 4 + 5 * 8 + 2 * 4 + 8);
     assert_int_equal(sizeof(mlrt_memory_estimate), 2 * 4 + 2 * 8);
     assert_int_equal(sizeof(mlrt_load_options), 2 * 4 + 5 * 8);
     assert_int_equal(sizeof(mlrt_pool_options), 2 * 4 + 4 * 8);

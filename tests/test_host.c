@@ -158,7 +158,7 @@ static int32_t make_call(const struct scene *scene, int kind, const mlrt_host *h
 {
     const mlrt_tree_options boxes = {.struct_size = sizeof boxes, .pool = pool, .host = host};
     const mlrt_kdtree_options kdtree = {
-        .struct_size = sizeof kdtree, .preset = MLRT_KDTREE_TUNED, .host = host}; // reports progress more often
+        .struct_size = sizeof kdtree, .preset = MLRT_KDTREE_TUNED, .host = host, .pool = pool}; // more progress
     mlrt_trace_options trace = {
         .struct_size = sizeof trace, .pool = pool, .host = host, .outputs = MLRT_OUTPUT_T | MLRT_OUTPUT_IDS};
     const mlrt_rays rays = {.struct_size = sizeof rays,

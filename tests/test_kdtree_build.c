@@ -18,6 +18,9 @@
 #include "invariants.h"
 #include "mlrta/kdtree.h"
 
+#include "common/scene.h"
+#include "support.h"
+
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
 
 static uint32_t next_random(uint32_t *seed)
@@ -460,14 +463,61 @@ static void test_a_large_scene(void **state)
     free(triangles);
 }
 
-/* ---- memory -------------------------------------------------------------------------------------------------- */
+/* ---- threads ------------------------------------------------------------------------------------------------- */
 
-static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
+/* A saved kd-tree of a scene. The caller frees *data. */
+static size_t save_kdtree(const mlrt_mesh *mesh, const mlrt_kdtree_options *options, unsigned char **data)
+{
+    mlrt_tree *tree;
+    size_t size, written;
+    assert_int_equal(mlrt_build_kdtree(mesh, 1, options, &tree), MLRT_OK);
+    assert_int_equal(mlrt_save_tree(tree, NULL, 0, &size), MLRT_OK);
+    *data = allocate_or_fail(size, 1);
+    assert_int_equal(mlrt_save_tree(tree, *data, size, &written), MLRT_OK);
+    mlrt_destroy_tree(tree);
+    return size;
+}
+
+/* Scenes of several parts. With steps so costly, subtrees above the parts are turned back into leaves. */
+static void test_threads_change_nothing(void **state)
 {
     (void)state;
-    static struct mlrt_triangle triangles[6000];
-    uint32_t count = make_rooms(triangles, 4, 27);
-    make_soup(triangles + count, 300, 2, 28);
+    static const char *const names[] = {"room", "doubled", "scan:40000"};
+    static const uint32_t thread_counts[] = {1, 2, 3, 8};
+    static const mlrt_kdtree_options builds[] = {
+        {.preset = MLRT_KDTREE_PAPER}, {.preset = MLRT_KDTREE_TUNED}, {.rules_off = 31},
+        {.traversal_cost = 1000},      {.max_references = 60000},     {.max_depth = 4},
+    };
+    for (size_t s = 0; s < sizeof names / sizeof *names; s++) {
+        struct scene scene;
+        assert_int_equal(load_scene(names[s], &scene), 0);
+        const mlrt_mesh mesh = {.struct_size = sizeof mesh,
+                                .vertices = scene.vertices,
+                                .vertex_count = scene.vertex_count,
+                                .indices = scene.indices,
+                                .triangle_count = scene.triangle_count};
+        for (size_t b = 0; b < sizeof builds / sizeof *builds; b++) {
+            mlrt_kdtree_options options = builds[b];
+            unsigned char *alone, *data;
+            options.struct_size = sizeof options;
+            const size_t size = save_kdtree(&mesh, &options, &alone);
+            for (size_t i = 0; i < sizeof thread_counts / sizeof *thread_counts; i++) {
+                options.pool = shared_pool(thread_counts[i]);
+                assert_int_equal(save_kdtree(&mesh, &options, &data), size);
+                assert_memory_equal(data, alone, size);
+                free(data);
+            }
+            free(alone);
+        }
+        free_scene(&scene);
+    }
+}
+
+/* ---- memory -------------------------------------------------------------------------------------------------- */
+
+static void run_out_of_memory(struct mlrt_triangle *triangles, uint32_t count, mlrt_pool *pool)
+{
+    const mlrt_kdtree_options options = {.struct_size = sizeof options, .pool = pool};
     int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
     uint32_t failure_count = 0;
     for (uint64_t limit = 1; status != MLRT_OK; limit += limit / 16 + 1) {
@@ -476,8 +526,8 @@ static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
         tree.memory.limit_size = limit;
         tree.triangles = triangles;
         mlrt_read_in_order(&tree);
-        tree.triangle_count = count + 300;
-        status = mlrt_build_nodes(&tree, NULL, NULL);
+        tree.triangle_count = count;
+        status = mlrt_build_nodes(&tree, &options, NULL);
         if (status == MLRT_OK) {
             free_tree(&tree);
             continue;
@@ -489,6 +539,18 @@ static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
         assert_int_equal(tree.memory.held_size, 0);
     }
     assert_true(failure_count > 50);
+}
+
+static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
+{
+    (void)state;
+    static struct mlrt_triangle triangles[12000];
+    const uint32_t count = make_rooms(triangles, 4, 27);
+    make_soup(triangles + count, 300, 2, 28);
+    run_out_of_memory(triangles, count + 300, NULL);
+    make_soup(triangles, 12000, 0.05f, 30);
+    run_out_of_memory(triangles, 12000, NULL);
+    run_out_of_memory(triangles, 12000, shared_pool(3));
 }
 
 static void test_the_peak_is_reported(void **state)
@@ -552,6 +614,7 @@ int main(void)
         cmocka_unit_test(test_retraction_never_costs),
         cmocka_unit_test(test_more_costly_tests_make_smaller_leaves),
         cmocka_unit_test(test_a_large_scene),
+        cmocka_unit_test(test_threads_change_nothing),
         cmocka_unit_test(test_running_out_of_memory_anywhere_leaves_nothing),
         cmocka_unit_test(test_the_peak_is_reported),
         cmocka_unit_test(test_the_check_sees_what_is_broken),

@@ -75,12 +75,18 @@ static void test_sorting_agrees_with_qsort(void **state)
 
 /* ---- rule 1 -------------------------------------------------------------------------------------------------- */
 
+static int find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *bounds, struct mlrt_split *split)
+{
+    const struct mlrt_content content = {.cell = cell, .bounds = *bounds};
+    return mlrt_find_empty_side(&content, split);
+}
+
 static void test_an_empty_side_over_ten_percent_is_found(void **state)
 {
     (void)state;
     const struct mlrt_box content = {{0, 0.25f, 0}, {1, 1, 0.85f}};
     struct mlrt_split split;
-    assert_true(mlrt_find_empty_side(&UNIT_BOX, &content, &split));
+    assert_true(find_empty_side(&UNIT_BOX, &content, &split));
     assert_int_equal(split.axis, 1);
     assert_true(split.position == 0.25f);
     assert_true(split.planar_above);
@@ -91,7 +97,7 @@ static void test_an_empty_side_of_less_is_not(void **state)
     (void)state;
     const struct mlrt_box content = {{0.09f, 0, 0}, {1, 0.91f, 1}};
     struct mlrt_split split;
-    assert_false(mlrt_find_empty_side(&UNIT_BOX, &content, &split));
+    assert_false(find_empty_side(&UNIT_BOX, &content, &split));
 }
 
 static void test_a_flat_cell_has_no_empty_side(void **state)
@@ -99,7 +105,7 @@ static void test_a_flat_cell_has_no_empty_side(void **state)
     (void)state;
     const struct mlrt_box flat = {{0, 0.5f, 0}, {1, 0.5f, 1}};
     struct mlrt_split split;
-    assert_false(mlrt_find_empty_side(&flat, &flat, &split));
+    assert_false(find_empty_side(&flat, &flat, &split));
 }
 
 /* ---- rule 2 -------------------------------------------------------------------------------------------------- */
@@ -109,9 +115,8 @@ static int find_wall(const struct mlrt_triangle *triangles, const struct mlrt_re
 {
     uint32_t keys[64];
     double areas[32];
-    struct mlrt_content content = mlrt_measure_content(references, count, NULL);
-    return mlrt_may_be_covered(cell, &content) &&
-           mlrt_find_covered_plane(triangles, cell, references, count, &content, NULL, keys, areas, split);
+    const struct mlrt_content content = mlrt_measure_content(cell, references, count, NULL);
+    return mlrt_may_be_covered(&content) && mlrt_find_covered_plane(triangles, &content, keys, areas, split);
 }
 
 static void test_a_wall_is_found_and_goes_to_the_smaller_cell(void **state)
@@ -186,14 +191,29 @@ static void test_a_slanted_triangle_that_touches_a_face_is_no_wall(void **state)
 
 /* ---- surface area heuristic ---------------------------------------------------------------------------------- */
 
+/* The cheapest split of the unit cube, exactly. */
+static void find_split(const struct mlrt_reference *references, size_t count, struct mlrt_split *split)
+{
+    uint32_t keys[12];
+    const struct mlrt_content content = mlrt_measure_content(&UNIT_BOX, references, count, NULL);
+    mlrt_find_exact_split(&MODEL, &content, keys, split);
+}
+
+/* The content of a cell that just holds it. */
+static struct mlrt_content measure_tightly(const struct mlrt_reference *references, size_t count, struct mlrt_box *cell)
+{
+    struct mlrt_content content = mlrt_measure_content(cell, references, count, NULL);
+    *cell = content.bounds;
+    return content;
+}
+
 static void test_clusters_are_separated(void **state)
 {
     (void)state;
     const struct mlrt_reference references[] = {reference_along_x(0, 0.1f), reference_along_x(0, 0.2f),
                                                 reference_along_x(0.8f, 1), reference_along_x(0.9f, 1)};
-    uint32_t keys[12];
     struct mlrt_split split;
-    mlrt_find_exact_split(&MODEL, &UNIT_BOX, references, 4, keys, &split);
+    find_split(references, 4, &split);
     assert_int_equal(split.axis, 0);
     assert_true(split.position == 0.2f || split.position == 0.8f);
     assert_true(split.cost < 4);
@@ -203,9 +223,8 @@ static void test_references_that_fill_the_cell_have_no_split(void **state)
 {
     (void)state;
     const struct mlrt_reference references[] = {{0, {{0, 0, 0}, {1, 1, 1}}}, {1, {{0, 0, 0}, {1, 1, 1}}}};
-    uint32_t keys[6];
     struct mlrt_split split;
-    mlrt_find_exact_split(&MODEL, &UNIT_BOX, references, 2, keys, &split);
+    find_split(references, 2, &split);
     assert_true(split.cost == HUGE_VAL);
 }
 
@@ -213,13 +232,12 @@ static void test_a_face_is_a_split_only_for_planar_references(void **state)
 {
     (void)state;
     const struct mlrt_reference references[] = {reference_along_x(0, 0), reference_along_x(0, 1)};
-    uint32_t keys[6];
     struct mlrt_split split;
-    mlrt_find_exact_split(&MODEL, &UNIT_BOX, references, 2, keys, &split);
+    find_split(references, 2, &split);
     assert_true(split.position == 0 && !split.planar_above);
     assert_int_equal(mlrt_side_of_split(&references[0], &split), -1);
     assert_int_equal(mlrt_side_of_split(&references[1], &split), 1);
-    mlrt_find_exact_split(&MODEL, &UNIT_BOX, references + 1, 1, keys, &split);
+    find_split(references + 1, 1, &split);
     assert_true(split.cost == HUGE_VAL);
 }
 
@@ -228,9 +246,8 @@ static void test_the_cost_is_that_of_the_counts(void **state)
     (void)state;
     const struct mlrt_reference references[] = {reference_along_x(0, 0.5f), reference_along_x(0.5f, 1),
                                                 reference_along_x(0.5f, 1)};
-    uint32_t keys[9];
     struct mlrt_split split;
-    mlrt_find_exact_split(&MODEL, &UNIT_BOX, references, 3, keys, &split);
+    find_split(references, 3, &split);
     assert_true(split.position == 0.5f);
     assert_true(fabs(split.cost - (1 + 3 * 2.0 / 3)) < 1e-12);
 }
@@ -254,9 +271,10 @@ static void test_bins_find_nearly_the_best_split(void **state)
     for (uint32_t seed = 1; seed <= 20; seed++) {
         struct mlrt_split exact, binned;
         fill_randomly(references, 3000, seed);
-        struct mlrt_content content = mlrt_measure_content(references, 3000, NULL);
-        mlrt_find_exact_split(&MODEL, &content.bounds, references, 3000, keys, &exact);
-        mlrt_find_binned_split(&MODEL, &content.bounds, references, 3000, &content.bounds, NULL, keys, &binned);
+        struct mlrt_box cell;
+        const struct mlrt_content content = measure_tightly(references, 3000, &cell);
+        mlrt_find_exact_split(&MODEL, &content, keys, &exact);
+        mlrt_find_binned_split(&MODEL, &content, keys, &binned);
         assert_true(binned.cost >= exact.cost);
         assert_true(binned.cost <= 1.01 * exact.cost);
     }
@@ -272,9 +290,10 @@ static void test_the_counts_of_bins_are_exact(void **state)
         struct mlrt_split split;
         size_t below = 0, above = 0;
         fill_randomly(references, 3000, seed);
-        struct mlrt_content content = mlrt_measure_content(references, 3000, NULL);
+        struct mlrt_box cell;
+        const struct mlrt_content content = measure_tightly(references, 3000, &cell);
         struct mlrt_box lower = content.bounds, upper = content.bounds;
-        mlrt_find_binned_split(&MODEL, &content.bounds, references, 3000, &content.bounds, NULL, keys, &split);
+        mlrt_find_binned_split(&MODEL, &content, keys, &split);
         for (size_t i = 0; i < 3000; i++) {
             below += mlrt_side_of_split(&references[i], &split) <= 0;
             above += mlrt_side_of_split(&references[i], &split) >= 0;
@@ -294,8 +313,9 @@ static void test_bins_give_way_to_the_sweep_where_extents_collapse(void **state)
     struct mlrt_split split;
     for (int i = 0; i < 100; i++) references[i] = reference_along_x((float)i * 1e-30f, (float)(i + 1) * 1e-30f);
     references[0] = reference_along_x(0, 1e30f);
-    struct mlrt_content content = mlrt_measure_content(references, 100, NULL);
-    mlrt_find_binned_split(&MODEL, &content.bounds, references, 100, &content.bounds, NULL, keys, &split);
+    struct mlrt_box cell;
+    const struct mlrt_content content = measure_tightly(references, 100, &cell);
+    mlrt_find_binned_split(&MODEL, &content, keys, &split);
     assert_true(split.position > 0 && split.position <= 1.1e-28f);
 }
 

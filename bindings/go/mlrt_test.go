@@ -192,7 +192,7 @@ func TestHowATreeIsBuiltChangesNoAnswer(t *testing.T) {
 
 	kd := &mlrt.KdTreeOptions{
 		Preset: mlrt.TunedKdTree, TraversalCost: 1, IntersectionCost: 2, MemoryLimit: 1 << 24, MaxReferences: 100000,
-		MaxDepth: 5, RulesOff: mlrt.Coplanar | mlrt.Retraction, Host: host,
+		MaxDepth: 5, RulesOff: mlrt.Coplanar | mlrt.Retraction, Pool: pool, Host: host,
 	}
 	kdTree := must(mlrt.BuildKdTree(ctx, s.meshes(), kd))
 	defer kdTree.Close()

@@ -57,6 +57,7 @@ type KdTreeOptions struct {
 	MaxReferences    uint64  // most leaf entries; 0 = 8 per triangle + 1024
 	MaxDepth         int     // most inner nodes above a leaf, 1..60; 0 = by the number of triangles
 	RulesOff         Rules   // rules to do without
+	Pool             *Pool   // whose threads build; nil = the calling thread alone
 	Host             Host
 }
 

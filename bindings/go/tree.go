@@ -41,7 +41,7 @@ func (o *TreeOptions) toC(pool *C.mlrt_pool) *C.mlrt_tree_options {
 	}
 }
 
-func (o *KdTreeOptions) toC() *C.mlrt_kdtree_options {
+func (o *KdTreeOptions) toC(pool *C.mlrt_pool) *C.mlrt_kdtree_options {
 	return &C.mlrt_kdtree_options{
 		struct_size:       C.sizeof_mlrt_kdtree_options,
 		preset:            C.int32_t(o.Preset),
@@ -51,6 +51,7 @@ func (o *KdTreeOptions) toC() *C.mlrt_kdtree_options {
 		max_references:    C.uint64_t(o.MaxReferences),
 		max_depth:         C.uint32_t(o.MaxDepth),
 		rules_off:         C.uint32_t(o.RulesOff),
+		pool:              pool,
 	}
 }
 
@@ -82,9 +83,14 @@ func BuildKdTree(ctx context.Context, list []Mesh, options *KdTreeOptions) (*Tre
 	if options == nil {
 		options = &KdTreeOptions{}
 	}
+	pool, release, err := options.Pool.use()
+	if err != nil {
+		return nil, err
+	}
+	defer release()
 	var pinner runtime.Pinner
 	defer pinner.Unpin()
-	tree, o := &Tree{}, options.toC()
+	tree, o := &Tree{}, options.toC(pool)
 	first, count := meshes(&pinner, list)
 	return tree.made(run(ctx, options.Host, nil, func(host C.bridge_host, _ C.uintptr_t) C.bridge_outcome {
 		return C.bridge_build_kdtree(first, count, o, host, &tree.handle)
@@ -119,7 +125,7 @@ func EstimateKdTree(list []Mesh, options *KdTreeOptions) (MemoryEstimate, error)
 	defer pinner.Unpin()
 	first, count := meshes(&pinner, list)
 	estimate := C.mlrt_memory_estimate{struct_size: C.sizeof_mlrt_memory_estimate}
-	err := check(C.bridge_estimate_kdtree(first, count, options.toC(), &estimate))
+	err := check(C.bridge_estimate_kdtree(first, count, options.toC(nil), &estimate))
 	return MemoryEstimate{uint64(estimate.memory_size), uint64(estimate.peak_memory_size)}, err
 }
 

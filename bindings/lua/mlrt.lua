@@ -59,6 +59,7 @@ typedef struct mlrt_kdtree_options {
     char *message; size_t message_size;
     const mlrt_host *host; uint64_t memory_limit, max_references;
     uint32_t max_depth, rules_off;
+    mlrt_pool *pool;
 } mlrt_kdtree_options;
 typedef struct mlrt_memory_estimate {
     uint32_t struct_size, reserved; uint64_t memory_size, peak_memory_size;
@@ -502,6 +503,7 @@ local function kdtree_options(options, host)
     s.traversal_cost, s.intersection_cost = options.traversal_cost or 0, options.intersection_cost or 0
     s.memory_limit, s.host, s.max_references = options.memory_limit or 0, host, options.max_references or 0
     s.max_depth, s.rules_off = options.max_depth or 0, options.rules_off or 0
+    s.pool = options.pool and open(options.pool) or nil
     return s
 end
 
@@ -528,7 +530,7 @@ end
 
 --- Builds the paper's kd-tree, for study.
 -- @param meshes as in `mlrt.build`
--- @param options as in `mlrt.build`, but preset ("paper", "tuned"), max_references, max_depth, rules_off, and no pool
+-- @param options as in `mlrt.build`, but preset ("paper", "tuned"), and max_references, max_depth, rules_off
 -- @return a tree
 function mlrt.build_kdtree(meshes, options)
     return build(C.mlrt_build_kdtree, kdtree_options, meshes, options or {})

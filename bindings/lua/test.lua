@@ -88,7 +88,7 @@ function tests.every_option_together()
     })
     local kdtree = mlrt.build_kdtree(meshes, {
         preset = "tuned", traversal_cost = 2, intersection_cost = 0.5, memory_limit = 2 ^ 30, max_references = 1e6, max_depth = 20,
-        rules_off = mlrt.RULE.COPLANAR, log = log, progress = go_on,
+        rules_off = mlrt.RULE.COPLANAR, pool = mlrt.pool(1), log = log, progress = go_on,
     })
     local loaded = mlrt.load(boxes:save(), {memory_limit = 2 ^ 30, log = log})
     for _, same in ipairs{boxes, kdtree, loaded} do

@@ -114,6 +114,8 @@ export interface KdtreeOptions {
     maxDepth?: number;
     /** RULE, or-ed together. */
     rulesOff?: number;
+    /** Whose threads build; without, one thread alone. The tree is the same. */
+    pool?: Pool;
 }
 
 export interface LoadOptions {

@@ -189,12 +189,13 @@ function treeOptions({ preset, traversalCost, intersectionCost, memoryLimit, poo
     });
 }
 
-function kdtreeOptions({ preset, traversalCost, intersectionCost, memoryLimit, maxReferences, maxDepth, rulesOff }) {
+function kdtreeOptions({ preset, traversalCost, intersectionCost, memoryLimit, maxReferences, maxDepth, rulesOff, pool }) {
     return struct('mlrt_kdtree_options', {
         preset: choose(KDTREE_PRESETS, preset, 'options.preset'), traversal_cost: number(traversalCost, 'options.traversalCost'),
         intersection_cost: number(intersectionCost, 'options.intersectionCost'),
         memory_limit: bytes(memoryLimit, 'options.memoryLimit'), max_references: bytes(maxReferences, 'options.maxReferences'),
         max_depth: whole(maxDepth, 'options.maxDepth'), rules_off: whole(rulesOff, 'options.rulesOff'),
+        pool: pool ? pool.handle : null,
     });
 }
 

@@ -55,7 +55,7 @@ const fields = {
     mlrt_kdtree_options: {
         struct_size: 'uint32_t', preset: 'int32_t', ...all('float', 'traversal_cost intersection_cost'), message: 'void *',
         message_size: 'size_t', host: 'void *', ...all('uint64_t', 'memory_limit max_references'),
-        ...all('uint32_t', 'max_depth rules_off'),
+        ...all('uint32_t', 'max_depth rules_off'), pool: 'void *',
     },
     mlrt_memory_estimate: { ...all('uint32_t', 'struct_size reserved'), ...all('uint64_t', 'memory_size peak_memory_size') },
     mlrt_tree_info: {

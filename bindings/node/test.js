@@ -68,7 +68,7 @@ describe('build', () => {
     test('every option together', () => {
         const lines = [], onLog = (level, text) => lines.push(text), both = { traversalCost: 2, intersectionCost: 0.5, memoryLimit: 1e9, onLog };
         const boxes = mlrt.Tree.buildSync(meshes, { preset: 'best', pool, ...both });
-        const kdtree = mlrt.Tree.buildKdtreeSync(meshes, { preset: 'tuned', maxReferences: 1e6, maxDepth: 20, rulesOff: mlrt.RULE.COPLANAR, ...both });
+        const kdtree = mlrt.Tree.buildKdtreeSync(meshes, { preset: 'tuned', maxReferences: 1e6, maxDepth: 20, rulesOff: mlrt.RULE.COPLANAR, pool, ...both });
         const loaded = mlrt.Tree.loadSync(boxes.saveSync(), { memoryLimit: 10n ** 9n, onLog });
         for (const same of [boxes, kdtree, loaded]) assert.deepStrictEqual(same.traceSync(rays), hits);
         assert.ok(lines.length >= 2);

@@ -40,6 +40,7 @@ static mlrt_kdtree_options kdtree_options(const struct tree_settings *settings)
                                  .intersection_cost = settings->intersection_cost,
                                  .max_depth = settings->max_depth,
                                  .rules_off = settings->rules_off,
+                                 .pool = settings->pool,
                                  .host = settings->host};
 }
 

@@ -17,7 +17,7 @@ struct tree_settings {
     int32_t kind; /* TREE_* */
     float traversal_cost, intersection_cost;
     uint32_t max_depth, rules_off; /* kd-trees */
-    mlrt_pool *pool;               /* who builds boxes; kd-trees are built by the calling thread */
+    mlrt_pool *pool;               /* whose threads build; NULL = the calling thread */
     const mlrt_host *host;
 };
 

@@ -53,56 +53,100 @@ MLRT_INLINE struct lane_distances lane_plane_distances(const struct ray_axis *ax
     return (struct lane_distances){v_min(a, b), v_max(a, b)};
 }
 
+/* The rays of the PACKET2_VECTORS from first_lane on, along axis k. */
+MLRT_INLINE void set_ray_axis(const struct mlrt_packet *packet, int first_lane, int k, struct ray_axis *axis)
+{
+    for (int i = 0; i < PACKET2_VECTORS; ++i) {
+        const int v = first_lane + i * VW;
+        const vf reciprocal = v_div(v_set1(1), v_load(packet->direction[k] + v));
+        axis->origin[i] = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
+        axis->small[i] = v_mul(reciprocal, v_set1(1 - RECIPROCAL_SLACK));
+        axis->large[i] = v_mul(reciprocal, v_set1(1 + RECIPROCAL_SLACK));
+    }
+}
+
+/* Sets *part to the distances within which the rays are in a box. Returns the lanes that can be in it. */
+MLRT_INLINE uint32_t enter_box(const struct mlrt_packet *packet, const struct ray_axis axis[3],
+                               const uint32_t negative[3], const struct mlrt_box *box, int first_lane,
+                               struct masked_interval *part)
+{
+    uint32_t inside = 0;
+    for (int i = 0; i < PACKET2_VECTORS; ++i) {
+        const int v = first_lane + i * VW;
+        part->lo[i] = v_load(packet->t_min + v);
+        part->hi[i] = v_load(packet->hi + v);
+        for (int k = 0; k < 3; ++k) {
+            const float near = negative[k] ? box->hi[k] : box->lo[k], far = negative[k] ? box->lo[k] : box->hi[k];
+            part->lo[i] = v_max(lane_plane_distances(&axis[k], i, near).lo, part->lo[i]);
+            part->hi[i] = v_min(lane_plane_distances(&axis[k], i, far).hi, part->hi[i]);
+        }
+        inside |= m_bits(v_le(part->lo[i], part->hi[i])) << v;
+    }
+    return inside;
+}
+
+/* Cuts *part down to the nearest hits. Returns the lanes that can still find a nearer one within it. */
+MLRT_INLINE uint32_t cut_to_hits(const struct mlrt_packet *packet, int first_lane, struct masked_interval *part)
+{
+    uint32_t before = 0;
+    for (int i = 0; i < PACKET2_VECTORS; ++i) {
+        const int v = first_lane + i * VW;
+        const vf nearest = v_load(packet->hi + v);
+        before |= (~m_bits(v_gt(part->lo[i], nearest)) & ALL_LANES) << v;
+        part->hi[i] = v_min(nearest, part->hi[i]);
+    }
+    return before;
+}
+
+/*
+ * Tests the rays of a group against a triangle. Returns the lanes whose nearest hit changed. The table of set-ups has
+ * one entry, used for its terms only: this method tests no outlines.
+ */
+MLRT_INLINE uint32_t test_masked(const struct mlrt_job *job, uint32_t number, struct ray_group *group,
+                                 struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    struct mlrt_triangle_setup *setup = &worker->setups->entries[0];
+    if (packet->has_apex) {
+        if (setup->number != number || setup->main_axis != group->axis_code || !setup->has_terms) {
+            setup->number = number;
+            setup->main_axis = group->axis_code;
+            set_up_terms(&job->tree->triangles[number], packet->apex, setup);
+        }
+        if (setup->in_plane) return 0;
+    }
+    COUNT(&worker->counters, triangle_test_count, 1);
+    return packet->has_apex ? test_triangle_from_apex(job, number, setup, group, group->lanes, packet, worker)
+                            : test_triangle_from_anywhere(job, number, group, group->lanes, packet, worker);
+}
+
 /* Traces rays whose directions have the same signs. Their lanes are in the PACKET2_VECTORS from first_lane on. */
 MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lanes, int first_lane,
                                        struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
-    mlrt_counters *counters = &worker->counters;
     struct ray_axis axis[3];
     struct ray_group group = {.lanes = lanes};
     uint32_t negative[3];
     struct direction_range range;
+    struct masked_interval part;
     find_directions(packet, lanes, &range);
     for (int k = 0; k < 3; ++k) {
         negative[k] = range.lo[k] < 0;
         group.axis[k].reach = negative[k] ? -range.lo[k] : range.hi[k];
-        for (int i = 0; i < PACKET2_VECTORS; ++i) {
-            const int v = first_lane + i * VW;
-            const vf reciprocal = v_div(v_set1(1), v_load(packet->direction[k] + v));
-            axis[k].origin[i] = packet->has_apex ? v_set1(packet->apex[k]) : v_load(packet->origin[k] + v);
-            axis[k].small[i] = v_mul(reciprocal, v_set1(1 - RECIPROCAL_SLACK));
-            axis[k].large[i] = v_mul(reciprocal, v_set1(1 + RECIPROCAL_SLACK));
-        }
+        set_ray_axis(packet, first_lane, k, &axis[k]);
     }
-
     set_main_axis(&group);
-
-    struct masked_interval part;
-    uint32_t inside = 0;
-    for (int i = 0; i < PACKET2_VECTORS; ++i) {
-        const int v = first_lane + i * VW;
-        part.lo[i] = v_load(packet->t_min + v);
-        part.hi[i] = v_load(packet->hi + v);
-        for (int k = 0; k < 3; ++k) {
-            const float near = negative[k] ? tree->bounds.hi[k] : tree->bounds.lo[k];
-            const float far = negative[k] ? tree->bounds.lo[k] : tree->bounds.hi[k];
-            part.lo[i] = v_max(lane_plane_distances(&axis[k], i, near).lo, part.lo[i]);
-            part.hi[i] = v_min(lane_plane_distances(&axis[k], i, far).hi, part.hi[i]);
-        }
-        inside |= m_bits(v_le(part.lo[i], part.hi[i])) << v;
-    }
-    group.lanes &= inside;
+    group.lanes &= enter_box(packet, axis, negative, &tree->bounds, first_lane, &part);
     if (!group.lanes) return;
 
     struct masked_cell stack[MLRT_DEPTH_LIMIT];
     int pending_count = 0;
     uint32_t node = 0;
     uint32_t alive = group.lanes; /* rays still looking for a hit */
-    COUNT(counters, packet_count, 1);
+    COUNT(&worker->counters, packet_count, 1);
     for (;;) {
         const struct mlrt_node *here = &tree->kdtree.nodes[node];
-        COUNT(counters, cell_count, 1);
+        COUNT(&worker->counters, cell_count, 1);
         const uint32_t k = mlrt_node_axis(here);
         if (k != 3) {
             const uint32_t child = mlrt_node_child(here), first = child + negative[k], second = child + !negative[k];
@@ -135,42 +179,18 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
         }
         const uint32_t *entries = tree->kdtree.references + here->u.offset;
         const uint32_t count = mlrt_leaf_count(here);
-        for (uint32_t i = 0; i < count; ++i) {
-            struct mlrt_triangle_setup *setup = NULL;
-            if (packet->has_apex) {
-                /* The table has one entry, used for its terms only: this method tests no outlines. */
-                setup = &worker->setups->entries[0];
-                if (setup->number != entries[i] || setup->main_axis != group.axis_code || !setup->has_terms) {
-                    setup->number = entries[i];
-                    setup->main_axis = group.axis_code;
-                    set_up_terms(&tree->triangles[entries[i]], packet->apex, setup);
-                }
-                if (setup->in_plane) continue;
-            }
-            COUNT(counters, triangle_test_count, 1);
-            const uint32_t changed =
-                setup ? test_triangle_from_apex(job, entries[i], setup, &group, group.lanes, packet, worker)
-                      : test_triangle_from_anywhere(job, entries[i], &group, group.lanes, packet, worker);
-            if (job->any) {
-                alive &= ~changed;
-                group.lanes &= alive;
-                if (!group.lanes) break;
-            }
+        for (uint32_t i = 0; i < count && group.lanes; ++i) {
+            const uint32_t changed = test_masked(job, entries[i], &group, packet, worker);
+            if (!job->any) continue;
+            alive &= ~changed;
+            group.lanes &= alive;
         }
         do {
             if (pending_count == 0) return;
             --pending_count;
             node = stack[pending_count].node;
             part = stack[pending_count].part;
-            group.lanes = stack[pending_count].lanes & alive;
-            uint32_t before = 0;
-            for (int i = 0; i < PACKET2_VECTORS; ++i) {
-                const int v = first_lane + i * VW;
-                const vf nearest = v_load(packet->hi + v);
-                before |= (~m_bits(v_gt(part.lo[i], nearest)) & ALL_LANES) << v;
-                part.hi[i] = v_min(nearest, part.hi[i]);
-            }
-            group.lanes &= before;
+            group.lanes = stack[pending_count].lanes & alive & cut_to_hits(packet, first_lane, &part);
         } while (!group.lanes);
     }
 }

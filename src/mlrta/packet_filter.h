@@ -107,12 +107,13 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
                                         uint32_t lanes, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     struct outcome outcome = {0, 0, 0};
+    uint32_t tested = 0;
     if (MLRT_UNLIKELY(packet->has_masks)) lanes = mlrt_seeing_lanes(tree, number, packet->mask, lanes);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         if (!(lanes >> v & ALL_LANES)) continue;
         const vm active = concerned_rays(packet, lanes, number, v);
         if (!m_bits(active)) continue;
-        COUNT(&worker->counters, lane_test_count, mlrt_count_bits(m_bits(active)));
+        tested |= m_bits(active) << v;
         struct triangle_terms terms;
         if (!apex_terms) {
             const vf origin[3] = {v_load(packet->origin[0] + v), v_load(packet->origin[1] + v),
@@ -122,6 +123,8 @@ MLRT_INLINE struct outcome filter_lanes(const struct mlrt_tree *tree, uint32_t n
         const struct verdict verdict = filter_vector(apex_terms ? apex_terms : &terms, group->reach, packet, v, active);
         keep_verdict(&verdict, number, v, packet, &outcome);
     }
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(tested));
+    (void)tested;
     return outcome;
 }
 

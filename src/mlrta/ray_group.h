@@ -101,41 +101,35 @@ static uint32_t same_sign_lanes(const struct mlrt_packet *packet, uint32_t lanes
     return same;
 }
 
-/* Of `lanes`, those whose directions differ from that of the lowest by at most half of GROUP_SPREAD. */
-static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
+/* Of `lanes`, those whose vectors differ from that of the lowest by at most `limit` along each axis. */
+static uint32_t lanes_within(const float vectors[3][MLRT_PACKET_RAYS], uint32_t lanes, uint32_t seed, float limit)
 {
-    uint32_t seed = 0;
-    while (!(lanes >> seed & 1)) ++seed;
-    float length = 0;
-    for (int k = 0; k < 3; ++k) length = larger_of(fabsf(packet->direction[k][seed]), length);
-    uint32_t similar = 0;
+    uint32_t within = 1u << seed;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         vf difference = v_set1(0);
         for (int k = 0; k < 3; ++k) {
-            difference =
-                v_max(v_abs(v_sub(v_load(packet->direction[k] + v), v_set1(packet->direction[k][seed]))), difference);
+            difference = v_max(v_abs(v_sub(v_load(vectors[k] + v), v_set1(vectors[k][seed]))), difference);
         }
-        similar |= m_bits(v_le(difference, v_set1(GROUP_SPREAD * 0.5f * length))) << v;
+        within |= m_bits(v_le(difference, v_set1(limit))) << v;
     }
-    return lanes & (similar | 1u << seed);
+    return lanes & within;
+}
+
+/* Of `lanes`, those whose directions differ from that of the lowest by at most half of GROUP_SPREAD. */
+static uint32_t similar_lanes(const struct mlrt_packet *packet, uint32_t lanes)
+{
+    const uint32_t seed = mlrt_lowest_bit(lanes);
+    float length = 0;
+    for (int k = 0; k < 3; ++k) length = larger_of(fabsf(packet->direction[k][seed]), length);
+    return lanes_within(packet->direction, lanes, seed, GROUP_SPREAD * 0.5f * length);
 }
 
 /* Of `lanes`, those whose origins differ from that of the lowest by at most half of GROUP_EXTENT. */
 static uint32_t near_lanes(const struct mlrt_packet *packet, uint32_t lanes, const struct mlrt_box *bounds)
 {
-    uint32_t seed = 0, near = lanes;
-    while (!(lanes >> seed & 1)) ++seed;
     float extent = 0;
     for (int k = 0; k < 3; ++k) extent = larger_of(bounds->hi[k] - bounds->lo[k], extent);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        vf difference = v_set1(0);
-        for (int k = 0; k < 3; ++k) {
-            difference =
-                v_max(v_abs(v_sub(v_load(packet->origin[k] + v), v_set1(packet->origin[k][seed]))), difference);
-        }
-        near &= ~((~m_bits(v_le(difference, v_set1(GROUP_EXTENT * 0.5f * extent))) & ALL_LANES) << v);
-    }
-    return near | 1u << seed;
+    return lanes_within(packet->origin, lanes, mlrt_lowest_bit(lanes), GROUP_EXTENT * 0.5f * extent);
 }
 
 MLRT_INLINE void set_group_axis(const struct mlrt_packet *packet, uint32_t lanes, int k, float lo, float hi,

@@ -82,6 +82,15 @@ void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count)
     if (from != keys) memcpy(keys, from, count * sizeof *keys);
 }
 
+size_t mlrt_sort_unique_keys(uint32_t *keys, uint32_t *spare, size_t count)
+{
+    size_t unique_count = 0;
+    mlrt_sort_keys(keys, spare, count);
+    for (size_t i = 0; i < count; i++)
+        if (unique_count == 0 || keys[unique_count - 1] != keys[i]) keys[unique_count++] = keys[i];
+    return unique_count;
+}
+
 /* ---- boxes --------------------------------------------------------------------------------------------------- */
 
 static double extent(const struct mlrt_box *box, uint32_t axis)
@@ -104,10 +113,10 @@ static int is_planar(const struct mlrt_box *box, uint32_t axis)
     return box->lo[axis] == box->hi[axis];
 }
 
-struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count,
-                                         struct mlrt_progress *progress)
+struct mlrt_content mlrt_measure_content(const struct mlrt_box *cell, const struct mlrt_reference *references,
+                                         size_t count, struct mlrt_progress *progress)
 {
-    struct mlrt_content content = {references[0].box, {0, 0, 0}};
+    struct mlrt_content content = {cell, references, count, progress, references[0].box, {0, 0, 0}};
     for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         const struct mlrt_box *box = &references[i].box;
         for (uint32_t k = 0; k < 3; k++) {
@@ -119,22 +128,29 @@ struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references
     return content;
 }
 
+/* 1 as long as there is a reference i to look at, and the call is not cancelled. */
+MLRT_INLINE int has_next(const struct mlrt_content *content, size_t i)
+{
+    return i < content->count && !mlrt_is_cancelled_in_round(content->progress, i + 1);
+}
+
 /* ---- rule 1: empty space ------------------------------------------------------------------------------------- */
 
 /* An empty side must be more than this part of the cell's volume: the paper's value. */
 #define EMPTY_SIDE 0.1
 
-int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *content, struct mlrt_split *split)
+int mlrt_find_empty_side(const struct mlrt_content *content, struct mlrt_split *split)
 {
+    const struct mlrt_box *cell = content->cell, *bounds = &content->bounds;
     double largest = EMPTY_SIDE;
     for (uint32_t k = 0; k < 3; k++) {
-        double below = (double)content->lo[k] - cell->lo[k], above = (double)cell->hi[k] - content->hi[k];
+        double below = (double)bounds->lo[k] - cell->lo[k], above = (double)cell->hi[k] - bounds->hi[k];
         double gap = below > above ? below : above;
         if (gap <= largest * extent(cell, k)) continue;
         largest = gap / extent(cell, k);
         split->axis = k;
         split->planar_above = gap == below;
-        split->position = split->planar_above ? content->lo[k] : content->hi[k];
+        split->position = split->planar_above ? bounds->lo[k] : bounds->hi[k];
     }
     return largest > EMPTY_SIDE;
 }
@@ -165,52 +181,54 @@ MLRT_INLINE int slice_of(const struct slicing *slicing, float x, int count)
     return slice < count ? slice : count - 1;
 }
 
-static int may_be_covered_along(const struct mlrt_box *cell, const struct mlrt_content *content, uint32_t axis)
+/* The area that triangles in a plane across the axis must have. */
+static double enough_area(const struct mlrt_content *content, uint32_t axis)
 {
-    return extent(cell, axis) > 0 && cross_section(cell, axis) > 0 &&
-           content->planar_area[axis] >= COVERED * cross_section(cell, axis);
+    return COVERED * cross_section(content->cell, axis);
 }
 
-int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *content)
+static int may_be_covered_along(const struct mlrt_content *content, uint32_t axis)
 {
-    return may_be_covered_along(cell, content, 0) || may_be_covered_along(cell, content, 1) ||
-           may_be_covered_along(cell, content, 2);
+    const double enough = enough_area(content, axis);
+    return extent(content->cell, axis) > 0 && enough > 0 && content->planar_area[axis] >= enough;
+}
+
+int mlrt_may_be_covered(const struct mlrt_content *content)
+{
+    return may_be_covered_along(content, 0) || may_be_covered_along(content, 1) || may_be_covered_along(content, 2);
 }
 
 /*
  * Stores the positions of planar references in `keys`, ascending and each once, if their slices have enough area.
  * Returns the number of positions.
  */
-static size_t gather_planes(const struct mlrt_box *cell, const struct mlrt_reference *references, size_t count,
-                            uint32_t axis, struct mlrt_progress *progress, uint32_t *keys)
+static size_t gather_planes(const struct mlrt_content *content, uint32_t axis, uint32_t *keys)
 {
-    struct slicing slicing = cut_slices(cell->lo[axis], cell->hi[axis], SLICE_COUNT);
+    const struct slicing slicing = cut_slices(content->cell->lo[axis], content->cell->hi[axis], SLICE_COUNT);
+    const double enough = enough_area(content, axis);
     double slice_area[SLICE_COUNT] = {0};
-    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
-        const struct mlrt_box *box = &references[i].box;
+    size_t key_count = 0;
+    for (size_t i = 0; has_next(content, i); i++) {
+        const struct mlrt_box *box = &content->references[i].box;
         if (is_planar(box, axis))
             slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] += cross_section(box, axis);
     }
-    size_t key_count = 0;
-    double enough = COVERED * cross_section(cell, axis);
-    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
-        const struct mlrt_box *box = &references[i].box;
+    for (size_t i = 0; has_next(content, i); i++) {
+        const struct mlrt_box *box = &content->references[i].box;
         if (is_planar(box, axis) && slice_area[slice_of(&slicing, box->lo[axis], SLICE_COUNT)] >= enough)
             keys[key_count++] = mlrt_float_key(box->lo[axis]);
     }
-    mlrt_sort_keys(keys, keys + key_count, key_count);
-    size_t unique_count = 0;
-    for (size_t i = 0; i < key_count; i++)
-        if (unique_count == 0 || keys[unique_count - 1] != keys[i]) keys[unique_count++] = keys[i];
-    return unique_count;
+    return mlrt_sort_unique_keys(keys, keys + key_count, key_count);
 }
 
-/* The index of `key` in ascending keys, or key_count if it is not among them. */
-static size_t find_key(const uint32_t *keys, size_t key_count, uint32_t key)
+/* The number of the plane that a reference lies in, among those with ascending keys; key_count if it lies in none. */
+static size_t find_plane(const struct mlrt_box *box, uint32_t axis, const uint32_t *keys, size_t key_count)
 {
+    if (!is_planar(box, axis)) return key_count;
+    const uint32_t key = mlrt_float_key(box->lo[axis]);
     size_t first = 0, last = key_count;
     while (first < last) {
-        size_t middle = first + (last - first) / 2;
+        const size_t middle = first + (last - first) / 2;
         if (keys[middle] < key)
             first = middle + 1;
         else
@@ -228,40 +246,39 @@ static int lies_in_plane(const struct mlrt_triangle *triangle, uint32_t axis)
  * Sets the area of the triangles in each plane. First the boxes of its references are summed; only if these are
  * `enough`, its clipped triangles are. Else its area is set to -1.
  */
-static void measure_planes(const struct mlrt_triangle *triangles, const struct mlrt_reference *references, size_t count,
-                           uint32_t axis, double enough, const uint32_t *keys, size_t key_count,
-                           struct mlrt_progress *progress, double *areas)
+static void measure_planes(const struct mlrt_triangle *triangles, const struct mlrt_content *content, uint32_t axis,
+                           double enough, const uint32_t *keys, size_t key_count, double *areas)
 {
     memset(areas, 0, key_count * sizeof *areas);
-    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
-        const struct mlrt_box *box = &references[i].box;
-        size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
+    for (size_t i = 0; has_next(content, i); i++) {
+        const struct mlrt_box *box = &content->references[i].box;
+        const size_t plane = find_plane(box, axis, keys, key_count);
         if (plane < key_count) areas[plane] += cross_section(box, axis);
     }
     for (size_t plane = 0; plane < key_count; plane++) areas[plane] = areas[plane] >= enough ? 0 : -1;
-    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
-        const struct mlrt_box *box = &references[i].box;
-        size_t plane = is_planar(box, axis) ? find_key(keys, key_count, mlrt_float_key(box->lo[axis])) : key_count;
-        const struct mlrt_triangle *triangle = &triangles[references[i].triangle];
+    for (size_t i = 0; has_next(content, i); i++) {
+        const struct mlrt_box *box = &content->references[i].box;
+        const size_t plane = find_plane(box, axis, keys, key_count);
+        const struct mlrt_triangle *triangle = &triangles[content->references[i].triangle];
         if (plane < key_count && areas[plane] >= 0 && lies_in_plane(triangle, axis))
             areas[plane] += mlrt_clipped_area(triangle, box, axis);
     }
 }
 
-int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_box *cell,
-                            const struct mlrt_reference *references, size_t count, const struct mlrt_content *content,
-                            struct mlrt_progress *progress, uint32_t *keys, double *areas, struct mlrt_split *split)
+int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_content *content, uint32_t *keys,
+                            double *areas, struct mlrt_split *split)
 {
+    const struct mlrt_box *cell = content->cell;
     double best = -1;
     for (uint32_t k = 0; k < 3; k++) {
-        if (!may_be_covered_along(cell, content, k)) continue;
-        double enough = COVERED * cross_section(cell, k);
-        size_t plane_count = gather_planes(cell, references, count, k, progress, keys);
-        measure_planes(triangles, references, count, k, enough, keys, plane_count, progress, areas);
+        if (!may_be_covered_along(content, k)) continue;
+        const double enough = enough_area(content, k);
+        const size_t plane_count = gather_planes(content, k, keys);
+        measure_planes(triangles, content, k, enough, keys, plane_count, areas);
         for (size_t plane = 0; plane < plane_count; plane++) {
-            float position = key_float(keys[plane]);
-            double below = (double)position - cell->lo[k], above = (double)cell->hi[k] - position;
-            double smaller = (above < below ? above : below) / extent(cell, k);
+            const float position = key_float(keys[plane]);
+            const double below = (double)position - cell->lo[k], above = (double)cell->hi[k] - position;
+            const double smaller = (above < below ? above : below) / extent(cell, k);
             if (areas[plane] < enough || smaller <= best) continue;
             best = smaller;
             split->axis = k;
@@ -293,7 +310,8 @@ static struct sweep start_sweep(const struct mlrt_cost_model *model, const struc
     return sweep;
 }
 
-MLRT_INLINE double cost_at(const struct sweep *sweep, double position, size_t below_count, size_t above_count)
+/* The cost of a split at `position`. Not inlined: 450 bytes less. */
+static MLRT_NOINLINE double cost_at(const struct sweep *sweep, double position, size_t below_count, size_t above_count)
 {
     double below_area = sweep->cross_section + (position - sweep->lo) * sweep->perimeter;
     double above_area = sweep->cross_section + (sweep->hi - position) * sweep->perimeter;
@@ -370,50 +388,56 @@ static void sweep_events(const struct sweep *sweep, const struct events *events,
     }
 }
 
-static void sort_events(struct events *events, uint32_t *spare)
+/* Bins per axis: the planes between them are tried first, then the events in the two bins beside the best plane. */
+#define BIN_COUNT 256
+
+/* 1 if x lies in one of two neighbouring bins; without `slicing`, always. */
+MLRT_INLINE int is_in_bins(const struct slicing *slicing, int first_bin, float x)
 {
-    mlrt_sort_keys(events->starts, spare, events->start_count);
-    mlrt_sort_keys(events->ends, spare, events->end_count);
-    mlrt_sort_keys(events->planars, spare, events->planar_count);
+    return slicing == NULL || (unsigned)(slice_of(slicing, x, BIN_COUNT) - first_bin) < 2;
 }
 
-/* Starts are stored from keys[0] up, planars from keys[count - 1] down, and ends from keys[count] up. */
-static struct events gather_all_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
-                                       uint32_t *keys)
+/*
+ * Gathers the events along an axis; with `slicing`, those in the bins first_bin and first_bin + 1. Starts are stored
+ * from keys[0] up, planars from keys[count - 1] down, and ends from keys[count] up.
+ */
+static struct events gather_events(const struct mlrt_content *content, uint32_t axis, const struct slicing *slicing,
+                                   int first_bin, uint32_t *keys)
 {
-    uint32_t *middle = keys + count;
+    uint32_t *middle = keys + content->count;
     struct events events = {keys, middle, middle, 0, 0, 0};
-    for (size_t i = 0; i < count; i++) {
-        const struct mlrt_box *box = &references[i].box;
-        if (is_planar(box, axis)) {
-            *--events.planars = mlrt_float_key(box->lo[axis]);
+    for (size_t i = 0; has_next(content, i); i++) {
+        const float lo = content->references[i].box.lo[axis], hi = content->references[i].box.hi[axis];
+        const int starts = is_in_bins(slicing, first_bin, lo), ends = is_in_bins(slicing, first_bin, hi);
+        if (lo == hi) {
+            if (!starts) continue;
+            *--events.planars = mlrt_float_key(lo);
             events.planar_count++;
-        } else {
-            events.starts[events.start_count++] = mlrt_float_key(box->lo[axis]);
-            events.ends[events.end_count++] = mlrt_float_key(box->hi[axis]);
+            continue;
         }
+        if (starts) events.starts[events.start_count++] = mlrt_float_key(lo);
+        if (ends) events.ends[events.end_count++] = mlrt_float_key(hi);
     }
-    sort_events(&events, keys + 2 * count);
+    uint32_t *spare = middle + content->count;
+    mlrt_sort_keys(events.starts, spare, events.start_count);
+    mlrt_sort_keys(events.ends, spare, events.end_count);
+    mlrt_sort_keys(events.planars, spare, events.planar_count);
     return events;
 }
 
-void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
-                           const struct mlrt_reference *references, size_t count, uint32_t *keys,
+void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlrt_content *content, uint32_t *keys,
                            struct mlrt_split *split)
 {
     split->cost = HUGE_VAL;
     for (uint32_t k = 0; k < 3; k++) {
-        if (extent(cell, k) <= 0) continue;
-        struct sweep sweep = start_sweep(model, cell, k);
-        struct events events = gather_all_events(references, count, k, keys);
-        sweep_events(&sweep, &events, 0, count, split);
+        if (extent(content->cell, k) <= 0) continue;
+        const struct sweep sweep = start_sweep(model, content->cell, k);
+        const struct events events = gather_events(content, k, NULL, 0, keys);
+        sweep_events(&sweep, &events, 0, content->count, split);
     }
 }
 
 /* ---- the same with bins -------------------------------------------------------------------------------------- */
-
-/* Bins per axis: the planes between them are tried first, then the events in the two bins beside the best plane. */
-#define BIN_COUNT 256
 
 /* The number of references that start and end in each bin of an axis. */
 struct bins {
@@ -422,95 +446,57 @@ struct bins {
     uint32_t ends[BIN_COUNT];
 };
 
-static void fill_bins(const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
-                      struct mlrt_progress *progress, struct bins bins[3])
+static void fill_bins(const struct mlrt_content *content, uint32_t axis, struct bins *bins)
 {
-    memset(bins, 0, 3 * sizeof *bins);
-    for (uint32_t k = 0; k < 3; k++) {
-        if (extent(content, k) <= 0) continue;
-        struct bins *axis_bins = &bins[k];
-        axis_bins->slicing = cut_slices(content->lo[k], content->hi[k], BIN_COUNT);
-        for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
-            axis_bins->starts[slice_of(&axis_bins->slicing, references[i].box.lo[k], BIN_COUNT)]++;
-            axis_bins->ends[slice_of(&axis_bins->slicing, references[i].box.hi[k], BIN_COUNT)]++;
-        }
+    memset(bins, 0, sizeof *bins);
+    bins->slicing = cut_slices(content->bounds.lo[axis], content->bounds.hi[axis], BIN_COUNT);
+    for (size_t i = 0; has_next(content, i); i++) {
+        bins->starts[slice_of(&bins->slicing, content->references[i].box.lo[axis], BIN_COUNT)]++;
+        bins->ends[slice_of(&bins->slicing, content->references[i].box.hi[axis], BIN_COUNT)]++;
     }
 }
 
-/*
- * Lowers *cost to that of the cheapest split at a bin boundary and returns the number of the bin above it; 0 if no
- * boundary is cheaper than *cost.
- */
-static int find_best_boundary(const struct sweep *sweep, const struct bins *bins, size_t count, double *cost)
+/* The cheapest bin boundary. */
+struct boundary {
+    double cost;
+    struct slicing slicing;
+    uint32_t axis;
+    int bin;            /* above it; 0 = there is none */
+    size_t below_count; /* of references that start below bin - 1 */
+    size_t above_count; /* of those that do not end below bin - 1 */
+};
+
+/* Replaces *best by the cheapest boundary of the sweep's axis if that is cheaper. */
+static void offer_boundaries(const struct sweep *sweep, const struct bins *bins, size_t count, struct boundary *best)
 {
-    int best = 0;
     size_t below_count = 0, above_count = count;
     for (int bin = 1; bin < BIN_COUNT; bin++) {
-        below_count += bins->starts[bin - 1];
-        above_count -= bins->ends[bin - 1];
-        double boundary_cost =
-            cost_at(sweep, bins->slicing.start + bin / bins->slicing.scale, below_count, above_count);
-        if (boundary_cost < *cost) {
-            *cost = boundary_cost;
-            best = bin;
-        }
+        const uint32_t started = bins->starts[bin - 1], ended = bins->ends[bin - 1];
+        const double position = bins->slicing.start + bin / bins->slicing.scale;
+        const double cost = cost_at(sweep, position, below_count + started, above_count - ended);
+        if (cost < best->cost)
+            *best = (struct boundary){cost, bins->slicing, sweep->axis, bin, below_count, above_count};
+        below_count += started;
+        above_count -= ended;
     }
-    return best;
 }
 
-/* The events in the bins first_bin and first_bin + 1, stored as by gather_all_events. */
-static struct events gather_events(const struct mlrt_reference *references, size_t count, uint32_t axis,
-                                   const struct slicing *slicing, int first_bin, struct mlrt_progress *progress,
-                                   uint32_t *keys)
+void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_content *content, uint32_t *keys,
+                            struct mlrt_split *split)
 {
-    uint32_t *middle = keys + count;
-    struct events events = {keys, middle, middle, 0, 0, 0};
-    for (size_t i = 0; i < count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
-        const struct mlrt_box *box = &references[i].box;
-        int starts = (unsigned)(slice_of(slicing, box->lo[axis], BIN_COUNT) - first_bin) < 2;
-        int ends = (unsigned)(slice_of(slicing, box->hi[axis], BIN_COUNT) - first_bin) < 2;
-        if (is_planar(box, axis)) {
-            if (starts) {
-                *--events.planars = mlrt_float_key(box->lo[axis]);
-                events.planar_count++;
-            }
-            continue;
-        }
-        if (starts) events.starts[events.start_count++] = mlrt_float_key(box->lo[axis]);
-        if (ends) events.ends[events.end_count++] = mlrt_float_key(box->hi[axis]);
-    }
-    sort_events(&events, keys + 2 * count);
-    return events;
-}
-
-void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
-                            const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
-                            struct mlrt_progress *progress, uint32_t *keys, struct mlrt_split *split)
-{
-    struct bins bins[3];
-    fill_bins(references, count, content, progress, bins);
-    double cost = HUGE_VAL;
-    int best = 0;
-    uint32_t axis = 0;
+    struct boundary best = {.cost = HUGE_VAL, .bin = 0};
     for (uint32_t k = 0; k < 3; k++) {
-        if (extent(content, k) <= 0) continue;
-        struct sweep sweep = start_sweep(model, cell, k);
-        int boundary = find_best_boundary(&sweep, &bins[k], count, &cost);
-        if (boundary > 0) {
-            best = boundary;
-            axis = k;
-        }
+        struct bins bins;
+        if (extent(&content->bounds, k) <= 0) continue;
+        fill_bins(content, k, &bins);
+        const struct sweep sweep = start_sweep(model, content->cell, k);
+        offer_boundaries(&sweep, &bins, content->count, &best);
     }
     split->cost = HUGE_VAL;
-    if (best > 0) {
-        size_t below_count = 0, above_count = count;
-        for (int bin = 0; bin < best - 1; bin++) {
-            below_count += bins[axis].starts[bin];
-            above_count -= bins[axis].ends[bin];
-        }
-        struct sweep sweep = start_sweep(model, cell, axis);
-        struct events events = gather_events(references, count, axis, &bins[axis].slicing, best - 1, progress, keys);
-        sweep_events(&sweep, &events, below_count, above_count, split);
+    if (best.bin > 0) {
+        const struct sweep sweep = start_sweep(model, content->cell, best.axis);
+        const struct events events = gather_events(content, best.axis, &best.slicing, best.bin - 1, keys);
+        sweep_events(&sweep, &events, best.below_count, best.above_count, split);
     }
-    if (split->cost == HUGE_VAL) mlrt_find_exact_split(model, cell, references, count, keys, split);
+    if (split->cost == HUGE_VAL) mlrt_find_exact_split(model, content, keys, split);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Where to split a cell: the surface area heuristic, and the rules of the paper that come before it. The functions read
- * the references of one cell and keep no state. Those with a `progress` end early if the call is cancelled; then their
- * results mean nothing. They check every MLRT_ROUNDS references, so never in smaller cells.
+ * the references of one cell and keep no state. They end early if the call is cancelled; then their results mean
+ * nothing. They check every MLRT_ROUNDS references, so never in smaller cells.
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Ingo Wald, Vlastimil Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", 2006.
@@ -36,10 +36,14 @@ struct mlrt_split {
     int planar_above; /* 1 = references planar in the plane go to the upper side */
 };
 
-/* All references of a cell together. */
+/* What is in a cell. */
 struct mlrt_content {
-    struct mlrt_box bounds;
-    double planar_area[3]; /* the sum over the boxes that are planar in this axis */
+    const struct mlrt_box *cell;
+    const struct mlrt_reference *references;
+    size_t count;
+    struct mlrt_progress *progress; /* may be NULL */
+    struct mlrt_box bounds;         /* of all references */
+    double planar_area[3];          /* the sum over the boxes that are planar in this axis */
 };
 
 /* The key of a float: as unsigned integers, keys have the order of their floats. */
@@ -47,6 +51,9 @@ uint32_t mlrt_float_key(float x);
 
 /* Sorts `count` keys ascending; `spare` has room for as many. */
 void mlrt_sort_keys(uint32_t *keys, uint32_t *spare, size_t count);
+
+/* Likewise, and keeps one of equal keys. Returns the number of those kept. */
+size_t mlrt_sort_unique_keys(uint32_t *keys, uint32_t *spare, size_t count);
 
 /* Half the surface area of a box, finite for all floats. */
 double mlrt_half_area(const struct mlrt_box *box);
@@ -63,37 +70,35 @@ static inline int mlrt_side_of_split(const struct mlrt_reference *reference, con
 double mlrt_split_cost(const struct mlrt_cost_model *model, const struct mlrt_box *cell, const struct mlrt_split *split,
                        size_t below_count, size_t above_count);
 
-struct mlrt_content mlrt_measure_content(const struct mlrt_reference *references, size_t count,
-                                         struct mlrt_progress *progress);
+/* Measures the content of a cell of at least one reference. */
+struct mlrt_content mlrt_measure_content(const struct mlrt_box *cell, const struct mlrt_reference *references,
+                                         size_t count, struct mlrt_progress *progress);
 
 /*
  * Rule 1: the split that cuts off the largest empty side, if that is more than 10 % of the cell. Returns 1 if there is
  * one. Does not set the cost.
  */
-int mlrt_find_empty_side(const struct mlrt_box *cell, const struct mlrt_box *content, struct mlrt_split *split);
+int mlrt_find_empty_side(const struct mlrt_content *content, struct mlrt_split *split);
 
 /* 1 if rule 2 may find a plane: along an axis, enough area is planar. */
-int mlrt_may_be_covered(const struct mlrt_box *cell, const struct mlrt_content *content);
+int mlrt_may_be_covered(const struct mlrt_content *content);
 
 /*
  * Rule 2: a plane that the triangles in it cover wholly; of several, the one nearest to the middle of the cell. `keys`
  * has room for 2 * count, `areas` for count. Returns 1 if there is one. Does not set the cost.
  */
-int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_box *cell,
-                            const struct mlrt_reference *references, size_t count, const struct mlrt_content *content,
-                            struct mlrt_progress *progress, uint32_t *keys, double *areas, struct mlrt_split *split);
+int mlrt_find_covered_plane(const struct mlrt_triangle *triangles, const struct mlrt_content *content, uint32_t *keys,
+                            double *areas, struct mlrt_split *split);
 
 /* The cheapest split at a bound of any reference. `keys` has room for 3 * count. */
-void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
-                           const struct mlrt_reference *references, size_t count, uint32_t *keys,
+void mlrt_find_exact_split(const struct mlrt_cost_model *model, const struct mlrt_content *content, uint32_t *keys,
                            struct mlrt_split *split);
 
 /*
  * The same for many references: finds the cheapest of equidistant planes first, then the cheapest bound of a reference
  * near it. The counts on either side are exact. `keys` has room for 3 * count.
  */
-void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_box *cell,
-                            const struct mlrt_reference *references, size_t count, const struct mlrt_box *content,
-                            struct mlrt_progress *progress, uint32_t *keys, struct mlrt_split *split);
+void mlrt_find_binned_split(const struct mlrt_cost_model *model, const struct mlrt_content *content, uint32_t *keys,
+                            struct mlrt_split *split);
 
 #endif

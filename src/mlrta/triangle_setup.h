@@ -39,9 +39,12 @@ MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, 
 /* Weights of the components of a cross product in its size, by main axis (hits/triangle_filter.h). */
 static const float axis_weights[3][3] = {{1, 0.5f, 0.5f}, {0.5f, 1, 0.5f}, {0.5f, 0.5f, 1}};
 
-/* Sets the terms of an entry (hits/triangle_filter.h): those of the three edges and of the normal at once. */
-MLRT_INLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
-                              struct mlrt_triangle_setup *setup)
+/*
+ * Sets the terms of an entry (hits/triangle_filter.h): those of the three edges and of the normal at once. Not inlined:
+ * 700 bytes less in SSE2, and 1 % more instructions for 2x2 packets.
+ */
+static MLRT_NOINLINE void set_up_terms(const struct mlrt_triangle *triangle, const float apex[3],
+                                       struct mlrt_triangle_setup *setup)
 {
     const float *weight = axis_weights[setup->main_axis & 3];
     f4 corner[3], sum[3], edge[3], reach[3], length[3], scale = f4_set1(1);

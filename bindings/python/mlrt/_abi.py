@@ -99,6 +99,7 @@ class KdTreeOptions(Struct):
         ("max_references", c_uint64),
         ("max_depth", c_uint32),
         ("rules_off", c_uint32),
+        ("pool", c_void_p),
     ]
 
 

@@ -28,8 +28,11 @@ class MemoryEstimate(NamedTuple):
     peak_memory_size: int  #: bytes held at most at one time while building
 
 
-def _complete(options: Any, memory_limit: int) -> Any:
+def _complete(options: Any, pool: Threads, memory_limit: int) -> Any:
     """Options of either builder, which keep alive what they point to."""
+    if pool is not None:
+        options.handle = pool_handle(pool)
+        options.pool = options.handle.value
     options.text = ctypes.create_string_buffer(MESSAGE_SIZE)
     options.message = ctypes.addressof(options.text)
     options.message_size = MESSAGE_SIZE
@@ -46,10 +49,7 @@ def tree_options(
         traversal_cost=traversal_cost,
         intersection_cost=intersection_cost,
     )
-    if pool is not None:
-        options.handle = pool_handle(pool)
-        options.pool = options.handle.value
-    return _complete(options, memory_limit)
+    return _complete(options, pool, memory_limit)
 
 
 def kdtree_options(
@@ -57,6 +57,7 @@ def kdtree_options(
     rules_off: Iterable[str],
     max_depth: int,
     max_references: int,
+    pool: Threads,
     memory_limit: int,
     traversal_cost: float,
     intersection_cost: float,
@@ -70,7 +71,7 @@ def kdtree_options(
         traversal_cost=traversal_cost,
         intersection_cost=intersection_cost,
     )
-    return _complete(options, memory_limit)
+    return _complete(options, pool, memory_limit)
 
 
 def _build(builder: Any, meshes: Meshes, options: Any, progress: bool) -> TreeHandle:
@@ -139,12 +140,13 @@ def estimate_kdtree(
     rules_off: Iterable[str] = (),
     max_depth: int = 0,
     max_references: int = 0,
+    pool: Threads = None,
     memory_limit: int = 0,
     traversal_cost: float = 0.0,
     intersection_cost: float = 0.0,
 ) -> MemoryEstimate:
     """Foresees the memory of a Tree.kdtree, likewise: a guess, which can be off by two."""
     options = kdtree_options(
-        preset, rules_off, max_depth, max_references, memory_limit, traversal_cost, intersection_cost
+        preset, rules_off, max_depth, max_references, pool, memory_limit, traversal_cost, intersection_cost
     )
     return _estimate(library.mlrt_estimate_kdtree, triangle_counts, masks, options)

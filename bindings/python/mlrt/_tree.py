@@ -177,6 +177,7 @@ class Tree:
         rules_off: Iterable[str] = (),
         max_depth: int = 0,
         max_references: int = 0,
+        pool: Threads = None,
         memory_limit: int = 0,
         traversal_cost: float = 0.0,
         intersection_cost: float = 0.0,
@@ -185,13 +186,13 @@ class Tree:
         """The paper's kd-tree, whose rays the paper's method ("multilevel") traces if no other is named.
 
         It has the methods "packet2", "packet4", "multilevel" and "ray", where a Tree has "tile" and "ray"; the answers are the same.
-        For study: it is slower to build, by the calling thread alone, and to trace.
+        For study: it is slower to build and to trace.
 
         preset: "paper", or "tuned" (renders faster here, takes longer to build). rules_off: names out of "empty_space", "coplanar",
         "minimum_cell", "clipped_splits", "retraction". max_depth, max_references: 0 = by itself. Others as for Tree.
         """
         options = kdtree_options(
-            preset, rules_off, max_depth, max_references, memory_limit, traversal_cost, intersection_cost
+            preset, rules_off, max_depth, max_references, pool, memory_limit, traversal_cost, intersection_cost
         )
         return cls._of(build_kdtree(Meshes([(vertices, faces)], None, [mask]), options, progress))
 
@@ -206,6 +207,7 @@ class Tree:
         rules_off: Iterable[str] = (),
         max_depth: int = 0,
         max_references: int = 0,
+        pool: Threads = None,
         memory_limit: int = 0,
         traversal_cost: float = 0.0,
         intersection_cost: float = 0.0,
@@ -213,7 +215,7 @@ class Tree:
     ) -> Tree:
         """The paper's kd-tree over several meshes: as from_meshes, with the options of kdtree."""
         options = kdtree_options(
-            preset, rules_off, max_depth, max_references, memory_limit, traversal_cost, intersection_cost
+            preset, rules_off, max_depth, max_references, pool, memory_limit, traversal_cost, intersection_cost
         )
         return cls._of(build_kdtree(Meshes.of(meshes, ids, masks), options, progress))
 

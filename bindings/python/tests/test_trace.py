@@ -102,7 +102,8 @@ class SameAnswers(unittest.TestCase):
         vertices, faces, origins, directions = integer_scene(3)
         rules = ("empty_space", "coplanar", "minimum_cell", "clipped_splits", "retraction")
         expected = mlrt.Tree(vertices, faces).trace(origins, directions)
-        for options in ({}, {"preset": "tuned"}, {"rules_off": rules}, {"max_depth": 3}, {"max_references": 100}):
+        pool = mlrt.Pool(2)
+        for options in ({}, {"preset": "tuned"}, {"rules_off": rules}, {"max_depth": 3}, {"max_references": 100}, {"pool": pool}):
             for tree in (
                 mlrt.Tree.kdtree(vertices, faces, **options),
                 mlrt.Tree.kdtree_from_meshes([(vertices, faces)], **options),
@@ -127,16 +128,11 @@ class SameAnswers(unittest.TestCase):
 
     def test_options_of_the_other_structure_are_refused_by_name(self):
         vertices, faces = box()
-        with mlrt.Pool(1) as pool:
-            for makers, refusals in (
-                ((mlrt.Tree, mlrt.estimate_tree), {"max_depth": 3, "max_references": 100, "rules_off": ()}),
-                ((mlrt.Tree.kdtree, mlrt.estimate_kdtree), {"pool": pool}),
-            ):
-                for name, value in refusals.items():
-                    with self.assertRaisesRegex(TypeError, f"'{name}'"):
-                        makers[0](vertices, faces, **{name: value})
-                    with self.assertRaisesRegex(TypeError, f"'{name}'"):
-                        makers[1](12, **{name: value})
+        for name, value in {"max_depth": 3, "max_references": 100, "rules_off": ()}.items():
+            with self.assertRaisesRegex(TypeError, f"'{name}'"):
+                mlrt.Tree(vertices, faces, **{name: value})
+            with self.assertRaisesRegex(TypeError, f"'{name}'"):
+                mlrt.estimate_tree(12, **{name: value})
         for make, wrong in ((mlrt.Tree, "paper"), (mlrt.Tree, "tuned"), (mlrt.Tree.kdtree, "fast")):
             with self.assertRaisesRegex(ValueError, wrong):
                 make(vertices, faces, preset=wrong)

@@ -221,6 +221,8 @@ pub struct KdTreeOptions<'a> {
     pub max_depth: u32,
     /// Rules to do without.
     pub rules_off: Rules,
+    /// Whose threads build; `None`: the calling thread alone. The tree is the same.
+    pub pool: Option<&'a Pool>,
     /// Memory, messages, progress.
     pub host: Host<'a>,
 }
@@ -236,6 +238,7 @@ impl KdTreeOptions<'_> {
             max_references: self.max_references,
             max_depth: self.max_depth,
             rules_off: self.rules_off.0,
+            pool: self.pool.map_or(std::ptr::null_mut(), Pool::as_ptr),
             ..Default::default()
         }
     }

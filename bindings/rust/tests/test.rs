@@ -184,6 +184,7 @@ fn how_a_tree_is_built_changes_no_answer() -> Result<()> {
         max_references: 100_000,
         max_depth: 5,
         rules_off: Rules::COPLANAR | Rules::RETRACTION,
+        pool: Some(&pool),
         host,
     };
     let tree = Tree::build_kdtree(&scene.meshes(), &options)?;

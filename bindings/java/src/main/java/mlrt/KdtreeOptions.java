@@ -29,6 +29,7 @@ public final class KdtreeOptions {
     long maxReferences;
     int maxDepth;
     int rulesOff;
+    Pool pool;
     Progress progress;
     Log log;
 
@@ -113,6 +114,17 @@ public final class KdtreeOptions {
     }
 
     /**
+     * Whose threads build; null = the calling thread alone. The tree is the same.
+     *
+     * @param value the new value
+     * @return this
+     */
+    public KdtreeOptions pool(Pool value) {
+        pool = value;
+        return this;
+    }
+
+    /**
      * Receives progress, and can end the call; null = nobody.
      *
      * @param value the new value
@@ -137,6 +149,7 @@ public final class KdtreeOptions {
     Native.Struct toStruct(Call call) {
         return call.struct(Native.KDTREE_OPTIONS).set("preset", preset.ordinal()).set("traversal_cost", traversalCost)
             .set("intersection_cost", intersectionCost).set("memory_limit", memoryLimit).set("max_references", maxReferences)
-            .set("max_depth", maxDepth).set("rules_off", rulesOff).set("host", call.host(progress, log));
+            .set("max_depth", maxDepth).set("rules_off", rulesOff).set("pool", call.hold(pool))
+            .set("host", call.host(progress, log));
     }
 }

@@ -68,7 +68,7 @@ final class Native {
         P, "message", L, "message_size", P, "host", L, "memory_limit", P, "pool");
     static final Type KDTREE_OPTIONS = Type.of("mlrt_kdtree_options", I, "struct_size preset",
         F, "traversal_cost intersection_cost", P, "message", L, "message_size", P, "host", L, "memory_limit max_references",
-        I, "max_depth rules_off");
+        I, "max_depth rules_off", P, "pool");
     static final Type MEMORY_ESTIMATE = Type.of("mlrt_memory_estimate", I, "struct_size reserved", L, "memory_size peak_memory_size");
     static final Type TREE_INFO = Type.of("mlrt_tree_info", I, "struct_size depth",
         L, "triangle_count non_finite_count zero_area_count node_count leaf_count empty_leaf_count reference_count "

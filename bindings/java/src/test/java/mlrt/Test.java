@@ -132,7 +132,8 @@ final class Test {
         var boxes = Tree.build(new TreeOptions().preset(TreeOptions.Preset.BEST).traversalCost(2).intersectionCost(0.5f)
             .memoryLimit(1 << 30).pool(pool).log(log).progress(fraction -> true), meshes());
         var kdtree = Tree.buildKdtree(new KdtreeOptions().preset(KdtreeOptions.Preset.TUNED).traversalCost(2).intersectionCost(0.5f)
-            .memoryLimit(1 << 30).maxReferences(1000000).maxDepth(20).rulesOff(KdtreeOptions.COPLANAR).log(log).progress(fraction -> true), meshes());
+            .memoryLimit(1 << 30).maxReferences(1000000).maxDepth(20).rulesOff(KdtreeOptions.COPLANAR).pool(pool).log(log)
+            .progress(fraction -> true), meshes());
         var loaded = Tree.load(MemorySegment.ofArray(boxes.save()), new LoadOptions().memoryLimit(1 << 30).log(log));
         for (Tree same : new Tree[] {boxes, kdtree, loaded}) {
             require(hash(same.trace(ORIGINS, DIRECTIONS)) == hash, "options change the answers");
