@@ -17,7 +17,7 @@
  * The positions of the first and the last column (or row) of pixels of four cells of `side` pixels each, within an area
  * that is `length` pixels long. A cell that begins beyond the area gets the positions of the first one.
  */
-MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
+static MLRT_NOINLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
                                   float samples[2][4])
 {
     for (uint32_t i = 0; i < 4; ++i) {
@@ -78,6 +78,7 @@ static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     bundle->going = bundle->closed = bundle->apexes = there;
+    bundle->ends_at_skip = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf zero = v_set1(0);
         MLRT_UNROLL

@@ -17,15 +17,6 @@ static int is_list(const struct mlrt_source *source)
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
-/*
- * Makes a bundle without rays of the cells of `side` x `side` pixels of a picture. Returns 0 if that is not possible.
- */
-static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                                struct mlrt_bundle *bundle)
-{
-    return mlrt_is_pinhole(&job->source) && job->kernels->gather_camera_cells(job, area, side, bundle);
-}
-
 /* Writes the results of a closed cell: hits of the triangle `cover`, or misses if that is MLRT_NONE. */
 static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
                          const struct mlrt_rectangle *area)
@@ -78,7 +69,7 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
 static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     struct mlrt_ray_tile *tile = bundle->tile;
-    if (gather_picture_cells(job, &tile->area, 4, bundle)) {
+    if (job->kernels->gather_cells(job, &tile->area, 4, bundle)) {
         job->kernels->trace_cells(job, worker, worker->open_tiles != 0, bundle);
         worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !bundle->closed ? MLRT_TILE_RUN : 0;
         return;
@@ -129,7 +120,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     bundle.closed = 0;
     tile.cells = &bundle;
     if (known) {
-        gather_picture_cells(job, area, 4, &bundle);
+        job->kernels->gather_cells(job, area, 4, &bundle);
         mlrt_fill_words(bundle.hulls.cover, known->cover);
         write_closed(job, worker, known->cover, area);
     } else {
@@ -147,8 +138,8 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     bundle.closed = 0;
     if (worker->open_squares) {
         --worker->open_squares;
-    } else if (gather_picture_cells(job, area, 16, &bundle)) {
-        job->kernels->trace_cells(job, worker, 0, &bundle);
+    } else {
+        if (job->kernels->gather_cells(job, area, 16, &bundle)) job->kernels->trace_cells(job, worker, 0, &bundle);
         if (!bundle.closed) worker->open_squares = MLRT_SQUARE_RUN;
     }
     struct mlrt_known_lights known[MLRT_CELL_COUNT];
