@@ -106,10 +106,7 @@ static int gather_point_cells(const struct mlrt_job *job, const struct mlrt_rect
     uint32_t there = 0;
     if (source->has_masks || !mlrt_begin_reading(source, &reader)) return 0;
     bundle->unit = job->tree->bvh.unit;
-    for (int k = 0; k < 3; ++k) {
-        waist->point[k] = source->light[k] * bundle->unit;
-        if (!mlrt_is_float_safe(waist->point[k]) || waist->point[k] / bundle->unit != source->light[k]) return 0;
-    }
+    if (!mlrt_set_apex(source->light, bundle->unit, waist)) return 0;
     begin_cells(0, bundle);
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         const struct mlrt_rectangle tile = mlrt_cut_piece(area, 16 * (place % 4), 16 * (place / 4), 16);
