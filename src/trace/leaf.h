@@ -513,7 +513,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
         for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
     }
     for (; triangles; triangles &= triangles - 1) {
-        const uint32_t triangle = mlrt_lowest_bit(triangles);
+        const uint32_t triangle = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
         vf least[PACKET_VECTORS], greatest[PACKET_VECTORS];
         MLRT_UNROLL
         for (int edge = 0; edge < 3; ++edge) {
@@ -542,7 +542,7 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
             vm may = v_ge(least[n], v_sub(v_set1(0), bound));
             if (has_places) may = m_or(may, v_le(greatest[n], bound));
             may = m_andnot(may, i_eq(skip[n], i_set1(leaf->numbers[triangle])));
-            met[n] |= (uint32_t)(m_bits(may) != 0) << triangle;
+            met[n] |= m_bits(may) ? bit : 0;
         }
     }
     MLRT_UNROLL

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The tiles of a square of points, as seen from a point light, as a bundle without rays: of the rays to the points of a
- * tile only the hull is kept. A tile that stays closed needs no packets; the rays of the others are read again.
+ * tile only the hull is kept. A tile that stays closed needs no packets; the rays of the others are read again. A tile
+ * none of whose points is finite, as where a picture shows nothing, is closed from the start, and is not traced.
  *
  * A ray ends at t = 1, at depth |d_main|. Its slope is a product with a reciprocal, which is off by 2.001 * 2^-24 of
  * itself and 2^-150 (ray_hulls.h). As in camera_cells.h, SLOPE_SLACK and SLOPE_FLOOR cover that.
@@ -20,11 +21,18 @@ struct point_extremes {
     vf sum;               /* of all |slopes|: a NaN if one of them is */
 };
 
+/* What is known of a block, or of a tile. */
+enum point_kind {
+    HAS_HULL, /* of all rays */
+    IS_VOID,  /* no ray is finite: they hit nothing (rule R1) */
+    IS_MIXED
+};
+
 /*
- * Extends `of` by the rays of a block. Returns 0 if one of them has an infinite slope or a NaN, or, where rays skip
+ * Extends `of` by the rays of a block. It is mixed if one of them has an infinite slope or a NaN, or, where rays skip
  * triangles, another triangle than that of `pair`.
  */
-static MLRT_NOINLINE int add_block_of_points(const struct mlrt_array_reader *reader, size_t element,
+static MLRT_NOINLINE enum point_kind add_block_of_points(const struct mlrt_array_reader *reader, size_t element,
                                              const struct mlrt_waist *waist, const uint32_t pair[2],
                                              struct point_extremes *of)
 {
@@ -36,7 +44,7 @@ static MLRT_NOINLINE int add_block_of_points(const struct mlrt_array_reader *rea
         i_pairs_at(skip->data + element * skip->stride + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes,
                    &triangles);
         const vm same = m_and(i_eq(meshes, i_set1(pair[0])), i_eq(triangles, i_set1(pair[1])));
-        if (m_bits(same) != ALL_LANES) return 0;
+        if (m_bits(same) != ALL_LANES) return IS_MIXED;
     }
     read_vectors(points, points->data + element * points->stride, reader->source->light, rows, NULL);
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
@@ -52,11 +60,19 @@ static MLRT_NOINLINE int add_block_of_points(const struct mlrt_array_reader *rea
             of->sum = v_add(v_abs(slope), of->sum);
         }
     }
-    return m_bits(v_le(of->sum, v_set1(MLRT_SAFE_MAX))) == ALL_LANES;
+    if (MLRT_LIKELY(m_bits(v_le(of->sum, v_set1(MLRT_SAFE_MAX))) == ALL_LANES)) return HAS_HULL;
+    uint32_t finite = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        const vf zero = v_set1(0);
+        vf zero_or_nan = zero;
+        for (int k = 0; k < 3; ++k) zero_or_nan = v_mul_add(v_load(rows[k] + v), zero, zero_or_nan);
+        finite |= m_bits(v_eq(zero_or_nan, zero));
+    }
+    return finite ? IS_MIXED : IS_VOID;
 }
 
-/* Sets the hull of a tile. Returns 0 if float does not carry its rays. */
-static int set_point_cell(const struct point_extremes *of, uint32_t place, struct mlrt_bundle *bundle)
+/* Sets the hull of a tile. It is mixed if float does not carry its rays. */
+static enum point_kind set_point_cell(const struct point_extremes *of, uint32_t place, struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     MLRT_ALIGNED(16) float least[4];
@@ -71,18 +87,19 @@ static int set_point_cell(const struct point_extremes *of, uint32_t place, struc
     }
     hulls->core_last[place] = first;
     hulls->last[place] = last;
-    return fits;
+    return fits ? HAS_HULL : IS_MIXED;
 }
 
-/* Makes a cell of a whole tile of points, whose first is `element`. Returns 0 if that is not possible. */
-static int add_point_cell(const struct mlrt_array_reader *reader, const struct mlrt_rectangle *tile,
+/* Makes a cell of a tile of points, if it is a whole one. */
+static enum point_kind add_point_cell(const struct mlrt_array_reader *reader, const struct mlrt_rectangle *tile,
                           struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
 {
     const struct mlrt_source *source = reader->source;
     const size_t element = (size_t)tile->y * source->width + tile->x;
     struct point_extremes of = {{NO_EXTREMES, NO_EXTREMES}, NO_EXTREMES, v_set1(0)};
+    enum point_kind kind = HAS_HULL;
     uint32_t pair[2];
-    if (tile->width + tile->height < 32 || element + 15 * (size_t)source->width + 16 > source->count) return 0;
+    if (tile->width + tile->height < 32 || element + 15 * (size_t)source->width + 16 > source->count) return IS_MIXED;
     if (reader->skip.data) {
         memcpy(pair, reader->skip.data + element * reader->skip.stride, sizeof pair);
         find_mesh(source->tree, pair[0], known);
@@ -91,9 +108,11 @@ static int add_point_cell(const struct mlrt_array_reader *reader, const struct m
     for (uint32_t block = 0; block < 16; ++block) {
         const size_t first = element + (size_t)(block & ~3u) * source->width + 4 * (block & 3);
         mlrt_prefetch_row(source, tile->x + 16, tile->y + block);
-        if (!add_block_of_points(reader, first, &bundle->waist, pair, &of)) return 0;
+        const enum point_kind kind_of_block = add_block_of_points(reader, first, &bundle->waist, pair, &of);
+        if (kind_of_block == IS_MIXED || (block && kind_of_block != kind)) return IS_MIXED;
+        kind = kind_of_block;
     }
-    return set_point_cell(&of, place, bundle);
+    return kind == HAS_HULL ? set_point_cell(&of, place, bundle) : kind;
 }
 
 /* Makes a bundle of the tiles of points in `area`. Returns 0 if there is none. */
@@ -103,7 +122,7 @@ static int gather_point_cells(const struct mlrt_job *job, const struct mlrt_rect
     struct known_mesh known = NO_MESH;
     const struct mlrt_source *source = &job->source;
     struct mlrt_waist *waist = &bundle->waist;
-    uint32_t there = 0;
+    uint32_t there = 0, is_void = 0;
     if (source->has_masks || !mlrt_begin_reading(source, &reader)) return 0;
     bundle->unit = job->tree->bvh.unit;
     if (!mlrt_set_apex(source->light, bundle->unit, waist)) return 0;
@@ -118,10 +137,13 @@ static int gather_point_cells(const struct mlrt_job *job, const struct mlrt_rect
             for (int k = 0; k < 3; ++k) direction[k] -= source->light[k];
             mlrt_set_main_axis(direction, waist);
         }
-        there |= (uint32_t)add_point_cell(&reader, &tile, &known, place, bundle) << place;
+        const enum point_kind kind = add_point_cell(&reader, &tile, &known, place, bundle);
+        there |= (uint32_t)(kind == HAS_HULL) << place;
+        is_void |= (uint32_t)(kind == IS_VOID) << place;
     }
-    bundle->going = bundle->closed = bundle->apexes = there;
-    return there != 0;
+    bundle->going = bundle->apexes = there;
+    bundle->closed = there | is_void;
+    return bundle->closed != 0;
 }
 
 #endif
