@@ -574,8 +574,8 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
     build.triangles = tree->triangles;
     build.progress = progress;
     build.settings = resolve_options(options, tree->triangle_count);
-    tree->nodes = NULL;
-    tree->references = NULL;
+    tree->kdtree.nodes = NULL;
+    tree->kdtree.references = NULL;
     tree->info.non_finite_count = 0;
     tree->info.zero_area_count = 0;
     if (tree->triangle_count > COUNT_LIMIT) return MLRT_ERROR_TOO_LARGE;
@@ -586,10 +586,10 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
         release_results(&build);
         return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_ERROR_OUT_OF_MEMORY;
     }
-    tree->nodes = build.nodes.elements;
-    tree->node_count = build.node_count;
-    tree->references = build.entries.elements;
-    tree->reference_count = build.entry_count;
+    tree->kdtree.nodes = build.nodes.elements;
+    tree->kdtree.node_count = build.node_count;
+    tree->kdtree.references = build.entries.elements;
+    tree->kdtree.reference_count = build.entry_count;
     tree->info.retracted_count = build.retracted_count;
     tree->info.peak_memory_size = tree->memory.peak_size;
     mlrt_measure_tree(tree, build.settings.preset.model.traversal, build.settings.preset.model.intersection, progress);

@@ -12,7 +12,7 @@
  * Before the call, tree->triangles and triangle_count are set, `options` is checked (or NULL), and the floating-point
  * environment is the library's. `progress` (may be NULL) advances by MLRT_KDTREE_WORK per triangle. Returns a status:
  *
- *   - MLRT_OK: nodes, references, bounds, float_safe and tree->info are set, except info's triangle_count, memory_size
+ *   - MLRT_OK: tree->kdtree, bounds and tree->info are set, except info's triangle_count, memory_size
  *     and build_seconds, which the caller knows.
  *   - MLRT_ERROR_OUT_OF_MEMORY, or MLRT_ERROR_TOO_LARGE for more than 2^30 - 1 triangles: nodes and references are
  *     NULL, and tree->memory holds as much as before.

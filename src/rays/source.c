@@ -127,19 +127,19 @@ static const float *float_at(const mlrt_const_array *array, uint32_t i)
 struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
 {
     const struct mlrt_mesh_range none = {0, 0};
-    uint32_t below = 0, above = tree->mesh_count;
+    uint32_t below = 0, above = tree->meshes.count;
     while (below < above) {
         uint32_t middle = below + (above - below) / 2;
-        if (tree->mesh_ids[tree->mesh_by_id[middle]] < mesh_id) {
+        if (tree->meshes.ids[tree->meshes.by_id[middle]] < mesh_id) {
             below = middle + 1;
         } else {
             above = middle;
         }
     }
-    if (below == tree->mesh_count) return none;
-    const uint32_t mesh = tree->mesh_by_id[below];
-    if (tree->mesh_ids[mesh] != mesh_id) return none;
-    return (struct mlrt_mesh_range){tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
+    if (below == tree->meshes.count) return none;
+    const uint32_t mesh = tree->meshes.by_id[below];
+    if (tree->meshes.ids[mesh] != mesh_id) return none;
+    return (struct mlrt_mesh_range){tree->meshes.first[mesh], tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]};
 }
 
 MLRT_INLINE uint32_t number_in_mesh(struct mlrt_mesh_range mesh, uint32_t triangle)
@@ -268,49 +268,65 @@ MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct 
     return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
 }
 
-/* Loads the vectors of a row: by_axis[k] receives component k of all four. */
-MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
+/* Loads the first words of the four elements of a row: 1, 2 or 3 of each. words[k] receives word k of all four. */
+MLRT_INLINE void load_row(struct row row, int word_count, f4 words[3])
 {
     const float *at = (const float *)(const void *)row.at;
-    if (MLRT_LIKELY(row.step == 12)) {
-        f4_triples(at, by_axis);
-    } else {
-        f4_gather_triples(at, row.step / sizeof *at, by_axis);
+    const size_t step = row.step / sizeof *at;
+    if (word_count == 3) {
+        if (MLRT_LIKELY(step == 3)) {
+            f4_triples(at, words);
+        } else {
+            f4_gather_triples(at, step, words);
+        }
+        return;
     }
+    if (word_count == 1) {
+        words[0] = step == 1 ? f4_load_any(at) : f4_gather(at, step);
+        return;
+    }
+    uint32_t pairs[8];
+    if (MLRT_UNLIKELY(step != 2)) {
+        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, row.at + i * row.step, 8);
+        row.at = (const unsigned char *)pairs;
+    }
+    const f4 low = f4_load_any(row.at), high = f4_load_any(row.at + 16);
+    words[0] = f4_evens(low, high);
+    words[1] = f4_odds(low, high);
 }
 
-/* Copies elements lane by lane: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
+/* Reads the elements of a block: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
 static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
-                        void *const *words)
+                        unsigned char *const *words)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
-        for (int k = 0; k < word_count; ++k) memcpy((unsigned char *)words[k] + 4 * lane, element + k, 4);
+        for (int k = 0; k < word_count; ++k) memcpy(words[k] + 4 * lane, element + k, 4);
+    }
+}
+
+/* Likewise, by rows where that is possible. */
+MLRT_INLINE void fetch_words(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
+                             unsigned char *const *words)
+{
+    if (!has_rows(block, group)) {
+        fetch_lanes(array, block, group, word_count, words);
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        f4 even[3], odd[3];
+        load_row(row_of_block(array, block, group, row), word_count, even);
+        load_row(row_of_block(array, block, group, row + 1), word_count, odd);
+        for (int k = 0; k < word_count; ++k) put_rows(even[k], odd[k], words[k] + 16 * row);
     }
 }
 
 static void fetch_vectors(const mlrt_const_array *array, const struct block *block, uint32_t group,
                           float vectors[3][MLRT_PACKET_RAYS])
 {
-    if (!has_rows(block, group)) {
-        fetch_lanes(array, block, group, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
-        return;
-    }
-    for (uint32_t row = 0; row < 4; row += 2) {
-        f4 even[3], odd[3];
-        load_vectors(row_of_block(array, block, group, row), even);
-        load_vectors(row_of_block(array, block, group, row + 1), odd);
-        put_rows(even[0], odd[0], vectors[0] + 4 * row);
-        put_rows(even[1], odd[1], vectors[1] + 4 * row);
-        put_rows(even[2], odd[2], vectors[2] + 4 * row);
-    }
-}
-
-/* Loads the four numbers of a row. */
-MLRT_INLINE f4 load_numbers(struct row row)
-{
-    const float *at = (const float *)(const void *)row.at;
-    return row.step == sizeof *at ? f4_load_any(at) : f4_gather(at, row.step / sizeof *at);
+    unsigned char *const words[] = {(unsigned char *)vectors[0], (unsigned char *)vectors[1],
+                                    (unsigned char *)vectors[2]};
+    fetch_words(array, block, group, 3, words);
 }
 
 MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
@@ -326,27 +342,7 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
         fill(standard, numbers);
         return;
     }
-    if (!has_rows(block, group)) {
-        fetch_lanes(array, block, group, 1, (void *const[]){numbers});
-        return;
-    }
-    for (uint32_t row = 0; row < 4; row += 2) {
-        put_rows(load_numbers(row_of_block(array, block, group, row)),
-                 load_numbers(row_of_block(array, block, group, row + 1)), numbers + 4 * row);
-    }
-}
-
-/* Loads the pairs of a row: the first words, and the second words. */
-MLRT_INLINE void load_pairs(struct row row, f4 *firsts, f4 *seconds)
-{
-    uint32_t pairs[8];
-    if (MLRT_UNLIKELY(row.step != sizeof *pairs * 2)) {
-        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, row.at + i * row.step, 8);
-        row.at = (const unsigned char *)pairs;
-    }
-    const f4 low = f4_load_any(row.at), high = f4_load_any(row.at + 16);
-    *firsts = f4_evens(low, high);
-    *seconds = f4_odds(low, high);
+    fetch_words(array, block, group, 1, (unsigned char *const[]){(unsigned char *)numbers});
 }
 
 void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
@@ -356,17 +352,8 @@ void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, 
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_skip = array->data != NULL;
     if (!array->data) return;
-    if (!has_rows(&block, source->rays_per_origin)) {
-        fetch_lanes(array, &block, source->rays_per_origin, 2, (void *const[]){packet->skip_mesh, packet->skip});
-        return;
-    }
-    for (uint32_t row = 0; row < 4; row += 2) {
-        f4 even[2], odd[2];
-        load_pairs(row_of_block(array, &block, source->rays_per_origin, row), &even[0], &even[1]);
-        load_pairs(row_of_block(array, &block, source->rays_per_origin, row + 1), &odd[0], &odd[1]);
-        put_rows(even[0], odd[0], packet->skip_mesh + 4 * row);
-        put_rows(even[1], odd[1], packet->skip + 4 * row);
-    }
+    unsigned char *const words[] = {(unsigned char *)packet->skip_mesh, (unsigned char *)packet->skip};
+    fetch_words(array, &block, source->rays_per_origin, 2, words);
 }
 
 static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)

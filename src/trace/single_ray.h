@@ -413,12 +413,12 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     packet->has_skip = ray->skip != MLRT_NONE;
     packet->has_apex = packet->has_masks = 0;
     worker.mask = ray->mask;
-    worker.planes = &plane;
-    worker.pairs = &pair;
-    worker.plane_mask = worker.pair_mask = 0;
+    worker.known.planes = &plane;
+    worker.known.pairs = &pair;
+    worker.known.plane_mask = worker.known.pair_mask = 0;
     plane.number = MLRT_NONE;
     pair.first = pair.second = 0;
-    worker.progress = NULL;
+    worker.watch.progress = NULL;
     worker.scaled = scaled;
     trace_single(job, &reciprocals, 0, 0, packet, &worker);
     return packet->triangle[0];
