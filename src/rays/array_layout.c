@@ -4,7 +4,8 @@
  */
 #include "rays/array_layout.h"
 
-static MLRT_NOINLINE void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t row_length, struct mlrt_array_layout *layout)
+static MLRT_NOINLINE void lay_out_array(const mlrt_const_array *array, uint32_t group, size_t row_length,
+                                        struct mlrt_array_layout *layout)
 {
     layout->data = array->data;
     layout->stride = array->data ? array->stride : 0;

@@ -66,8 +66,8 @@ static MLRT_NOINLINE void read_structs(const struct mlrt_array_layout *points, c
     }
 }
 
-static MLRT_NOINLINE void read_vectors(const struct mlrt_array_layout *layout, const unsigned char *first, const float *from,
-                              float (*rows)[MLRT_PACKET_RAYS], float *fourth)
+static MLRT_NOINLINE void read_vectors(const struct mlrt_array_layout *layout, const unsigned char *first,
+                                       const float *from, float (*rows)[MLRT_PACKET_RAYS], float *fourth)
 {
     const float *one = (const float *)(const void *)first;
     if (!layout->is_packed && layout->step) {

@@ -29,7 +29,7 @@ static float larger_size(float a, float b)
  * that is `length` pixels long. A cell that begins beyond the area gets the positions of the first one.
  */
 static void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
-                                  float samples[2][4])
+                             float samples[2][4])
 {
     for (uint32_t i = 0; i < 4; ++i) {
         const uint32_t low = i * side < length ? i * side : 0, high = low + side < length ? low + side : length;
@@ -58,8 +58,8 @@ static void scale_view(const struct mlrt_view *view, struct mlrt_view *scaled, f
     *limit = exponent < 66 ? MLRT_SAFE_MAX : (float)ldexp(1, 126 - exponent);
 }
 
-int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const struct mlrt_rectangle *area, uint32_t side,
-                             struct mlrt_waist *waist, struct mlrt_camera_samples *of)
+int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const struct mlrt_rectangle *area,
+                             uint32_t side, struct mlrt_waist *waist, struct mlrt_camera_samples *of)
 {
     float floor = 0x1p-100f, limit = MLRT_SAFE_MAX;
     const struct mlrt_view *view = &of->view;
@@ -73,10 +73,8 @@ int mlrt_sample_camera_cells(const struct mlrt_view *given, float unit, const st
     float columns[2][4], rows[2][4], middle[3];
     set_cell_samples(view->first_x, x, side, width, view->sample_x, columns);
     set_cell_samples(view->first_y, y, side, height, view->sample_y, rows);
-    const float x_max =
-        larger_size(columns[0][0], mlrt_sample_position(view->first_x, x + width - 1, view->sample_x));
-    const float y_max =
-        larger_size(rows[0][0], mlrt_sample_position(view->first_y, y + height - 1, view->sample_y));
+    const float x_max = larger_size(columns[0][0], mlrt_sample_position(view->first_x, x + width - 1, view->sample_x));
+    const float y_max = larger_size(rows[0][0], mlrt_sample_position(view->first_y, y + height - 1, view->sample_y));
     for (int k = 0; k < 3; ++k) {
         const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
         if (!(whole <= limit)) return 0;

@@ -33,8 +33,8 @@ enum point_kind {
  * triangles, another triangle than that of `pair`.
  */
 static MLRT_NOINLINE enum point_kind add_block_of_points(const struct mlrt_array_reader *reader, size_t element,
-                                             const struct mlrt_waist *waist, const uint32_t pair[2],
-                                             struct point_extremes *of)
+                                                         const struct mlrt_waist *waist, const uint32_t pair[2],
+                                                         struct point_extremes *of)
 {
     MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
     const struct mlrt_array_layout *points = &reader->points, *skip = &reader->skip;
@@ -92,7 +92,7 @@ static enum point_kind set_point_cell(const struct point_extremes *of, uint32_t 
 
 /* Makes a cell of a tile of points, if it is a whole one. */
 static enum point_kind add_point_cell(const struct mlrt_array_reader *reader, const struct mlrt_rectangle *tile,
-                          struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
+                                      struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
 {
     const struct mlrt_source *source = reader->source;
     const size_t element = (size_t)tile->y * source->width + tile->x;
