@@ -20,8 +20,11 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
 /* The work per triangle, where copying a triangle is 1 (MLRT_COPY_WORK, scene/meshes.h). */
 #define MLRT_BVH_WORK 10.0
 
-/* About how many bytes a hierarchy of mlrt_build_bvh takes when it is finished, and at most while it is built. */
-struct mlrt_demand mlrt_foresee_bvh(const mlrt_tree_options *options, uint32_t triangle_count);
+/*
+ * About how many bytes a hierarchy of mlrt_build_bvh takes when it is finished, and at most while it is built, with an
+ * mlrt_tree_options that was checked.
+ */
+struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_count);
 
 /* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
 void mlrt_free_bvh(struct mlrt_tree *tree);

@@ -81,10 +81,10 @@ struct mlrt_structure {
     } file;
 
     struct {
-        int32_t method;           /* the default */
-        uint32_t methods;         /* bit 1 << MLRT_METHOD_* for each that there is */
-        int32_t has_lone_kernels; /* kernels that do not count have trace_ray and trace_scaled_ray */
-        int32_t filters_leaves;   /* kernels hide the triangles of leaves from rays with a common mask */
+        uint8_t method;           /* the default */
+        uint8_t methods;          /* bit 1 << MLRT_METHOD_* for each that there is */
+        uint8_t has_lone_kernels; /* kernels that do not count have trace_ray and trace_scaled_ray */
+        uint8_t filters_leaves;   /* kernels hide the triangles of leaves from rays with a common mask */
         /* Default sides of the tiles that threads claim: of cameras, rows of pixels in arrays, and lists. */
         uint16_t camera_side, row_side, list_side;
         /* By MLRT_ISA_*. Where there are none, those of the next narrower set serve. */

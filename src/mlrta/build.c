@@ -566,7 +566,7 @@ static int build_tree(struct build *build, struct mlrt_tree *tree)
     return build_cell(build, &root, &cost);
 }
 
-int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *options, struct mlrt_progress *progress)
+int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlrt_progress *progress)
 {
     static const struct build NOTHING_BUILT;
     struct build build = NOTHING_BUILT;
@@ -600,7 +600,7 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
  * The nodes and entries of scenes take 24 to 54 bytes per triangle, and twice that while they are built. Entries are
  * limited; each has 4 bytes and, if it is alone in its leaf, 16 bytes of nodes.
  */
-struct mlrt_demand mlrt_foresee_nodes(const mlrt_kdtree_options *options, uint32_t triangle_count)
+struct mlrt_demand mlrt_foresee_nodes(const void *options, uint32_t triangle_count)
 {
     const struct settings settings = resolve_options(options, triangle_count);
     const uint64_t guess = 56 * (uint64_t)triangle_count + 64 * 12;

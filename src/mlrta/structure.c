@@ -13,16 +13,6 @@
 #include "mlrta/ray.h"
 #include "mlrta/setups.h"
 
-static int32_t build(struct mlrt_tree *tree, const void *options, struct mlrt_progress *progress)
-{
-    return mlrt_build_nodes(tree, options, progress);
-}
-
-static struct mlrt_demand foresee(const void *options, uint32_t triangle_count)
-{
-    return mlrt_foresee_nodes(options, triangle_count);
-}
-
 static void free_nodes(struct mlrt_tree *tree)
 {
     struct mlrt_kdtree *kdtree = &tree->kdtree;
@@ -65,8 +55,8 @@ const struct mlrt_structure mlrt_structure_kdtree = {
     .plural = "kd-trees",
     .builder = {.options_form = MLRT_STRUCT_KDTREE_OPTIONS,
                 .work = MLRT_KDTREE_WORK,
-                .build = build,
-                .foresee = foresee,
+                .build = mlrt_build_nodes,
+                .foresee = mlrt_foresee_nodes,
                 .free = free_nodes},
     .file = {.sections = {MLRT_SECTION(kdtree.nodes, kdtree.node_count, sizeof(struct mlrt_node), 0, NODES, NODES),
                           MLRT_SECTION(kdtree.references, kdtree.reference_count, 4, 0, REFERENCES, NODES)},

@@ -25,7 +25,7 @@ static mlrt_const_array resolve_array(const mlrt_const_array *array, size_t elem
 
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
 {
-    source->width = row_length && source->rays_per_origin <= 1 ? row_length : 4;
+    source->width = row_length && source->arrays.rays_per_origin <= 1 ? row_length : 4;
     const uint32_t widest = source->count > 4 ? source->count : 4;
     if (source->width > widest) source->width = widest;
     source->height = source->count / source->width + (source->count % source->width != 0);
@@ -39,22 +39,22 @@ static int lie_together(const mlrt_const_array *array, const mlrt_const_array *o
 }
 
 /* Finds the arrays that are prefetched: those with an element for each ray; of those that lie together, the first. */
-static void find_streams(struct mlrt_source *source)
+static void find_streams(struct mlrt_ray_arrays *arrays)
 {
-    const mlrt_const_array *const arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
-                                               &source->skip};
-    source->stream_count = 0;
+    const mlrt_const_array *const each[5] = {&arrays->points, &arrays->directions, &arrays->t_max, &arrays->t_min,
+                                             &arrays->skip};
+    arrays->stream_count = 0;
     for (int i = 0; i < 5; ++i) {
-        if (!arrays[i]->data || !arrays[i]->stride) continue;
+        if (!each[i]->data || !each[i]->stride) continue;
         uint32_t j = 0;
-        while (j < source->stream_count && !lie_together(arrays[i], &source->streams[j])) ++j;
-        if (j == source->stream_count) source->streams[source->stream_count++] = *arrays[i];
+        while (j < arrays->stream_count && !lie_together(each[i], &arrays->streams[j])) ++j;
+        if (j == arrays->stream_count) arrays->streams[arrays->stream_count++] = *each[i];
     }
 }
 
 static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
 {
-    find_streams(source);
+    find_streams(&source->arrays);
     source->count = (uint32_t)count;
     mlrt_set_rows(row_length, source);
 }
@@ -62,9 +62,7 @@ static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_le
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_CAMERA;
-    source->rays_per_origin = 1;
-    source->mask.data = NULL;
-    source->stream_count = 0;
+    source->arrays = (struct mlrt_ray_arrays){.rays_per_origin = 1};
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
     source->width = source->view.width;
@@ -77,13 +75,13 @@ void mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, s
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
-    source->rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1;
-    source->points = resolve_array(&rays->origins, 12);
-    source->directions = resolve_array(&rays->directions, 12);
-    source->t_min = resolve_array(&rays->t_min, 4);
-    source->t_max = resolve_array(&rays->t_max, 4);
-    source->skip = resolve_array(&rays->skip, 8);
-    source->mask = resolve_array(&rays->mask, 4);
+    source->arrays = (struct mlrt_ray_arrays){.points = resolve_array(&rays->origins, 12),
+                                              .directions = resolve_array(&rays->directions, 12),
+                                              .t_min = resolve_array(&rays->t_min, 4),
+                                              .t_max = resolve_array(&rays->t_max, 4),
+                                              .skip = resolve_array(&rays->skip, 8),
+                                              .mask = resolve_array(&rays->mask, 4),
+                                              .rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1};
     set_extent(source, rays->count, rays->row_length);
 }
 
@@ -97,19 +95,17 @@ void mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *poi
                             struct mlrt_source *source)
 {
     mlrt_set_light(light, source);
-    source->directions.data = source->t_min.data = source->t_max.data = source->mask.data = NULL;
     source->tree = tree;
-    source->rays_per_origin = 1;
-    source->points = resolve_array(&points->positions, 12);
-    source->skip = resolve_array(&points->skip, 8);
+    source->arrays = (struct mlrt_ray_arrays){
+        .points = resolve_array(&points->positions, 12), .skip = resolve_array(&points->skip, 8), .rays_per_origin = 1};
     set_extent(source, points->count, points->row_length);
 }
 
 void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source)
 {
-    if (!tree->masks) source->mask.data = NULL;
-    source->common_mask = tree->masks && !source->mask.data && common ? common : MLRT_MASK_ALL;
-    source->has_masks = source->mask.data || (source->common_mask != MLRT_MASK_ALL && !leaves_are_filtered);
+    if (!tree->masks) source->arrays.mask.data = NULL;
+    source->common_mask = tree->masks && !source->arrays.mask.data && common ? common : MLRT_MASK_ALL;
+    source->has_masks = source->arrays.mask.data || (source->common_mask != MLRT_MASK_ALL && !leaves_are_filtered);
 }
 
 /* ---- reading rays ---- */
@@ -161,17 +157,16 @@ MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
 /* The number of the triangle that ray i passes through, or MLRT_NONE. */
 static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
 {
-    if (!source->skip.data) return MLRT_NONE;
-    const uint32_t element = element_of_ray(i, source->rays_per_origin);
-    const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->skip, element);
+    if (!source->arrays.skip.data) return MLRT_NONE;
+    const uint32_t element = element_of_ray(i, source->arrays.rays_per_origin);
+    const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->arrays.skip, element);
     return mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
 
 static uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
 {
-    if (!source->mask.data) return source->common_mask;
-    const uint32_t mask =
-        *(const uint32_t *)(const void *)((const unsigned char *)source->mask.data + (size_t)i * source->mask.stride);
+    if (!source->arrays.mask.data) return source->common_mask;
+    const uint32_t mask = *(const uint32_t *)(const void *)float_at(&source->arrays.mask, i);
     return mask ? mask : MLRT_MASK_ALL;
 }
 
@@ -186,12 +181,13 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
 /* Ray i of arrays. */
 static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray)
 {
-    const uint32_t origin = element_of_ray(i, source->rays_per_origin);
-    const float *point = float_at(&source->points, origin);
+    const struct mlrt_ray_arrays *arrays = &source->arrays;
+    const uint32_t origin = element_of_ray(i, arrays->rays_per_origin);
+    const float *point = float_at(&arrays->points, origin);
     if (source->kind == MLRT_SOURCE_RAYS) {
-        return mlrt_make_segment(point, float_at(&source->directions, i),
-                                 source->t_min.data ? *float_at(&source->t_min, origin) : 0,
-                                 source->t_max.data ? *float_at(&source->t_max, i) : INFINITY, ray);
+        return mlrt_make_segment(point, float_at(&arrays->directions, i),
+                                 arrays->t_min.data ? *float_at(&arrays->t_min, origin) : 0,
+                                 arrays->t_max.data ? *float_at(&arrays->t_max, i) : INFINITY, ray);
     }
     if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return mlrt_make_segment(point, source->light, 0, INFINITY, ray);
     const float direction[3] = {point[0] - source->light[0], point[1] - source->light[1], point[2] - source->light[2]};
@@ -348,12 +344,12 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
 void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                       struct mlrt_packet *packet)
 {
-    const mlrt_const_array *array = &source->skip;
+    const mlrt_const_array *array = &source->arrays.skip;
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_skip = array->data != NULL;
     if (!array->data) return;
     unsigned char *const words[] = {(unsigned char *)packet->skip_mesh, (unsigned char *)packet->skip};
-    fetch_words(array, &block, source->rays_per_origin, 2, words);
+    fetch_words(array, &block, source->arrays.rays_per_origin, 2, words);
 }
 
 static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
@@ -373,7 +369,7 @@ static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t
 static void fetch_light_rays(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    fetch_vectors(&source->points, block, 1, is_point ? packet->direction : packet->origin);
+    fetch_vectors(&source->arrays.points, block, 1, is_point ? packet->direction : packet->origin);
     for (int k = 0; k < 3; ++k) {
         const f4 light = f4_set1(source->light[k]);
         float *direction = packet->direction[k];
@@ -391,7 +387,7 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
 static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     mlrt_set_common_mask(source, packet);
-    for (uint32_t lane = 0; source->mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
+    for (uint32_t lane = 0; source->arrays.mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
         packet->mask[lane] = mask_at(source, element_of_lane(block, lane));
     }
 }
@@ -415,11 +411,12 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         return;
     }
     if (source->kind == MLRT_SOURCE_RAYS) {
-        packet->has_limits = source->t_min.data || source->t_max.data;
-        fetch_vectors(&source->points, &block, source->rays_per_origin, packet->origin);
-        fetch_vectors(&source->directions, &block, 1, packet->direction);
-        fetch_numbers(&source->t_min, &block, source->rays_per_origin, 0, packet->t_min);
-        fetch_numbers(&source->t_max, &block, 1, INFINITY, packet->t_max);
+        const struct mlrt_ray_arrays *arrays = &source->arrays;
+        packet->has_limits = arrays->t_min.data || arrays->t_max.data;
+        fetch_vectors(&arrays->points, &block, arrays->rays_per_origin, packet->origin);
+        fetch_vectors(&arrays->directions, &block, 1, packet->direction);
+        fetch_numbers(&arrays->t_min, &block, arrays->rays_per_origin, 0, packet->t_min);
+        fetch_numbers(&arrays->t_max, &block, 1, INFINITY, packet->t_max);
     } else {
         fetch_light_rays(source, &block, packet);
     }
@@ -468,5 +465,6 @@ void mlrt_prefetch_row(const struct mlrt_source *source, uint32_t x, uint32_t y)
     if (x >= source->width || y >= source->height) return;
     const uint32_t width = source->width - x < 16 ? source->width - x : 16;
     const size_t first = (size_t)y * source->width + x;
-    for (uint32_t i = 0; i < source->stream_count; ++i) prefetch_elements(&source->streams[i], first, width);
+    for (uint32_t i = 0; i < source->arrays.stream_count; ++i)
+        prefetch_elements(&source->arrays.streams[i], first, width);
 }

@@ -22,11 +22,6 @@ static int32_t build(struct mlrt_tree *tree, const void *options, struct mlrt_pr
     return status;
 }
 
-static struct mlrt_demand foresee(const void *options, uint32_t triangle_count)
-{
-    return mlrt_foresee_bvh(options, triangle_count);
-}
-
 /* Quads of leaves are there if nodes are, and others if places are. */
 static const char *take(struct mlrt_tree *tree)
 {
@@ -86,7 +81,7 @@ const struct mlrt_structure mlrt_structure_bvh = {
     .builder = {.options_form = MLRT_STRUCT_TREE_OPTIONS,
                 .work = MLRT_BVH_WORK,
                 .build = build,
-                .foresee = foresee,
+                .foresee = mlrt_foresee_bvh,
                 .free = mlrt_free_bvh},
     .file = {.sections = {MLRT_SECTION(bvh.nodes, bvh.node_count, sizeof(struct mlrt_bvh_node), 0, BOX_NODES,
                                        BOX_NODES),
