@@ -415,6 +415,55 @@ static void strides_of_points_and_results(void **state)
     free_fixture(&fixture);
 }
 
+enum { WALL_WIDTH = 150, WALL_HEIGHT = 131 };
+
+/*
+ * Points in rows over a wall, many to a triangle, so that whole tiles of them are seen from a light as one cell: lit,
+ * behind one triangle, or none of them finite.
+ */
+static struct points points_of_wall(float height)
+{
+    struct points points = make_points((size_t)WALL_WIDTH * WALL_HEIGHT);
+    points.row_length = WALL_WIDTH;
+    for (size_t i = 0; i < points.count; i++) {
+        const size_t x = i % WALL_WIDTH, y = i / WALL_WIDTH;
+        float *point = points.positions + 3 * i;
+        point[0] = (float)x / 16 - 4.5f;
+        point[1] = (float)y / 16 - 4;
+        point[2] = height;
+        if (x >= 96 && y >= 96) point[y % 3] = x % 2 ? NAN : INFINITY;
+        if (i % 7001 == 0) point[0] = NAN;
+        points.skip[2 * i] = 0;
+        points.skip[2 * i + 1] = x < 80 ? 0 : 2;
+    }
+    return points;
+}
+
+/* The wall is there twice, and points lie before it, in it or behind it: only one of its triangles is skipped. */
+static void squares_of_points(void **state)
+{
+    (void)state;
+    const float corner[3] = {-9, -9, 0}, side[3] = {18, 0, 0}, other_side[3] = {0, 18, 0}, tilted[3] = {0, 18, 0.25f};
+    const float lo[3] = {-3, -3, 1}, hi[3] = {0, -1, 1.5f};
+    const float heights[] = {0.001f, 0, -0.001f, 2};
+    struct soup soup = {0};
+    soup_add_quad(&soup, corner, side, other_side);
+    soup_add_quad(&soup, corner, other_side, side);
+    soup_add_quad(&soup, corner, side, tilted);
+    soup_add_box(&soup, lo, hi);
+    struct fixture fixture = fixture_of_soup("a doubled wall", 7, &soup);
+    for (size_t i = 0; i < sizeof heights / sizeof heights[0]; i++) {
+        struct points points = points_of_wall(heights[i]);
+        const mlrt_light lights[] = {light_at(-1, -2, 3), light_at(0.5f, 0.25f, -4), light_at(40, 1, 0.5f)};
+        for (size_t l = 0; l < scaled(3) && l < 3; l++) {
+            check(&fixture, &points, &lights[l]);
+            check_points(&fixture, points.positions, NULL, points.count, points.row_length, &lights[l]);
+        }
+        free_points(&points);
+    }
+    free_fixture(&fixture);
+}
+
 static void the_query_option_is_ignored(void **state)
 {
     (void)state;
@@ -455,6 +504,7 @@ int main(void)
         cmocka_unit_test(the_room_with_its_light),
         cmocka_unit_test(an_empty_tree_shades_nothing),
         cmocka_unit_test(strides_of_points_and_results),
+        cmocka_unit_test(squares_of_points),
         cmocka_unit_test(the_query_option_is_ignored),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -88,21 +88,34 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
            d_gt(size, d_set1(MLRT_SHADOW_LEAST)) & d_gt(d_set1(MLRT_SHADOW_GREATEST), size);
 }
 
-/* Gathers corners and origins of the lanes `hit`. Returns 1 if all lanes have one triangle and one origin. */
+/*
+ * Gathers corners and origins of the lanes `hit`: if they hit few triangles, triangle by triangle. Returns 1 if all lanes
+ * have one triangle and one origin.
+ */
 static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
                            struct seen_points *points)
 {
-    const uint32_t number = seen->triangle[mlrt_lowest_bit(hit)];
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    const int is_one = !(hit & ~lanes_of_triangle(seen, number));
-    if (!is_one) mlrt_gather_corners(tree, seen, hit, points->corners);
+    uint32_t same = 0;
+    const int are_few = hits_few_triangles(seen, hit);
+    if (!are_few) mlrt_gather_corners(tree, seen, hit, points->corners);
+    for (uint32_t left = are_few ? hit : 0; left; left &= ~same) {
+        const uint32_t number = seen->triangle[mlrt_lowest_bit(left)];
+        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+        same = lanes_of_triangle(seen, number);
+        const uint32_t among = left == hit ? 0xFFFF : same; /* the first triangle is stored in all lanes */
+        for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+            for (int k = 0; k < 9; ++k) {
+                float *corner = points->corners[k] + v;
+                v_store(corner, v_select(m_from_bits(among >> v), v_set1(triangle.v[k / 3][k % 3]), v_load(corner)));
+            }
+        }
+    }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        for (int k = 0; is_one && k < 9; ++k) v_store(points->corners[k] + v, v_set1(triangle.v[k / 3][k % 3]));
         for (int k = 0; k < 3; ++k) {
             v_store(points->origin[k] + v, seen->has_apex ? v_set1(seen->apex[k]) : v_load(seen->origin[k] + v));
         }
     }
-    return is_one && seen->has_apex;
+    return !(hit & ~same) && seen->has_apex;
 }
 
 /*

@@ -175,11 +175,11 @@ struct mlrt_kernels {
     int (*trace_scaled_ray)(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, int any, uint32_t skip,
                             uint32_t *number);
     /*
-     * Makes a bundle without rays of cells of a camera's picture. Returns 0 if that is not possible.
-     * trace/camera_cells.h
+     * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (trace/camera_cells.h),
+     * or of the tiles of points that rays from a light lead to (trace/point_cells.h). Returns 0 if that is not possible.
      */
-    int (*gather_camera_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                               struct mlrt_bundle *bundle);
+    int (*gather_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                        struct mlrt_bundle *bundle);
     /* Traces a bundle whose packets, or tiles, have no rays yet. trace/tile.h */
     void (*trace_cells)(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
                         struct mlrt_bundle *bundle);

@@ -136,6 +136,7 @@ struct mlrt_bundle {
     float apex[3];                 /* the same point, not in units */
     int has_begins;                /* at least one t_min is above 0 */
     int far_first;                 /* the farthest boxes are opened first */
+    int ends_at_skip;              /* rays that are not made yet end before the plane of the triangle that they skip */
     float unit;                    /* all numbers of a bundle but `apex` are in units of the hierarchy (bvh/unit.h) */
     float scene_first, scene_last; /* depths between which all boxes lie */
     float core_first, core_last;   /* depths between which most triangles lie: only for guesses */

@@ -11,21 +11,7 @@
 #include "rays/slope_limits.h"
 #include "simd/simd.h"
 #include "trace/bundle.h"
-#include "trace/ray_tile.h"
-
-/*
- * The positions of the first and the last column (or row) of pixels of four cells of `side` pixels each, within an area
- * that is `length` pixels long. A cell that begins beyond the area gets the positions of the first one.
- */
-MLRT_INLINE void set_cell_samples(uint32_t first, uint32_t begin, uint32_t side, uint32_t length, float sample,
-                                  float samples[2][4])
-{
-    for (uint32_t i = 0; i < 4; ++i) {
-        const uint32_t low = i * side < length ? i * side : 0, high = low + side < length ? low + side : length;
-        samples[0][i] = mlrt_sample_position(first, begin + low, sample);
-        samples[1][i] = mlrt_sample_position(first, begin + high - 1, sample);
-    }
-}
+#include "trace/cells.h"
 
 /* For a vector of cells: the least depth of the directions at their corners, and bounds of their slopes. */
 struct corner_slopes {
@@ -53,31 +39,12 @@ static MLRT_NOINLINE void add_corner(const struct mlrt_view *view, const struct 
     }
 }
 
-/*
- * Copies a view with its directions brought near 1 by a power of two, which leaves slopes as they are. *floor receives
- * a bound of the underflow of its rays before that, and *limit the greatest size with which they are finite.
- */
-static MLRT_NOINLINE void scale_view(const struct mlrt_view *view, struct mlrt_view *scaled, float *floor, float *limit)
-{
-    float largest = 0;
-    int exponent;
-    *scaled = *view;
-    for (int k = 0; k < 3; ++k) largest = larger_of(fabsf(view->d00[k]), largest);
-    (void)frexp((double)largest, &exponent);
-    for (int k = 0; k < 3; ++k) {
-        scaled->d00[k] = (float)ldexp((double)view->d00[k], -exponent);
-        scaled->dx[k] = (float)ldexp((double)view->dx[k], -exponent);
-        scaled->dy[k] = (float)ldexp((double)view->dy[k], -exponent);
-    }
-    *floor = (float)(0x1p-100 + ldexp(1, -147 - exponent));
-    *limit = exponent < 66 ? MLRT_SAFE_MAX : (float)ldexp(1, 126 - exponent);
-}
-
 /* Begins the cells `there` of a bundle: closed, all rays start at the waist, and look from there without an end. */
 static void begin_cells(uint32_t there, struct mlrt_bundle *bundle)
 {
     struct mlrt_hulls *hulls = &bundle->hulls;
     bundle->going = bundle->closed = bundle->apexes = there;
+    bundle->ends_at_skip = 0;
     for (int v = 0; v < MLRT_BUNDLE_PACKETS; v += VW) {
         const vf zero = v_set1(0);
         MLRT_UNROLL
@@ -113,52 +80,19 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
                                struct mlrt_bundle *bundle)
 {
     struct mlrt_waist *waist = &bundle->waist;
-    const struct mlrt_view *view = &job->source.view;
-    const float unit = job->tree->bvh.unit;
-    float floor = 0x1p-100f, limit = MLRT_SAFE_MAX;
-    struct mlrt_view scaled;
-    if (MLRT_UNLIKELY(unit != 1)) {
-        scale_view(view, &scaled, &floor, &limit);
-        view = &scaled;
-    }
-    const uint32_t x = area->x, y = area->y, width = area->width, height = area->height;
-    if (view->parallel || view->t_min != 0 || !isinf(view->t_max)) return 0;
-    float columns[2][4], rows[2][4], pad[3], middle[3];
-    set_cell_samples(view->first_x, x, side, width, view->sample_x, columns);
-    set_cell_samples(view->first_y, y, side, height, view->sample_y, rows);
-    const float x_max =
-        larger_of(fabsf(columns[0][0]), fabsf(mlrt_sample_position(view->first_x, x + width - 1, view->sample_x)));
-    const float y_max =
-        larger_of(fabsf(rows[0][0]), fabsf(mlrt_sample_position(view->first_y, y + height - 1, view->sample_y)));
-    for (int k = 0; k < 3; ++k) {
-        const float whole = fabsf(view->d00[k]) + x_max * fabsf(view->dx[k]) + y_max * fabsf(view->dy[k]);
-        waist->point[k] = view->eye[k] * unit;
-        if (!(whole <= limit) || !mlrt_is_float_safe(waist->point[k])) return 0;
-        if (waist->point[k] / unit != view->eye[k]) return 0;
-        pad[k] = whole * (8 * 0x1p-24f) + floor;
-        middle[k] = (view->d00[k] + columns[0][0] * view->dx[k]) + rows[0][0] * view->dy[k];
-    }
-    mlrt_set_main_axis(middle, waist);
-
+    struct mlrt_camera_samples samples;
+    if (!mlrt_sample_camera_cells(&job->source.view, job->tree->bvh.unit, area, side, waist, &samples)) return 0;
     const int a = waist->main_axis;
-    uint32_t all = 0;
-    MLRT_ALIGNED(64) float samples[4][MLRT_CELL_COUNT];
-    for (uint32_t i = 0; i < MLRT_CELL_COUNT; ++i) {
-        const uint32_t column = i % 4, row = i / 4;
-        all |= (uint32_t)(column * side < width && row * side < height) << i;
-        for (int end = 0; end < 2; ++end) {
-            samples[end][i] = columns[end][column];
-            samples[2 + end][i] = rows[end][row];
-        }
-    }
+    const float *pad = samples.pad;
     for (int v = 0; v < MLRT_CELL_COUNT; v += VW) {
         struct corner_slopes of = {
             v_set1(INFINITY), {v_set1(INFINITY), v_set1(INFINITY)}, {v_set1(-INFINITY), v_set1(-INFINITY)}};
         for (int corner = 0; corner < 4; ++corner) {
-            add_corner(view, waist, samples[corner & 1] + v, samples[2 + (corner >> 1)] + v, &of);
+            add_corner(&samples.view, waist, samples.positions[corner & 1] + v,
+                       samples.positions[2 + (corner >> 1)] + v, &of);
         }
         const vm forward = v_gt(of.least_depth, v_set1(4 * pad[a]));
-        const vm there = m_from_bits(all >> v);
+        const vm there = m_from_bits(samples.all >> v);
         if (m_bits(m_andnot(there, forward))) return 0;
         const vf inverse = v_div(v_set1(2), of.least_depth);
         for (int j = 0; j < 2; ++j) {
@@ -170,7 +104,7 @@ static int gather_camera_cells(const struct mlrt_job *job, const struct mlrt_rec
             v_store(bundle->hulls.term[j].hi + v, v_add(of.hi[j], slack));
         }
     }
-    begin_cells(all, bundle);
+    begin_cells(samples.all, bundle);
     return 1;
 }
 

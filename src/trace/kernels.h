@@ -27,11 +27,23 @@
 #include "trace/read_tile.h"
 #include "hits/write_packet.h"
 #include "hits/shadow_packet.h"
+#include "trace/point_cells.h"
 #endif
+
+/* See job.h. Kernels that count have no cells of points. */
+static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
+                        struct mlrt_bundle *bundle)
+{
+    if (mlrt_is_pinhole(&job->source)) return gather_camera_cells(job, area, side, bundle);
+#if !MLRT_COUNTING
+    if (side == 16 && job->source.kind == MLRT_SOURCE_POINT_LIGHT) return gather_point_cells(job, area, bundle);
+#endif
+    return 0;
+}
 
 /* clang-format off: a table */
 #define KERNELS_OF_BOXES                                                                                               \
-    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .gather_camera_cells = gather_camera_cells,              \
+    .trace_tile = mlrt_trace_levels, .counts = MLRT_COUNTING, .gather_cells = gather_cells,                            \
     .trace_cells = trace_cells, .trace_bundle = trace_bundle
 /* clang-format on */
 

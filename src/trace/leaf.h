@@ -493,24 +493,27 @@ struct edge_values {
 
 /*
  * Finds the edge values of `count` vectors of rays, from the vector `first` on. This loop has no branch that depends
- * on a triangle's result, and keeps only terms in registers. Most triangles have no ray inside and end here.
+ * on a triangle's result, and keeps only terms in registers. Most triangles have no ray inside and end here, and so do
+ * those that all such rays skip: rays to a light mostly end on one.
  */
 MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const struct mlrt_bundle_rays *rays,
-                                  uint32_t active, uint32_t triangles, int has_places, int first, int count,
-                                  struct edge_values *of)
+                                  const struct mlrt_packet *packet, uint32_t triangles, int has_places, int first,
+                                  int count, struct edge_values *of)
 {
     const int term_count = has_places ? MLRT_RAY_TERMS : 2;
     vf term[PACKET_VECTORS][MLRT_RAY_TERMS], bound = v_set1(of->bound[0]);
+    vi skip[PACKET_VECTORS];
     uint32_t met[PACKET_VECTORS] = {0};
     MLRT_UNROLL
     for (int n = 0; n < count; ++n) {
         const int v = VW * (first + n);
-        const vm lanes = m_from_bits(active >> v);
+        skip[n] = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
+        const vm lanes = m_from_bits(packet->active >> v);
         MLRT_UNROLL
         for (int i = 0; i < term_count; ++i) term[n][i] = v_select(lanes, v_load(rays->term[i] + v), v_set1(NAN));
     }
     for (; triangles; triangles &= triangles - 1) {
-        const uint32_t triangle = mlrt_lowest_bit(triangles);
+        const uint32_t triangle = mlrt_lowest_bit(triangles), bit = triangles & (0u - triangles);
         vf least[PACKET_VECTORS], greatest[PACKET_VECTORS];
         MLRT_UNROLL
         for (int edge = 0; edge < 3; ++edge) {
@@ -538,7 +541,8 @@ MLRT_INLINE void find_edge_values(const struct mlrt_bundle_leaf *leaf, const str
             /* Lanes that are not active have NaN, of which no comparison is true. */
             vm may = v_ge(least[n], v_sub(v_set1(0), bound));
             if (has_places) may = m_or(may, v_le(greatest[n], bound));
-            met[n] |= (uint32_t)(m_bits(may) != 0) << triangle;
+            may = m_andnot(may, i_eq(skip[n], i_set1(leaf->numbers[triangle])));
+            met[n] |= m_bits(may) ? bit : 0;
         }
     }
     MLRT_UNROLL
@@ -871,20 +875,20 @@ MLRT_INLINE uint32_t test_bundle_packet(const struct mlrt_job *job, struct mlrt_
                                         uint32_t triangles, uint32_t place, int has_places)
 {
     const struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
-    const uint32_t active = bundle->tile->packets[place].active;
+    const struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct edge_values edges;
     uint32_t changed = 0, met = 0;
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(triangles));
-    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(active));
+    COUNT(&worker->counters, lane_test_count, mlrt_count_bits(triangles) * mlrt_count_bits(packet->active));
     for (int v = 0; v < (has_places ? MLRT_BVH_LEAF_LIMIT : 1); v += VW) {
         v_store(edges.bound + v, edge_bounds(&bundle->hulls, place, v_load(leaf->steepness + v), has_places));
     }
     if (has_places) {
         for (int first = 0; first < PACKET_VECTORS; first += VECTORS_FROM_ANYWHERE) {
-            find_edge_values(leaf, rays, active, triangles, 1, first, VECTORS_FROM_ANYWHERE, &edges);
+            find_edge_values(leaf, rays, packet, triangles, 1, first, VECTORS_FROM_ANYWHERE, &edges);
         }
     } else {
-        find_edge_values(leaf, rays, active, triangles, 0, 0, PACKET_VECTORS, &edges);
+        find_edge_values(leaf, rays, packet, triangles, 0, 0, PACKET_VECTORS, &edges);
     }
     for (int n = 0; n < PACKET_VECTORS; ++n) {
         met |= edges.of_vector[n];

@@ -17,15 +17,6 @@ static int is_list(const struct mlrt_source *source)
     return source->kind != MLRT_SOURCE_CAMERA && source->width <= 4;
 }
 
-/*
- * Makes a bundle without rays of the cells of `side` x `side` pixels of a picture. Returns 0 if that is not possible.
- */
-static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
-                                struct mlrt_bundle *bundle)
-{
-    return mlrt_is_pinhole(&job->source) && job->kernels->gather_camera_cells(job, area, side, bundle);
-}
-
 /* Traces the rays of a packet that float does not carry, and writes the results of the packet. */
 static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                          uint32_t place)
@@ -67,7 +58,7 @@ MLRT_INLINE void prefetch_triangles(const struct mlrt_tree *tree, const struct m
 static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     struct mlrt_ray_tile *tile = bundle->tile;
-    if (gather_picture_cells(job, &tile->area, 4, bundle)) {
+    if (job->kernels->gather_cells(job, &tile->area, 4, bundle)) {
         job->kernels->trace_cells(job, worker, worker->bundles->open_tiles != 0, bundle);
         worker->bundles->open_tiles = worker->bundles->open_tiles ? worker->bundles->open_tiles - 1
                                       : !bundle->closed           ? MLRT_TILE_RUN
@@ -118,7 +109,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     bundle.closed = 0;
     tile.cells = &bundle;
     if (known) {
-        gather_picture_cells(job, area, 4, &bundle);
+        job->kernels->gather_cells(job, area, 4, &bundle);
         mlrt_fill_words(bundle.hulls.cover, known->cover);
         mlrt_write_closed(job, worker, known->cover, area);
     } else {
@@ -136,8 +127,8 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     bundle.closed = 0;
     if (worker->bundles->open_squares) {
         --worker->bundles->open_squares;
-    } else if (gather_picture_cells(job, area, 16, &bundle)) {
-        job->kernels->trace_cells(job, worker, 0, &bundle);
+    } else {
+        if (job->kernels->gather_cells(job, area, 16, &bundle)) job->kernels->trace_cells(job, worker, 0, &bundle);
         if (!bundle.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
     }
     struct mlrt_known_lights known[MLRT_CELL_COUNT];

@@ -17,8 +17,8 @@
 static void read_packets(const struct mlrt_source *source, struct mlrt_ray_tile *tile)
 {
     struct known_mesh known = NO_MESH;
-    struct array_reader reader;
-    const int is_even = begin_reading(source, &reader);
+    struct mlrt_array_reader reader;
+    const int is_even = mlrt_begin_reading(source, &reader);
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);

@@ -26,6 +26,7 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_b
     memcpy(bundle->waist.point, job->source.light, sizeof bundle->waist.point);
     memcpy(hulls->skip, seen->hulls.cover, sizeof hulls->skip);
     bundle->going = bundle->closed = bundle->apexes = lit;
+    bundle->ends_at_skip = 1;
     return lit;
 }
 

@@ -116,8 +116,9 @@ static MLRT_NOINLINE void trace_lanes_of_packet(const struct mlrt_job *job, stru
     struct mlrt_packet *packet = &bundle->tile->packets[place];
     struct mlrt_bundle_rays *rays = &bundle->tile->rays[place];
     uint32_t changed = 0;
-    set_packet_distances(rays, packet);
-    if (!(bundle->has_reciprocals >> place & 1)) set_reciprocals(packet, &bundle->tile->reciprocals[place]);
+    const int is_first = !(bundle->has_reciprocals >> place & 1);
+    if (is_first || !job->any) set_packet_distances(rays, packet); /* where any hit will do, all end at t_max */
+    if (is_first) set_reciprocals(packet, &bundle->tile->reciprocals[place]);
     bundle->has_reciprocals |= 1u << place;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes), before = packet->triangle[lane];
@@ -162,13 +163,14 @@ static MLRT_NOINLINE int trace_few_of_bundle(const struct mlrt_job *job, struct 
     if (is_large_box(bundle, mlrt_lowest_bit(met), box, most)) return 0;
     for (uint32_t left = met; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
-        struct checked_lanes directions;
         need_lanes(bundle, place);
         lanes[place] = lanes_of_packet_met(bundle, place, box);
-        check_lanes(bundle->tile->packets[place].direction, &directions);
-        if (MLRT_UNLIKELY(lanes[place] & ~directions.safe)) return 0;
         count += mlrt_count_bits(lanes[place]);
         if (count > most) return 0;
+        if (bundle->has_reciprocals >> place & 1 || !lanes[place]) continue;
+        struct checked_lanes directions;
+        check_lanes(bundle->tile->packets[place].direction, &directions);
+        if (MLRT_UNLIKELY(bundle->tile->packets[place].active & ~directions.safe)) return 0;
     }
     for (; met; met &= met - 1) {
         const uint32_t place = mlrt_lowest_bit(met);
