@@ -110,6 +110,9 @@ struct mlrt_worker {
 /* rays/lone_ray.h */
 struct mlrt_lone_ray;
 
+/* exact/predicate.h */
+struct mlrt_hit_report;
+
 /* trace/ray_tile.h */
 struct mlrt_rectangle;
 struct mlrt_ray_tile;
@@ -149,9 +152,11 @@ struct mlrt_kernels {
 
     /*
      * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, or MLRT_NONE.
-     * Kernels that count have NULL. trace/single_ray.h
+     * Sets *report for a nearest hit, except that facing is 0 where the judge has to compute its numbers. Kernels that
+     * count have NULL. trace/single_ray.h
      */
-    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray);
+    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
+                          struct mlrt_hit_report *report);
     /*
      * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
      * Returns 0, and leaves *number, if float does not carry the ray there.

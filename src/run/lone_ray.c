@@ -90,8 +90,18 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *g
 static MLRT_NOINLINE int trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
                                         mlrt_hit *hit)
 {
-    const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray) : MLRT_NONE;
-    set_result(tree, given, number, ray->any, hit);
+    struct mlrt_hit_report report = {.facing = 0};
+    const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray, &report) : MLRT_NONE;
+    if (report.facing == 0) {
+        set_result(tree, given, number, ray->any, hit);
+        return 0;
+    }
+    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
+    hit->t = report.t;
+    hit->u = report.u;
+    hit->v = report.v;
+    hit->facing = report.facing;
+    hit->occluded = 1;
     return 0;
 }
 

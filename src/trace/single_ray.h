@@ -58,6 +58,7 @@
 
 #include "base/counters.h"
 #include "exact/segment.h"
+#include "hits/hit_numbers.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
 #include "job/write_arrays.h"
@@ -351,16 +352,19 @@ MLRT_INLINE float finite_limit(float hi)
     return hi < FLT_MAX ? hi : FLT_MAX;
 }
 
-/* Traces one lane of a packet through `child` and the tree below it. */
-static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals,
-                                       uint32_t lane, uint32_t child, struct mlrt_packet *packet,
-                                       struct mlrt_worker *worker)
+/*
+ * Traces one lane of a packet through `child` and the tree below it. Returns the leaf where the lane found its nearest
+ * hit, or 0 if it found none.
+ */
+static MLRT_NOINLINE uint32_t trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals,
+                                           uint32_t lane, uint32_t child, struct mlrt_packet *packet,
+                                           struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
     const int any = job->any;
     uint64_t stack[WAITING_LIMIT];
-    uint32_t count = 0;
+    uint32_t count = 0, leaf = 0;
     struct single_ray ray;
     set_single_ray(packet, reciprocals, lane, &ray);
     float limit = finite_limit(packet->hi[lane]);
@@ -375,11 +379,12 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
                 continue;
             }
         } else if (test_leaf(job, &ray, child, packet, worker)) {
-            if (any) return;
+            leaf = child;
+            if (any) return leaf;
             limit = finite_limit(packet->hi[lane]);
         }
         do {
-            if (count == 0) return;
+            if (count == 0) return leaf;
             --count;
         } while (!any && stack[count] > stack_entry(limit, 0xFFFFFFFFu));
         child = (uint32_t)stack[count];
@@ -388,11 +393,12 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
 
 #if !MLRT_COUNTING
 /*
- * Traces a ray as lane 0 of a packet, and returns the number of the triangle that it hits. The worker is one of this
- * call, of which only the fields set here are used: with room for one plane and one pair of triangles.
+ * Traces a ray as lane 0 of a packet. Returns the number of the triangle that it hits, and sets *leaf if there is one.
+ * The worker is one of this call, of which only the fields set here are used: with room for one plane and one pair of
+ * triangles.
  */
 static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lone_ray *ray,
-                                struct mlrt_scaled_packet *scaled)
+                                struct mlrt_scaled_packet *scaled, uint32_t *leaf)
 {
     struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
     struct mlrt_reciprocals reciprocals;
@@ -420,17 +426,36 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     pair.first = pair.second = 0;
     worker.progress = NULL;
     worker.scaled = scaled;
-    trace_single(job, &reciprocals, 0, 0, packet, &worker);
+    *leaf = trace_single(job, &reciprocals, 0, 0, packet, &worker);
     return packet->triangle[0];
 }
 
-/* The function `trace_ray` of job/job.h. */
-static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray)
+/* The place of triangle `number` in a leaf that has it. */
+MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 {
+    for (uint32_t v = 0;; v += VW) {
+        const uint32_t found = m_bits(i_eq(i_load_any(numbers + v), i_set1(number)));
+        if (found) return v + mlrt_lowest_bit(found);
+    }
+}
+
+/* The function `trace_ray` of job/job.h. */
+static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
+                               struct mlrt_hit_report *report)
+{
+    const struct mlrt_bvh *bvh = &tree->bvh;
     struct mlrt_job job;
+    uint32_t leaf;
     job.tree = tree;
     job.any = ray->any;
-    return trace_lone_lane(&job, ray, NULL);
+    const uint32_t number = trace_lone_lane(&job, ray, NULL, &leaf);
+    report->facing = 0;
+    if (number == MLRT_NONE || ray->any) return number;
+    const size_t quad = mlrt_bvh_offset(leaf);
+    const uint32_t place = find_place(bvh->numbers + 4 * quad, number);
+    report_one_ray(bvh->corners + 36 * quad + place, 4 * mlrt_bvh_quad_count(leaf), ray->origin, ray->direction,
+                   report);
+    return number;
 }
 
 /* The function `trace_scaled_ray` of job/job.h. */
@@ -441,6 +466,7 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     struct mlrt_scaled_packet scaled;
     struct mlrt_lone_ray ray;
     struct mlrt_job job;
+    uint32_t leaf;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
         for (int k = 0; k < 3; ++k) {
             packet.origin[k][lane] = segment->origin[k];
@@ -465,7 +491,7 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     ray.skip = skip;
     job.tree = tree;
     job.any = any;
-    *number = trace_lone_lane(&job, &ray, &scaled);
+    *number = trace_lone_lane(&job, &ray, &scaled, &leaf);
     return 1;
 }
 #endif
