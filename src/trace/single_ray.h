@@ -235,8 +235,8 @@ MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], con
     test->distance = dot_product(g, q);
     const vf ca = dot_product(s, p), ab = dot_product(direction, q);
     const vf bc = v_sub(v_sub(test->determinant, ca), ab);
-    test->least = v_min(v_min(ab, bc), ca);
-    test->greatest = v_max(v_max(ab, bc), ca);
+    test->least = v_min(v_min(ab, ca), bc); /* bc is the last to be known */
+    test->greatest = v_max(v_max(ab, ca), bc);
 }
 
 /* Likewise for one ray and a vector of triangles. Each coordinate is a row; rows are `stride` floats apart. */
