@@ -295,19 +295,16 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
     return report_rays(plane, origin, direction, direction_size, outputs, lane, values);
 }
 
-/*
- * Sets t, u, v and facing of one ray's hit. Coordinate i of its triangle is corner[i * row]. Returns 0, and leaves
- * *report, where the judge has to compute them.
- */
-static MLRT_NOINLINE int report_one_ray(const float *corner, uint32_t row, const float origin[3],
-                                        const float direction[3], struct mlrt_hit_report *report)
+/* The function `report_ray` of job/job.h. */
+MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
+                               struct mlrt_hit_report *report)
 {
     const double size = (double)(fabsf(direction[0]) + fabsf(direction[1]) + fabsf(direction[2])) * (1 + 0x1p-22);
     vd corners[9], from[3], to[3];
     struct plane_terms plane;
     struct mlrt_packet_values values;
     MLRT_UNROLL
-    for (uint32_t i = 0; i < 9; ++i) corners[i] = d_set1(corner[i * row]);
+    for (size_t i = 0; i < 9; ++i) corners[i] = d_set1(of->corner[i * of->row]);
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         from[k] = d_set1(origin[k]);

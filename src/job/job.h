@@ -151,12 +151,17 @@ struct mlrt_kernels {
     /* The kernels of the kd-tree have none of the following. */
 
     /*
-     * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, or MLRT_NONE.
-     * Sets *report for a nearest hit, except that facing is 0 where the judge has to compute its numbers. Kernels that
-     * count have NULL. trace/single_ray.h
+     * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, whose corners are
+     * at *corners, or MLRT_NONE. Kernels that count have NULL. trace/single_ray.h
      */
-    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
-                          struct mlrt_hit_report *report);
+    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, struct mlrt_corners *corners);
+    /*
+     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them. NULL if
+     * those of `reports` are faster. hits/hit_numbers.h
+     */
+    int (*report_ray)(const struct mlrt_corners *corners, const float origin[3], const float direction[3],
+                      struct mlrt_hit_report *report);
+    const struct mlrt_kernels *reports; /* the kernels whose report_ray is used */
     /*
      * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
      * Returns 0, and leaves *number, if float does not carry the ray there.

@@ -90,9 +90,12 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *g
 static MLRT_NOINLINE int trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
                                         mlrt_hit *hit)
 {
-    struct mlrt_hit_report report = {.facing = 0};
-    const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(ray)->trace_ray(tree, ray, &report) : MLRT_NONE;
-    if (report.facing == 0) {
+    const struct mlrt_kernels *kernels = kernels_of(ray);
+    struct mlrt_corners corners;
+    struct mlrt_hit_report report;
+    const uint32_t number = tree->bvh.node_count > 0 ? kernels->trace_ray(tree, ray, &corners) : MLRT_NONE;
+    if (number == MLRT_NONE || ray->any ||
+        MLRT_UNLIKELY(!kernels->reports->report_ray(&corners, ray->origin, ray->direction, &report))) {
         set_result(tree, given, number, ray->any, hit);
         return 0;
     }

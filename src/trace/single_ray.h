@@ -58,7 +58,6 @@
 
 #include "base/counters.h"
 #include "exact/segment.h"
-#include "hits/hit_numbers.h"
 #include "hits/triangle_filter.h"
 #include "hits/undecided.h"
 #include "job/write_arrays.h"
@@ -82,6 +81,8 @@
  * node, which has visited at least one of its children.
  */
 #define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
+
+#define NO_PLACE 0xFFFFFFFFu
 
 struct single_ray {
     vf origin[3];
@@ -261,11 +262,11 @@ MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corn
 }
 
 /*
- * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane. Returns those
- * whose distances overlap with it, which have to be compared exactly.
+ * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane, and sets *place to
+ * its place. Returns those whose distances overlap with it, which have to be compared exactly.
  */
 MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer, const uint32_t *numbers,
-                                  uint32_t lane, struct mlrt_packet *packet)
+                                  uint32_t lane, struct mlrt_packet *packet, uint32_t *place)
 {
     MLRT_ALIGNED(64) float lo[VW];
     MLRT_ALIGNED(64) float hi[VW];
@@ -279,6 +280,7 @@ MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer
     packet->triangle[lane] = numbers[nearest];
     packet->lo[lane] = lo[nearest];
     packet->hi[lane] = hi[nearest];
+    *place = nearest;
     for (nearer &= ~(1u << nearest); nearer; nearer &= nearer - 1) {
         const uint32_t i = mlrt_lowest_bit(nearer);
         if (!MLRT_GUESS && lo[i] <= hi[nearest]) close |= 1u << i;
@@ -296,11 +298,19 @@ MLRT_INLINE vm places_without_test(const struct mlrt_packet *packet, uint32_t la
     return packet->has_skip ? m_or(ignored, i_eq(number, i_set1(packet->skip[lane]))) : ignored;
 }
 
+/* The place of triangle `number`, which is among `numbers`. */
+MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
+{
+    uint32_t place = 0;
+    while (numbers[place] != number) ++place;
+    return place;
+}
+
 /*
- * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns 1 if the
- * nearest hit changed.
+ * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns NO_PLACE if the
+ * nearest hit did not change, else its place.
  */
-MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
+MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
                               const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
@@ -308,49 +318,54 @@ MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *number
     uint32_t candidates = m_bits(inside) & places;
     uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(ignored);
     const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
-    int changed = 0;
+    uint32_t changed = NO_PLACE;
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) offered = mlrt_visible_places(job->tree, numbers, offered, mask);
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(offered));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
     candidates &= offered;
-    if (!candidates) return 0;
+    if (!candidates) return NO_PLACE;
     const struct verdict verdict = compare_distances(test, m_andnot(inside, ignored), t_min, v_set1(packet->lo[lane]),
                                                      v_set1(packet->hi[lane]), job->any);
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
     const uint32_t nearer = m_bits(verdict.nearer) & candidates;
     if (nearer && job->any) {
-        packet->triangle[lane] = numbers[mlrt_lowest_bit(nearer)];
-        return 1;
+        changed = mlrt_lowest_bit(nearer);
+        packet->triangle[lane] = numbers[changed];
+        return changed;
     }
-    if (nearer) {
-        undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet);
-        changed = 1;
-    }
-    if (MLRT_UNLIKELY(undecided)) {
-        changed |= decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
+    if (nearer) undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
+    if (MLRT_UNLIKELY(undecided) &&
+        decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker)) {
+        changed = find_place(numbers, packet->triangle[lane]);
     }
     return changed;
 }
 
-/* Tests the triangles of a leaf. Returns 1 if the nearest hit changed. */
-MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
-                          struct mlrt_packet *packet, struct mlrt_worker *worker)
+/*
+ * Tests the triangles of a leaf. Returns NULL if the nearest hit did not change, else the first of its corners'
+ * coordinates.
+ */
+MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
+                                   struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     const uint32_t place_count = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
-    int changed = 0;
+    const float *nearest = NULL;
     for (uint32_t v = 0; v < place_count; v += VW) {
         const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
         struct float_test test;
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
         if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
-        changed |= settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
-        if (changed && job->any) return 1;
+        const uint32_t changed =
+            settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
+        if (changed == NO_PLACE) continue;
+        nearest = corners + v + changed;
+        if (job->any) return nearest;
     }
-    return changed;
+    return nearest;
 }
 
 /* Node `child`. Its byte offset is child * 56: cheaper than its number times the 448 bytes of a node. */
@@ -365,18 +380,20 @@ MLRT_INLINE float finite_limit(float hi)
 }
 
 /*
- * Traces one lane of a packet through `child` and the tree below it. Returns the leaf where the lane found its nearest
- * hit, or 0 if it found none.
+ * Traces one lane of a packet through `child` and the tree below it. Returns where the corners of its nearest hit lie;
+ * if nothing nearer was found, `corner` is NULL.
  */
-static MLRT_NOINLINE uint32_t trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals,
-                                           uint32_t lane, uint32_t child, struct mlrt_packet *packet,
-                                           struct mlrt_worker *worker)
+static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job,
+                                                      const struct mlrt_reciprocals *reciprocals,
+                                                      uint32_t lane, uint32_t child, struct mlrt_packet *packet,
+                                                      struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
     const int any = job->any;
     uint64_t stack[WAITING_LIMIT];
-    uint32_t count = 0, leaf = 0;
+    struct mlrt_corners nearest = {NULL, 0, 1};
+    uint32_t count = 0;
     struct single_ray ray;
     set_single_ray(packet, reciprocals, lane, &ray);
     float limit = finite_limit(packet->hi[lane]);
@@ -390,13 +407,17 @@ static MLRT_NOINLINE uint32_t trace_single(const struct mlrt_job *job, const str
                 child = choose_child(node, met, order, any, stack, &count);
                 continue;
             }
-        } else if (test_leaf(job, &ray, child, packet, worker)) {
-            leaf = child;
-            if (any) return leaf;
-            limit = finite_limit(packet->hi[lane]);
+        } else {
+            const float *corner = test_leaf(job, &ray, child, packet, worker);
+            if (corner) {
+                nearest.corner = corner;
+                nearest.row = 4 * mlrt_bvh_quad_count(child);
+                if (any) return nearest;
+                limit = finite_limit(packet->hi[lane]);
+            }
         }
         do {
-            if (count == 0) return leaf;
+            if (count == 0) return nearest;
             --count;
         } while (!any && stack[count] > stack_entry(limit, 0xFFFFFFFFu));
         child = (uint32_t)stack[count];
@@ -405,12 +426,11 @@ static MLRT_NOINLINE uint32_t trace_single(const struct mlrt_job *job, const str
 
 #if !MLRT_COUNTING
 /*
- * Traces a ray as lane 0 of a packet. Returns the number of the triangle that it hits, and sets *leaf if there is one.
- * The worker is one of this call, of which only the fields set here are used: with room for one plane and one pair of
- * triangles.
+ * Traces a ray as lane 0 of a packet. Returns the number of the triangle that it hits, and sets *corners. The worker is
+ * one of this call, of which only the fields set here are used: with room for one plane and one pair of triangles.
  */
 static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lone_ray *ray,
-                                struct mlrt_scaled_packet *scaled, uint32_t *leaf)
+                                struct mlrt_scaled_packet *scaled, struct mlrt_corners *corners)
 {
     struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
     struct mlrt_reciprocals reciprocals;
@@ -438,36 +458,18 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     pair.first = pair.second = 0;
     worker.progress = NULL;
     worker.scaled = scaled;
-    *leaf = trace_single(job, &reciprocals, 0, 0, packet, &worker);
+    *corners = trace_single(job, &reciprocals, 0, 0, packet, &worker);
     return packet->triangle[0];
-}
-
-/* The place of triangle `number` in a leaf that has it. */
-MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
-{
-    for (uint32_t v = 0;; v += VW) {
-        const uint32_t found = m_bits(i_eq(i_load_any(numbers + v), i_set1(number)));
-        if (found) return v + mlrt_lowest_bit(found);
-    }
 }
 
 /* The function `trace_ray` of job/job.h. */
 static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
-                               struct mlrt_hit_report *report)
+                               struct mlrt_corners *corners)
 {
-    const struct mlrt_bvh *bvh = &tree->bvh;
     struct mlrt_job job;
-    uint32_t leaf;
     job.tree = tree;
     job.any = ray->any;
-    const uint32_t number = trace_lone_lane(&job, ray, NULL, &leaf);
-    report->facing = 0;
-    if (number == MLRT_NONE || ray->any) return number;
-    const size_t quad = mlrt_bvh_offset(leaf);
-    const uint32_t place = find_place(bvh->numbers + 4 * quad, number);
-    report_one_ray(bvh->corners + 36 * quad + place, 4 * mlrt_bvh_quad_count(leaf), ray->origin, ray->direction,
-                   report);
-    return number;
+    return trace_lone_lane(&job, ray, NULL, corners);
 }
 
 /* The function `trace_scaled_ray` of job/job.h. */
@@ -478,7 +480,7 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     struct mlrt_scaled_packet scaled;
     struct mlrt_lone_ray ray;
     struct mlrt_job job;
-    uint32_t leaf;
+    struct mlrt_corners corners;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
         for (int k = 0; k < 3; ++k) {
             packet.origin[k][lane] = segment->origin[k];
@@ -503,7 +505,7 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     ray.skip = skip;
     job.tree = tree;
     job.any = any;
-    *number = trace_lone_lane(&job, &ray, &scaled, &leaf);
+    *number = trace_lone_lane(&job, &ray, &scaled, &corners);
     return 1;
 }
 #endif
