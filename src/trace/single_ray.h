@@ -138,7 +138,6 @@ MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_
 {
     const float *planes = &node->lo[0][0];
     uint32_t met = 0;
-    MLRT_UNROLL
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         vf first = ray->t_min, last = v_set1(limit);
         MLRT_UNROLL
@@ -308,7 +307,7 @@ MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
 
 /*
  * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns NO_PLACE if the
- * nearest hit did not change, else its place.
+ * nearest hit did not change, else its place. (A tie changes the triangle but not the distance.)
  */
 MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
                               const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
@@ -334,9 +333,10 @@ MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *n
         return changed;
     }
     if (nearer) undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
-    if (MLRT_UNLIKELY(undecided) &&
-        decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker)) {
-        changed = find_place(numbers, packet->triangle[lane]);
+    if (MLRT_UNLIKELY(undecided)) {
+        const uint32_t before = packet->triangle[lane];
+        decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
+        if (packet->triangle[lane] != before) changed = find_place(numbers, packet->triangle[lane]);
     }
     return changed;
 }
