@@ -1552,10 +1552,10 @@ static void stacks_hold_what_waits(void **state)
         bundle.hulls.term[side].hi[0] = 0.01f;
     }
     begin_cells(1, &bundle);
-    static struct mlrt_bundle_cache caches[2];
-    caches[0].leaves = leaves;
-    caches[0].bits = 1;
-    worker.bundle_caches = caches;
+    static struct mlrt_bundles bundles;
+    bundles.caches[0].leaves = leaves;
+    bundles.caches[0].bits = 1;
+    worker.bundles = &bundles;
     worker.mask = MLRT_MASK_ALL;
     for (int k = 0; k < 3; ++k) bundle.apex[k] = NAN;
     trace_cells(&job, &worker, 0, &bundle);

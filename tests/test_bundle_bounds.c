@@ -1190,14 +1190,14 @@ static double lines_over(const float *input, int has_places)
     struct mlrt_pair_line line;
     vf bound;
     vm above, below;
-    if (!worker.planes) {
+    if (!worker.known.planes) {
         struct exact_plane *const exact[2] = {&first, &second};
         for (int i = 0; i < 2; i++) {
             init_vector(&exact[i]->normal);
             mpf_inits(exact[i]->v, exact[i]->n, exact[i]->d, NULL);
         }
-        worker.planes = planes;
-        worker.pairs = pairs;
+        worker.known.planes = planes;
+        worker.known.pairs = pairs;
     }
     if (!bundle_of(input, 1, has_places)) return -1;
     memcpy(both[0].v, input, sizeof both[0].v);

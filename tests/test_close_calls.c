@@ -41,8 +41,8 @@ struct bench {
 static void begin_bench(struct bench *bench)
 {
     memset(bench, 0, sizeof *bench);
-    bench->worker.planes = bench->planes;
-    bench->worker.pairs = bench->pairs;
+    bench->worker.known.planes = bench->planes;
+    bench->worker.known.pairs = bench->pairs;
     mlrt_forget_planes(MLRT_FEW_PLANE_BITS, MLRT_FEW_PAIR_BITS, &bench->worker);
 }
 
@@ -418,15 +418,15 @@ static void planes_are_asked_for_once(void **state)
     struct mlrt_progress progress = {0}; // tells nobody
     struct bench own, *bench = &own;
     aim_at_nest(bench);
-    bench->worker.planes = planes;
+    bench->worker.known.planes = planes;
     mlrt_forget_planes(MLRT_KNOWN_PLANE_BITS, MLRT_FEW_PAIR_BITS, &bench->worker);
-    bench->worker.progress = &progress;
+    bench->worker.watch.progress = &progress;
     for (uint32_t nearest = 0; nearest < NEST_COUNT; nearest += 97) {
         for (uint32_t number = 0; number < NEST_COUNT; number++) {
             if (number != nearest) assert_true(mlrt_have_one_plane(tree, number, nearest, &bench->worker));
         }
     }
-    assert_int_equal(bench->worker.slow_steps, NEST_COUNT - 1);
+    assert_int_equal(bench->worker.watch.slow_steps, NEST_COUNT - 1);
     free(planes);
     mlrt_destroy_tree(tree);
 }
@@ -445,9 +445,9 @@ static void close_calls_are_stopped(void **state)
         uint32_t number = NEST_COUNT - 1;
         aim_at_nest(bench);
         mlrt_begin_progress(&host, 1, &progress);
-        bench->worker.progress = &progress;
-        bench->worker.environment = mlrt_enter_fp_environment();
-        for (; number > 0 && !bench->worker.stopped; number--) {
+        bench->worker.watch.progress = &progress;
+        bench->worker.watch.environment = mlrt_enter_fp_environment();
+        for (; number > 0 && !bench->worker.watch.stopped; number--) {
             functions[i](tree, number, 0xFFFF, 0xFFFF, &bench->packet, &bench->worker, NULL);
         }
         assert_int_equal(call_count, 1);
@@ -455,7 +455,7 @@ static void close_calls_are_stopped(void **state)
         const struct mlrt_packet before = bench->packet;
         assert_int_equal(functions[i](tree, 0, 0xFFFF, 0xFFFF, &bench->packet, &bench->worker, NULL), 0);
         assert_memory_equal(before.triangle, bench->packet.triangle, sizeof before.triangle);
-        mlrt_leave_fp_environment(bench->worker.environment);
+        mlrt_leave_fp_environment(bench->worker.watch.environment);
         mlrt_end_progress(&progress, MLRT_ERROR_CANCELLED);
     }
     mlrt_destroy_tree(tree);

@@ -135,7 +135,7 @@ static void compare_ways(const struct fixture *fixture, const struct question *q
     ask(fixture->tree, question, options, &expected);
     options.method = MLRT_METHOD_TILE;
     for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
-        if (!mlrt_select_kernels(options.isa, MLRT_METHOD_TILE, 0)) continue;
+        if (!mlrt_select_kernels(&mlrt_structure_bvh, options.isa, MLRT_METHOD_TILE, 0)) continue;
         ask(fixture->tree, question, options, &got);
         for (size_t i = 0; i < COUNT; i++) {
             if (got.triangle[i] == expected.triangle[i] && memcmp(&got.t[i], &expected.t[i], 4) == 0 &&

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whole trees: every one must keep the invariants of kdtree.h (mlrt_check_tree), whatever the triangles are.
+ * Whole trees: every one must keep the invariants of kdtree.h (check_kdtree), whatever the triangles are.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 #include <math.h>
 
 #include "mlrta/build.h"
-#include "mlrta/check.h"
+#include "invariants.h"
 #include "mlrta/kdtree.h"
 
 /* ---- helpers ------------------------------------------------------------------------------------------------- */
@@ -43,8 +43,8 @@ static mlrt_kdtree_options tuned_options(void)
 
 static void free_tree(struct mlrt_tree *tree)
 {
-    mlrt_free(&tree->memory, tree->nodes, tree->node_count, sizeof *tree->nodes);
-    mlrt_free(&tree->memory, tree->references, tree->reference_count, sizeof *tree->references);
+    mlrt_free(&tree->memory, tree->kdtree.nodes, tree->kdtree.node_count, sizeof *tree->kdtree.nodes);
+    mlrt_free(&tree->memory, tree->kdtree.references, tree->kdtree.reference_count, sizeof *tree->kdtree.references);
     assert_int_equal(tree->memory.held_size, 0);
 }
 
@@ -58,7 +58,7 @@ static struct mlrt_tree build_with(struct mlrt_triangle *triangles, uint32_t cou
     mlrt_read_in_order(&tree);
     tree.triangle_count = count;
     assert_int_equal(mlrt_build_nodes(&tree, options ? options : &tuned, NULL), MLRT_OK);
-    const char *wrong = mlrt_check_tree(&tree);
+    const char *wrong = check_kdtree(&tree);
     if (wrong != NULL) fail_msg("%s", wrong);
     return tree;
 }
@@ -122,12 +122,12 @@ static void test_no_triangles_make_one_empty_leaf(void **state)
 {
     (void)state;
     struct mlrt_tree tree = build_with(NULL, 0, NULL);
-    assert_int_equal(tree.node_count, 1);
-    assert_true(mlrt_node_is_leaf(&tree.nodes[0]));
-    assert_int_equal(mlrt_leaf_count(&tree.nodes[0]), 0);
+    assert_int_equal(tree.kdtree.node_count, 1);
+    assert_true(mlrt_node_is_leaf(&tree.kdtree.nodes[0]));
+    assert_int_equal(mlrt_leaf_count(&tree.kdtree.nodes[0]), 0);
     assert_true(tree.bounds.lo[0] == 0 && tree.bounds.hi[2] == 0);
     assert_int_equal(tree.info.empty_leaf_count, 1);
-    assert_true(tree.float_safe);
+    assert_true(tree.kdtree.float_safe);
     free_tree(&tree);
 }
 
@@ -257,14 +257,14 @@ static void test_a_room_has_flat_cells_and_an_empty_inside(void **state)
     options.intersection_cost = 10;
     struct mlrt_tree tree = build_with(triangles, 12, &options);
     assert_true(tree.info.empty_leaf_count >= 1);
-    assert_int_equal(tree.reference_count, 12);
+    assert_int_equal(tree.kdtree.reference_count, 12);
     uint32_t node = 0;
     const float middle[3] = {0.5f, 0.5f, 0.5f};
-    while (!mlrt_node_is_leaf(&tree.nodes[node])) {
-        const struct mlrt_node *inner = &tree.nodes[node];
+    while (!mlrt_node_is_leaf(&tree.kdtree.nodes[node])) {
+        const struct mlrt_node *inner = &tree.kdtree.nodes[node];
         node = mlrt_node_child(inner) + (middle[mlrt_node_axis(inner)] > inner->u.split);
     }
-    assert_int_equal(mlrt_leaf_count(&tree.nodes[node]), 0);
+    assert_int_equal(mlrt_leaf_count(&tree.kdtree.nodes[node]), 0);
     free_tree(&tree);
 }
 
@@ -323,7 +323,7 @@ static void test_a_safe_scene_makes_a_safe_tree(void **state)
     triangles[0].v[0][2] = 1;
     triangles[1].v[0][2] = -1;
     struct mlrt_tree tree = build_with(triangles, 2000, NULL);
-    assert_true(tree.float_safe);
+    assert_true(tree.kdtree.float_safe);
     free_tree(&tree);
 }
 
@@ -332,7 +332,7 @@ static void test_a_scene_out_of_range_is_not_safe(void **state)
     (void)state;
     struct mlrt_triangle triangle = {{{0, 0, 5}, {0x1p61f, 0, 5}, {0, 1, 5}}};
     struct mlrt_tree tree = build_with(&triangle, 1, NULL);
-    assert_false(tree.float_safe);
+    assert_false(tree.kdtree.float_safe);
     free_tree(&tree);
 }
 
@@ -345,7 +345,7 @@ static void test_the_same_input_gives_the_same_tree(void **state)
     make_soup(triangles, 5000, 0.1f, 18);
     struct mlrt_tree first = build_with(triangles, 5000, NULL), second = build_with(triangles, 5000, NULL);
     assert_true(first.info.tree_hash == second.info.tree_hash);
-    assert_memory_equal(first.nodes, second.nodes, first.node_count * sizeof *first.nodes);
+    assert_memory_equal(first.kdtree.nodes, second.kdtree.nodes, first.kdtree.node_count * sizeof *first.kdtree.nodes);
     triangles[77].v[0][0] += 0.5f;
     struct mlrt_tree other = build_with(triangles, 5000, NULL);
     assert_true(other.info.tree_hash != first.info.tree_hash);
@@ -484,8 +484,8 @@ static void test_running_out_of_memory_anywhere_leaves_nothing(void **state)
         }
         failure_count++;
         assert_int_equal(status, MLRT_ERROR_OUT_OF_MEMORY);
-        assert_null(tree.nodes);
-        assert_null(tree.references);
+        assert_null(tree.kdtree.nodes);
+        assert_null(tree.kdtree.references);
         assert_int_equal(tree.memory.held_size, 0);
     }
     assert_true(failure_count > 50);
@@ -509,20 +509,20 @@ static void test_the_check_sees_what_is_broken(void **state)
     static struct mlrt_triangle triangles[200];
     make_soup(triangles, 200, 0.1f, 30);
     struct mlrt_tree tree = build_with(triangles, 200, NULL);
-    struct mlrt_node root = tree.nodes[0];
-    tree.nodes[0].u.split = 100;
-    assert_non_null(mlrt_check_tree(&tree));
-    tree.nodes[0].u.split = 0.5f * (root.u.split + tree.bounds.lo[mlrt_node_axis(&root)]);
-    assert_non_null(mlrt_check_tree(&tree));
-    tree.nodes[0] = root;
-    tree.nodes[0].word += 4;
-    assert_non_null(mlrt_check_tree(&tree));
-    tree.nodes[0] = root;
-    uint32_t entry = tree.references[tree.reference_count - 1];
-    tree.references[tree.reference_count - 1] = 200;
-    assert_non_null(mlrt_check_tree(&tree));
-    tree.references[tree.reference_count - 1] = entry;
-    assert_null(mlrt_check_tree(&tree));
+    struct mlrt_node root = tree.kdtree.nodes[0];
+    tree.kdtree.nodes[0].u.split = 100;
+    assert_non_null(check_kdtree(&tree));
+    tree.kdtree.nodes[0].u.split = 0.5f * (root.u.split + tree.bounds.lo[mlrt_node_axis(&root)]);
+    assert_non_null(check_kdtree(&tree));
+    tree.kdtree.nodes[0] = root;
+    tree.kdtree.nodes[0].word += 4;
+    assert_non_null(check_kdtree(&tree));
+    tree.kdtree.nodes[0] = root;
+    uint32_t entry = tree.kdtree.references[tree.kdtree.reference_count - 1];
+    tree.kdtree.references[tree.kdtree.reference_count - 1] = 200;
+    assert_non_null(check_kdtree(&tree));
+    tree.kdtree.references[tree.kdtree.reference_count - 1] = entry;
+    assert_null(check_kdtree(&tree));
     free_tree(&tree);
 }
 

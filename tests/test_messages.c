@@ -112,8 +112,10 @@ static enum { NOTHING, NO_MORE_THREADS, NO_AVX512, MANY_QUADS } pretended;
 
 int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*function)(void *), void *data);
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*function)(void *), void *data);
-const struct mlrt_kernels *__real_mlrt_select_kernels(int32_t isa, int32_t method, int counting);
-const struct mlrt_kernels *__wrap_mlrt_select_kernels(int32_t isa, int32_t method, int counting);
+const struct mlrt_kernels *__real_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
+                                                      int32_t method, int counting);
+const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
+                                                      int32_t method, int counting);
 void __real_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
                                 struct mlrt_bvh_size *size);
 void __wrap_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
@@ -126,10 +128,11 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes, v
     return __real_pthread_create(thread, attributes, function, data);
 }
 
-const struct mlrt_kernels *__wrap_mlrt_select_kernels(int32_t isa, int32_t method, int counting)
+const struct mlrt_kernels *__wrap_mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa,
+                                                      int32_t method, int counting)
 {
     if (pretended == NO_AVX512 && isa == MLRT_ISA_AVX512) return NULL;
-    return __real_mlrt_select_kernels(isa, method, counting);
+    return __real_mlrt_select_kernels(structure, isa, method, counting);
 }
 
 void __wrap_mlrt_measure_forest(const struct mlrt_binary_tree *binary, uint32_t number, uint32_t slots, uint32_t depth,
@@ -392,7 +395,7 @@ static void check_damage(size_t size)
 
     mlrt_tree *const two = build_structure(now.meshes, 2, MLRT_STRUCTURE_BVH);
 #define FORGE(change, text)                                                                                            \
-    forged = *two, forged.mesh_first = first, forged.mesh_by_id = by_id, forged.mesh_ids = ids;                        \
+    forged = *two, forged.meshes.first = first, forged.meshes.by_id = by_id, forged.meshes.ids = ids;                  \
     CHECK(change, load_tree(&forged), DATA, text);                                                                     \
     first[0] = 0, first[1] = 1, first[2] = 2, by_id[0] = 0, ids[0] = 4
     FORGE(first[0] = 1, "data: meshes are out of order");

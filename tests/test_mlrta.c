@@ -155,7 +155,7 @@ static void share_path(const struct path *path, int *is_first, struct path *comm
 static void add_leaves(const struct mlrt_tree *tree, uint32_t node, const struct mlrt_box *cell,
                        const struct plain_ray *ray, struct path *path, int *is_first, struct path *common)
 {
-    const struct mlrt_node *here = &tree->nodes[node];
+    const struct mlrt_node *here = &tree->kdtree.nodes[node];
     if (!(way_through(ray, cell) > CERTAIN)) return;
     if (mlrt_node_is_leaf(here)) {
         if (mlrt_leaf_count(here) > 0) share_path(path, is_first, common);
@@ -173,7 +173,7 @@ static void add_leaves(const struct mlrt_tree *tree, uint32_t node, const struct
 static uint32_t node_of(const struct mlrt_tree *tree, const struct path *path)
 {
     uint32_t node = 0;
-    for (uint32_t i = 0; i < path->depth; i++) node = mlrt_node_child(&tree->nodes[node]) + path->upper[i];
+    for (uint32_t i = 0; i < path->depth; i++) node = mlrt_node_child(&tree->kdtree.nodes[node]) + path->upper[i];
     return node;
 }
 
@@ -182,7 +182,7 @@ static int is_above(const struct mlrt_tree *tree, uint32_t upper, const struct p
 {
     uint32_t node = 0;
     for (uint32_t i = 0; node != upper && i < path->depth; i++) {
-        node = mlrt_node_child(&tree->nodes[node]) + path->upper[i];
+        node = mlrt_node_child(&tree->kdtree.nodes[node]) + path->upper[i];
     }
     return node == upper;
 }
@@ -233,7 +233,7 @@ static void compare_entry_point(const struct subject *subject, const struct mlrt
 static struct entry_tally compare_entry_points(const struct subject *subject, int32_t culling, int check, uint32_t side)
 {
     struct entry_tally tally = {0};
-    struct mlrt_job job = {.tree = subject->tree, .culling = culling, .culling_check = check};
+    struct mlrt_job job = {.tree = subject->tree, .multilevel = {.culling = culling, .culling_check = check}};
     for (uint32_t y = 0; y < SIDE; y += side) {
         for (uint32_t x = 0; x < SIDE; x += side) compare_entry_point(subject, &job, x, y, side, &tally);
     }
@@ -300,7 +300,7 @@ static void count_decisions(const struct mlrt_tree *tree, uint32_t node, const s
                             const struct mlrt_beam *beam, const struct plain_ray *rays, size_t ray_count,
                             culling_test cull, struct decisions *decisions)
 {
-    const struct mlrt_node *here = &tree->nodes[node];
+    const struct mlrt_node *here = &tree->kdtree.nodes[node];
     if (mlrt_node_is_leaf(here)) return;
     const int a = (int)mlrt_node_axis(here);
     const int children = cull(beam, cell, a, here->u.split);

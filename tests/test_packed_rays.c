@@ -424,7 +424,7 @@ static void one_ray_of_a_tile(void **state)
             trace_tiles(fixture.tree, &rays, &ends, &light, options, &expected);
             options.method = MLRT_METHOD_TILE;
             for (options.isa = MLRT_ISA_SCALAR; options.isa <= MLRT_ISA_AVX512; options.isa++) {
-                if (!mlrt_select_kernels(options.isa, MLRT_METHOD_TILE, 0)) continue;
+                if (!mlrt_select_kernels(&mlrt_structure_bvh, options.isa, MLRT_METHOD_TILE, 0)) continue;
                 trace_tiles(fixture.tree, &rays, &ends, &light, options, &got);
                 for (size_t i = 0; i < list.count; i++) {
                     if (got.triangle[i] == expected.triangle[i] && memcmp(&got.t[i], &expected.t[i], 4) == 0 &&
@@ -564,7 +564,7 @@ static void packets_are_the_same(void **state)
     const float eye[3] = {0.1f, -3, 0.7f};
     uint32_t alike = 0, rounds = 0;
     for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
-        const struct mlrt_kernels *kernels = mlrt_select_kernels(isa, MLRT_METHOD_TILE, 0);
+        const struct mlrt_kernels *kernels = mlrt_select_kernels(&mlrt_structure_bvh, isa, MLRT_METHOD_TILE, 0);
         if (!kernels) continue;
         for (uint32_t i = 0; i < 120; i++) {
             struct random random = {2210 + i};

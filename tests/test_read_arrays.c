@@ -238,7 +238,7 @@ static void rays_are_read_as_they_lie(void **state)
     struct fixture fixture = three_meshes();
     struct random random = {9100};
     for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
-        const struct mlrt_kernels *kernels = mlrt_select_kernels(isa, MLRT_METHOD_TILE, 0);
+        const struct mlrt_kernels *kernels = mlrt_select_kernels(&mlrt_structure_bvh, isa, MLRT_METHOD_TILE, 0);
         if (!kernels) continue;
         for (size_t layout = 0; layout < LAYOUT_COUNT; layout++) {
             for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {

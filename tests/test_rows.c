@@ -24,8 +24,8 @@ struct list {
 static uint32_t found(const struct list *list)
 {
     struct mlrt_source source = {.kind = MLRT_SOURCE_RAYS, .count = list->count};
-    source.points = (mlrt_const_array){list->points, 12};
-    source.directions = (mlrt_const_array){list->directions, 12};
+    source.arrays.points = (mlrt_const_array){list->points, 12};
+    source.arrays.directions = (mlrt_const_array){list->directions, 12};
     return mlrt_find_row_length(&source);
 }
 

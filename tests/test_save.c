@@ -14,9 +14,10 @@
 
 #include "bvh/check.h"
 #include "forged_files.h"
-#include "mlrta/check.h"
+#include "invariants.h"
 #include "bvh/node.h"
 #include "bvh/places.h"
+#include "job/structure.h"
 #include "mlrta/kdtree.h"
 #include "support.h"
 
@@ -166,12 +167,12 @@ static void assert_same_tree(const mlrt_tree *tree, const struct file *file, con
     assert_same_info(tree, loaded);
     assert_same_file(file, loaded);
     assert_same_answers(tree, loaded);
-    assert_int_equal(tree->float_safe, loaded->float_safe);
+    assert_int_equal(tree->kdtree.float_safe, loaded->kdtree.float_safe);
     if (tree->bvh.node_count > 0)
-        assert_memory_equal(&tree->bvh.unit, &loaded->bvh.unit, sizeof tree->bvh.unit + 2 * sizeof tree->bvh.core);
+        assert_memory_equal(&tree->bvh.unit, &loaded->bvh.unit, 2 * sizeof tree->bvh.unit + 2 * sizeof tree->bvh.core);
     assert_int_equal(tree->masks == NULL, loaded->masks == NULL);
-    assert_true(loaded->node_count == 0 || mlrt_check_tree(loaded) == NULL);
-    assert_true(loaded->bvh.node_count == 0 || mlrt_check_bvh(loaded) == NULL);
+    assert_true(loaded->kdtree.node_count == 0 || check_kdtree(loaded) == NULL);
+    assert_true(loaded->bvh.node_count == 0 || check_bvh(loaded) == NULL);
 }
 
 /* Saves it, loads it in every way, and frees it. */
@@ -340,8 +341,8 @@ static void test_meshes_come_back(void **state)
 static void give_masks(mlrt_tree *tree, const uint32_t masks[MESH_COUNT])
 {
     if (tree->masks == NULL) tree->masks = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->masks);
-    for (uint32_t mesh = 0; mesh < tree->mesh_count; mesh++) {
-        for (uint32_t i = tree->mesh_first[mesh]; i < tree->mesh_first[mesh + 1]; i++) tree->masks[i] = masks[mesh];
+    for (uint32_t mesh = 0; mesh < tree->meshes.count; mesh++) {
+        for (uint32_t i = tree->meshes.first[mesh]; i < tree->meshes.first[mesh + 1]; i++) tree->masks[i] = masks[mesh];
     }
 }
 
@@ -936,8 +937,8 @@ static uint32_t *find_slot(const mlrt_tree *tree, int leaf, uint32_t skipped)
 
 static struct mlrt_node *find_node(const mlrt_tree *tree, int leaf, uint32_t skipped)
 {
-    for (uint32_t i = 0; i < tree->node_count; i++) {
-        struct mlrt_node *node = &tree->nodes[i];
+    for (uint32_t i = 0; i < tree->kdtree.node_count; i++) {
+        struct mlrt_node *node = &tree->kdtree.nodes[i];
         if (mlrt_node_is_leaf(node) == leaf && (!leaf || mlrt_leaf_count(node) > 1) && skipped-- == 0) return node;
     }
     fail_msg("no such node");
@@ -1115,7 +1116,7 @@ static void forge_boxes(mlrt_tree *tree, enum forged_thing thing)
 static void forge_kdtree(mlrt_tree *tree, enum forged_thing thing)
 {
     struct mlrt_node *node = find_node(tree, 0, 1), *end = find_node(tree, 1, 0), *next_end = find_node(tree, 1, 1);
-    struct mlrt_triangle *first = &tree->triangles[tree->references[end->u.offset]];
+    struct mlrt_triangle *first = &tree->triangles[tree->kdtree.references[end->u.offset]];
     switch ((int)thing) {
     case NODE_CYCLE:
         node->word = node->word & 3;
@@ -1124,7 +1125,7 @@ static void forge_kdtree(mlrt_tree *tree, enum forged_thing thing)
         node->word = (1u << 2) | (node->word & 3);
         break;
     case NODE_FAR:
-        node->word = (tree->node_count << 2) | (node->word & 3);
+        node->word = (tree->kdtree.node_count << 2) | (node->word & 3);
         break;
     case NODE_CHILD_TWICE:
         find_node(tree, 0, 2)->word = node->word;
@@ -1139,7 +1140,7 @@ static void forge_kdtree(mlrt_tree *tree, enum forged_thing thing)
         node->u.split = next_float(tree->bounds.hi[mlrt_node_axis(node)], 1);
         break;
     case NODE_LEAF_FAR:
-        end->u.offset = tree->reference_count;
+        end->u.offset = tree->kdtree.reference_count;
         break;
     case NODE_LEAF_MANY:
         end->word |= 0x10000000u;
@@ -1151,13 +1152,13 @@ static void forge_kdtree(mlrt_tree *tree, enum forged_thing thing)
         node->word = 3;
         break;
     case ENTRY_FAR:
-        tree->references[tree->reference_count - 1] = tree->triangle_count;
+        tree->kdtree.references[tree->kdtree.reference_count - 1] = tree->triangle_count;
         break;
     case ENTRY_TWICE:
-        tree->references[end->u.offset + 1] = tree->references[end->u.offset];
+        tree->kdtree.references[end->u.offset + 1] = tree->kdtree.references[end->u.offset];
         break;
     case ENTRY_NONE:
-        tree->references[0] = MLRT_NONE;
+        tree->kdtree.references[0] = MLRT_NONE;
         break;
     case TRIANGLE_NAN:
     case TRIANGLE_NAN_UNCOUNTED:
@@ -1176,25 +1177,25 @@ static void forge(mlrt_tree *tree, enum forged_thing thing)
 {
     switch ((int)thing) {
     case MESH_START:
-        tree->mesh_first[0] = 1;
+        tree->meshes.first[0] = 1;
         break;
     case MESH_BACK:
-        tree->mesh_first[1] = tree->mesh_first[2] + 1;
+        tree->meshes.first[1] = tree->meshes.first[2] + 1;
         break;
     case MESH_END:
-        tree->mesh_first[tree->mesh_count]--;
+        tree->meshes.first[tree->meshes.count]--;
         break;
     case MESH_ID_TWICE:
-        tree->mesh_ids[0] = tree->mesh_ids[1];
+        tree->meshes.ids[0] = tree->meshes.ids[1];
         break;
     case MESH_ID_NONE:
-        tree->mesh_ids[2] = MLRT_NONE;
+        tree->meshes.ids[2] = MLRT_NONE;
         break;
     case MESH_POSITION:
-        tree->mesh_by_id[0] = tree->mesh_count;
+        tree->meshes.by_id[0] = tree->meshes.count;
         break;
     case MESH_POSITION_TWICE:
-        tree->mesh_by_id[1] = tree->mesh_by_id[0];
+        tree->meshes.by_id[1] = tree->meshes.by_id[0];
         break;
     case BOUNDS_LARGER:
         tree->info.bounds_max[0] = next_float(tree->info.bounds_max[0], 1);
@@ -1203,7 +1204,7 @@ static void forge(mlrt_tree *tree, enum forged_thing thing)
         tree->info.bounds_min[1] = NAN;
         break;
     default:
-        if (tree->structure == MLRT_STRUCTURE_BVH) {
+        if (tree->structure == &mlrt_structure_bvh) {
             forge_boxes(tree, thing);
         } else {
             forge_kdtree(tree, thing);
@@ -1311,7 +1312,7 @@ static float draw_between(struct random *random, float lo, float hi)
 static void mislead(struct random *random, mlrt_tree *tree)
 {
     static const uint32_t of_boxes[3] = {0, 1, 5}, of_kdtrees[4] = {2, 3, 4, 5};
-    const int is_bvh = tree->structure == MLRT_STRUCTURE_BVH;
+    const int is_bvh = tree->structure == &mlrt_structure_bvh;
     const struct mlrt_bvh *bvh = &tree->bvh;
     const uint32_t i = draw_below(random, 1u << 30);
     const int k = (int)draw_below(random, 3);
@@ -1336,19 +1337,19 @@ static void mislead(struct random *random, mlrt_tree *tree)
         break;
     }
     case 2: {
-        struct mlrt_node *node = &tree->nodes[i % tree->node_count];
+        struct mlrt_node *node = &tree->kdtree.nodes[i % tree->kdtree.node_count];
         if (mlrt_node_is_leaf(node)) break;
         node->u.split =
             draw_between(random, tree->bounds.lo[mlrt_node_axis(node)], tree->bounds.hi[mlrt_node_axis(node)]);
         break;
     }
     case 3: {
-        struct mlrt_node *node = &tree->nodes[i % tree->node_count];
+        struct mlrt_node *node = &tree->kdtree.nodes[i % tree->kdtree.node_count];
         if (!mlrt_node_is_leaf(node)) node->word = (node->word & ~3u) | (uint32_t)k;
         break;
     }
     case 4:
-        tree->references[i % tree->reference_count] += draw_below(random, 3) - 1;
+        tree->kdtree.references[i % tree->kdtree.reference_count] += draw_below(random, 3) - 1;
         break;
     case 5:
         tree->masks[i % tree->triangle_count] = draw_bits(random);
@@ -1409,9 +1410,9 @@ static void test_misleading_trees_do_no_harm(void **state)
 static int deep_kdtree_is_accepted(uint32_t depth, uint32_t orphans)
 {
     mlrt_tree *tree = small_tree(1, MLRT_STRUCTURE_KDTREE);
-    struct mlrt_node *const kept = tree->nodes, nodes[2 * 80 + 1] = {{{0}, 0}};
+    struct mlrt_node *const kept = tree->kdtree.nodes, nodes[2 * 80 + 1] = {{{0}, 0}};
     struct mlrt_node *chain = (struct mlrt_node *)(void *)nodes;
-    const uint32_t kept_count = tree->node_count, reference_count = tree->reference_count;
+    const uint32_t kept_count = tree->kdtree.node_count, reference_count = tree->kdtree.reference_count;
     for (uint32_t i = 0; i < depth; i++) {
         const uint32_t at = i == 0 ? 0 : 2 * i - 1;
         chain[at].u.split = tree->bounds.hi[0];
@@ -1422,14 +1423,14 @@ static int deep_kdtree_is_accepted(uint32_t depth, uint32_t orphans)
     deepest->u.offset = 0;
     deepest->word = (1u << 2) | 3;
     for (uint32_t i = 0; i < depth; i++) chain[2 * i + 2].u.offset = 1;
-    tree->nodes = chain;
-    tree->node_count = 2 * depth + 1 + orphans;
-    tree->reference_count = 1;
-    assert_int_equal(tree->references[0], 0);
+    tree->kdtree.nodes = chain;
+    tree->kdtree.node_count = 2 * depth + 1 + orphans;
+    tree->kdtree.reference_count = 1;
+    assert_int_equal(tree->kdtree.references[0], 0);
     const int accepted = is_accepted(tree);
-    tree->nodes = kept;
-    tree->node_count = kept_count;
-    tree->reference_count = reference_count;
+    tree->kdtree.nodes = kept;
+    tree->kdtree.node_count = kept_count;
+    tree->kdtree.reference_count = reference_count;
     mlrt_destroy_tree(tree);
     return accepted;
 }
@@ -1669,12 +1670,12 @@ static void test_triangles_need_meshes(void **state)
     (void)state;
     for (uint32_t structure = MLRT_STRUCTURE_KDTREE; structure <= MLRT_STRUCTURE_BVH; structure++) {
         mlrt_tree *tree = small_tree(40, structure);
-        const uint32_t mesh_count = tree->mesh_count;
+        const uint32_t mesh_count = tree->meshes.count;
         assert_true(is_accepted(tree));
-        tree->mesh_count = 0;
-        tree->mesh_first[0] = tree->triangle_count;
+        tree->meshes.count = 0;
+        tree->meshes.first[0] = tree->triangle_count;
         assert_false(is_accepted(tree));
-        tree->mesh_count = mesh_count;
+        tree->meshes.count = mesh_count;
         mlrt_destroy_tree(tree);
     }
 }

@@ -113,7 +113,7 @@ static void make_split_plane(struct source *source, size_t number, float origin[
     uint32_t axis = random_below(&source->random, 3);
     float plane = corner[0][axis];
     for (int attempt = 0; attempt < 64; attempt++) {
-        const struct mlrt_node *node = &tree->nodes[random_below(&source->random, tree->node_count)];
+        const struct mlrt_node *node = &tree->kdtree.nodes[random_below(&source->random, tree->kdtree.node_count)];
         if (mlrt_node_is_leaf(node)) continue;
         axis = mlrt_node_axis(node);
         plane = node->u.split;

@@ -94,7 +94,7 @@ MLRT_INLINE uint32_t walk(const struct mlrt_tree *tree, const void *table, trian
     if (!reach_box(&tree->bounds, ray, reciprocal, &part)) return MLRT_NONE;
 
     for (;;) {
-        const struct mlrt_node *here = &tree->nodes[node];
+        const struct mlrt_node *here = &tree->kdtree.nodes[node];
         if (!mlrt_node_is_leaf(here)) {
             uint32_t axis = mlrt_node_axis(here), child = mlrt_node_child(here);
             float d = ray->direction[axis], o = ray->origin[axis], c = here->u.split;
@@ -119,7 +119,7 @@ MLRT_INLINE uint32_t walk(const struct mlrt_tree *tree, const void *table, trian
             }
             continue;
         }
-        const uint32_t *entries = tree->references + here->u.offset;
+        const uint32_t *entries = tree->kdtree.references + here->u.offset;
         uint32_t count = mlrt_leaf_count(here);
         for (uint32_t i = 0; i < count; i++) {
             double t;

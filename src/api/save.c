@@ -58,14 +58,10 @@
 
 #include "base/hash.h"
 #include "base/host.h"
+#include "base/platform.h"
 #include "base/structs.h"
-#include "bvh/check.h"
-#include "bvh/node.h"
-#include "bvh/places.h"
-#include "bvh/unit.h"
 #include "exact/predicate.h"
-#include "mlrta/check.h"
-#include "mlrta/kdtree.h"
+#include "job/structure.h"
 #include "scene/masks.h"
 #include "scene/meshes.h"
 
@@ -76,9 +72,6 @@ static const unsigned char magic[8] = {0x89, 'M', 'L', 'R', 'T', '\r', '\n', 0x1
 
 #define BYTE_ORDER_MARK 0x01020304u
 #define FORMAT_VERSION  4
-
-/* The counts that give sections their sizes. The first is MLRT_STRUCTURE_*: never 0, so it also stands for "always". */
-enum { STRUCTURE, TRIANGLES, MESHES, MASKS, NODES, REFERENCES, BOX_NODES, QUADS, ORDERED, PLACES, COUNT_COUNT };
 
 #define SECTION_COUNT 11
 
@@ -94,61 +87,74 @@ struct header {
     uint64_t size;
     uint64_t hash;
     uint64_t geometry_hash;
-    uint32_t counts[COUNT_COUNT];
-    float unit;               /* kd-tree: 0, as leaf_quad_count is */
-    uint32_t leaf_quad_count; /* bvh.leaf_quad_count */
-    mlrt_tree_info info;      /* struct_size, memory_size, peak_memory_size, build_seconds and structure are 0 */
+    uint32_t counts[MLRT_SAVED_COUNTS];
+    uint32_t numbers[2]; /* boxes: bvh.unit, a float, and bvh.leaf_quad_count; kd-tree: 0 */
+    mlrt_tree_info info; /* struct_size, memory_size, peak_memory_size, build_seconds and structure are 0 */
     struct section sections[SECTION_COUNT];
 };
 
 /* This struct is the format, so it must have no padding. If mlrt_tree_info grows, FORMAT_VERSION must grow too. */
 typedef char header_is_packed[sizeof(struct header) == 88 + 144 + 176 ? 1 : -1];
 
-/* The sections in their order. */
-static const struct {
-    uint16_t array;   /* offset of the pointer in struct mlrt_tree */
-    uint16_t element; /* bytes of one element */
-    uint8_t more;     /* bytes after the last element */
-    uint8_t count;    /* the count of elements */
-    uint8_t needs;    /* if this count is 0, the section is empty and the pointer NULL */
-} kinds[SECTION_COUNT] = {
-    {offsetof(struct mlrt_tree, triangles), sizeof(struct mlrt_triangle), 0, ORDERED, ORDERED},
-    {offsetof(struct mlrt_tree, mesh_ids), 4, 0, MESHES, STRUCTURE},
-    {offsetof(struct mlrt_tree, mesh_first), 4, 4, MESHES, STRUCTURE},
-    {offsetof(struct mlrt_tree, mesh_by_id), 4, 0, MESHES, STRUCTURE},
-    {offsetof(struct mlrt_tree, masks), 4, 0, MASKS, MASKS},
-    {offsetof(struct mlrt_tree, nodes), sizeof(struct mlrt_node), 0, NODES, NODES},
-    {offsetof(struct mlrt_tree, references), 4, 0, REFERENCES, NODES},
-    {offsetof(struct mlrt_tree, bvh.nodes), sizeof(struct mlrt_bvh_node), 0, BOX_NODES, BOX_NODES},
-    {offsetof(struct mlrt_tree, bvh.corners), 144, 64, QUADS, QUADS},
-    {offsetof(struct mlrt_tree, bvh.numbers), 16, 64, QUADS, QUADS},
-    {offsetof(struct mlrt_tree, bvh.places), 4, 0, PLACES, PLACES},
+/* The sections of all trees. The first of the counts, the structure, is never 0, and so also stands for "always". */
+static const struct mlrt_section common_sections[] = {
+    MLRT_SECTION(triangles, triangle_count, sizeof(struct mlrt_triangle), 0, ORDERED, ORDERED),
+    MLRT_SECTION(meshes.ids, meshes.count, 4, 0, MESHES, STRUCTURE),
+    MLRT_SECTION(meshes.first, meshes.count, 4, 4, MESHES, STRUCTURE),
+    MLRT_SECTION(meshes.by_id, meshes.count, 4, 0, MESHES, STRUCTURE),
+    MLRT_SECTION(masks, triangle_count, 4, 0, MASKS, MASKS),
 };
 
+#define COMMON_COUNT ((int)(sizeof common_sections / sizeof *common_sections))
+
+static const struct mlrt_structure *find_structure(uint32_t code)
+{
+    if (code == mlrt_structure_bvh.code) return &mlrt_structure_bvh;
+    return code == mlrt_structure_kdtree.code ? &mlrt_structure_kdtree : NULL;
+}
+
+/* Section i of the files of a structure; NULL if they have none. */
+static const struct mlrt_section *section_at(const struct mlrt_structure *structure, int i)
+{
+    if (i < COMMON_COUNT) return &common_sections[i];
+    i -= structure->file.first;
+    return i >= 0 && i < structure->file.count ? &structure->file.sections[i] : NULL;
+}
+
+/* A member of a tree, at an offset of a table. */
+static void *member_at(const struct mlrt_tree *tree, size_t offset)
+{
+    return (unsigned char *)(uintptr_t)tree + offset;
+}
+
 /* The tree's pointer to the array of a section. Copied by memcpy, as the pointers have different types. */
-static void *get_array(const struct mlrt_tree *tree, int i)
+static void *get_array(const struct mlrt_tree *tree, const struct mlrt_section *section)
 {
     void *array;
-    memcpy(&array, (const unsigned char *)tree + kinds[i].array, sizeof array);
+    memcpy(&array, member_at(tree, section->array), sizeof array);
     return array;
 }
 
-static void set_array(struct mlrt_tree *tree, int i, const void *array)
+static void set_array(struct mlrt_tree *tree, const struct mlrt_section *section, const void *array)
 {
-    memcpy((unsigned char *)tree + kinds[i].array, &array, sizeof array);
+    memcpy(member_at(tree, section->array), &array, sizeof array);
 }
 
 /*
  * Sets offsets and sizes of the sections by the counts of the header. Returns the size of the file, which is far below
  * 2^64, as counts have 32 bits.
  */
-static uint64_t lay_out(const struct header *header, struct section sections[SECTION_COUNT])
+static uint64_t lay_out(const struct mlrt_structure *structure, const struct header *header,
+                        struct section sections[SECTION_COUNT])
 {
     uint64_t end = sizeof *header;
     for (int i = 0; i < SECTION_COUNT; ++i) {
-        const uint64_t size = header->counts[kinds[i].count] * (uint64_t)kinds[i].element + kinds[i].more;
+        const struct mlrt_section *kind = section_at(structure, i);
         sections[i].offset = (end + SECTION_ALIGNMENT - 1) / SECTION_ALIGNMENT * SECTION_ALIGNMENT;
-        sections[i].size = header->counts[kinds[i].needs] ? size : 0;
+        sections[i].size = 0;
+        if (kind && header->counts[kind->needs]) {
+            sections[i].size = header->counts[kind->count] * (uint64_t)kind->element + kind->more;
+        }
         end = sections[i].offset + sections[i].size;
     }
     return (end + SECTION_ALIGNMENT - 1) / SECTION_ALIGNMENT * SECTION_ALIGNMENT;
@@ -178,10 +184,10 @@ static uint64_t hash_tree_geometry(const struct mlrt_tree *tree)
 {
     struct mlrt_hash hash;
     mlrt_start_hash(&hash);
-    mlrt_add_words(&hash, &tree->mesh_count, 1);
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
-        const uint32_t first = tree->mesh_first[i], count = tree->mesh_first[i + 1] - first;
-        add_mesh(&hash, tree->mesh_ids[i], count, tree->masks && count > 0 ? tree->masks[first] : MLRT_MASK_ALL);
+    mlrt_add_words(&hash, &tree->meshes.count, 1);
+    for (uint32_t i = 0; i < tree->meshes.count; ++i) {
+        const uint32_t first = tree->meshes.first[i], count = tree->meshes.first[i + 1] - first;
+        add_mesh(&hash, tree->meshes.ids[i], count, tree->masks && count > 0 ? tree->masks[first] : MLRT_MASK_ALL);
     }
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
@@ -235,22 +241,28 @@ MLRT_API int32_t mlrt_hash_geometry(const mlrt_mesh *meshes, size_t mesh_count, 
 
 static void make_header(const struct mlrt_tree *tree, struct header *header)
 {
-    *header = (struct header){
-        .byte_order = BYTE_ORDER_MARK,
-        .version = FORMAT_VERSION,
-        .counts = {tree->structure, tree->triangle_count, tree->mesh_count, tree->masks ? tree->triangle_count : 0,
-                   tree->node_count, tree->reference_count, tree->bvh.node_count, tree->bvh.quad_count,
-                   tree->bvh.places ? 0 : tree->triangle_count, tree->bvh.places ? tree->triangle_count : 0},
-        .unit = tree->bvh.unit,
-        .leaf_quad_count = tree->bvh.leaf_quad_count,
-        .info = tree->info,
-    };
+    const struct mlrt_structure *structure = tree->structure;
+    memset(header, 0, sizeof *header);
+    header->byte_order = BYTE_ORDER_MARK;
+    header->version = FORMAT_VERSION;
+    header->counts[MLRT_SAVED_STRUCTURE] = structure->code;
+    header->counts[MLRT_SAVED_TRIANGLES] = tree->triangle_count;
+    for (int i = 0; i < SECTION_COUNT; ++i) {
+        const struct mlrt_section *kind = section_at(structure, i);
+        if (kind && get_array(tree, kind)) {
+            memcpy(&header->counts[kind->count], member_at(tree, kind->length), sizeof header->counts[0]);
+        }
+    }
+    if (structure->file.numbers) {
+        memcpy(header->numbers, member_at(tree, structure->file.numbers), sizeof header->numbers);
+    }
+    header->info = tree->info;
     memcpy(header->magic, magic, sizeof magic);
     header->info.struct_size = 0;
     header->info.memory_size = header->info.peak_memory_size = 0;
     header->info.build_seconds = 0;
     header->info.structure = 0;
-    header->size = lay_out(header, header->sections);
+    header->size = lay_out(structure, header, header->sections);
 }
 
 static void write_file(const struct mlrt_tree *tree, struct header *header, unsigned char *buffer)
@@ -259,7 +271,7 @@ static void write_file(const struct mlrt_tree *tree, struct header *header, unsi
     for (int i = 0; i < SECTION_COUNT; ++i) {
         const size_t offset = (size_t)header->sections[i].offset, size = (size_t)header->sections[i].size;
         memset(buffer + end, 0, offset - end);
-        if (size > 0) memcpy(buffer + offset, get_array(tree, i), size);
+        if (size > 0) memcpy(buffer + offset, get_array(tree, section_at(tree->structure, i)), size);
         end = offset + size;
     }
     memset(buffer + end, 0, (size_t)header->size - end);
@@ -291,25 +303,15 @@ MLRT_API int32_t mlrt_save_tree(const mlrt_tree *tree, void *buffer, size_t capa
 
 /* ---- loading ---- */
 
-/* Are the counts within their limits, and does the file have the arrays of its structure, and no others? */
-static int counts_make_sense(const uint32_t counts[COUNT_COUNT])
-{
-    const int is_kdtree = counts[STRUCTURE] == MLRT_STRUCTURE_KDTREE;
-    if (!is_kdtree && counts[STRUCTURE] != MLRT_STRUCTURE_BVH) return 0;
-    if (counts[TRIANGLES] > MLRT_TRIANGLE_LIMIT || counts[MESHES] > INT32_MAX) return 0;
-    if (counts[MASKS] != 0 && counts[MASKS] != counts[TRIANGLES]) return 0;
-    if (is_kdtree != (counts[NODES] > 0)) return 0;
-    if (counts[REFERENCES] > 0 && !is_kdtree) return 0;
-    if (is_kdtree && (counts[BOX_NODES] | counts[QUADS] | counts[PLACES])) return 0;
-    return counts[ORDERED] + counts[PLACES] == counts[TRIANGLES] && (!counts[ORDERED] || !counts[PLACES]);
-}
+static const char wrong_counts[] = "counts that no tree has", other_triangles[] = "of other triangles";
 
-/* Do the quads make sense: those of leaves where there are nodes, and others where there are places? */
-static int quads_make_sense(const struct header *header)
+/* Are the counts that all trees have within their limits? */
+static int counts_make_sense(const uint32_t counts[MLRT_SAVED_COUNTS])
 {
-    const uint32_t quad_count = header->counts[QUADS], leaf_quad_count = header->leaf_quad_count;
-    if ((header->counts[BOX_NODES] > 0) != (leaf_quad_count > 0)) return 0;
-    return header->counts[PLACES] ? leaf_quad_count <= quad_count : leaf_quad_count == quad_count;
+    const uint32_t triangles = counts[MLRT_SAVED_TRIANGLES], masks = counts[MLRT_SAVED_MASKS],
+                   ordered = counts[MLRT_SAVED_ORDERED], places = counts[MLRT_SAVED_PLACES];
+    return triangles <= MLRT_TRIANGLE_LIMIT && counts[MLRT_SAVED_MESHES] <= INT32_MAX &&
+           (masks == 0 || masks == triangles) && ordered + places == triangles && (!ordered || !places);
 }
 
 /* Checks a header. Returns the error as a static string, or NULL. */
@@ -320,8 +322,10 @@ static const char *check_header(const struct header *header, size_t size)
     if (header->byte_order != BYTE_ORDER_MARK) return "saved on a machine of another byte order";
     if (header->version != FORMAT_VERSION) return "of another version of the format";
     if (header->size != size) return "not as long as it was: cut off, or followed by something";
-    if (!counts_make_sense(header->counts) || !quads_make_sense(header)) return "counts that no tree has";
-    if (lay_out(header, sections) != header->size || memcmp(sections, header->sections, sizeof sections) != 0) {
+    const struct mlrt_structure *structure = find_structure(header->counts[MLRT_SAVED_STRUCTURE]);
+    if (!structure || !counts_make_sense(header->counts)) return wrong_counts;
+    if (lay_out(structure, header, sections) != header->size ||
+        memcmp(sections, header->sections, sizeof sections) != 0) {
         return "sections are not where they have to be";
     }
     return NULL;
@@ -333,50 +337,47 @@ static const char *check_header(const struct header *header, size_t size)
  */
 static int take_sections(const struct header *header, const unsigned char *data, struct mlrt_tree *tree)
 {
-    tree->structure = header->counts[STRUCTURE];
-    tree->triangle_count = header->counts[TRIANGLES];
-    tree->mesh_count = header->counts[MESHES];
-    tree->node_count = header->counts[NODES];
-    tree->reference_count = header->counts[REFERENCES];
-    tree->bvh.node_count = header->counts[BOX_NODES];
-    tree->bvh.quad_count = header->counts[QUADS];
-    tree->bvh.leaf_quad_count = header->leaf_quad_count;
-    tree->bvh.unit = header->unit;
+    const struct mlrt_structure *structure = tree->structure;
+    tree->triangle_count = header->counts[MLRT_SAVED_TRIANGLES];
+    if (structure->file.numbers) {
+        memcpy(member_at(tree, structure->file.numbers), header->numbers, sizeof header->numbers);
+    }
     for (int i = 0; i < SECTION_COUNT; ++i) {
+        const struct mlrt_section *kind = section_at(structure, i);
         const unsigned char *from = data + (size_t)header->sections[i].offset;
         const size_t size = (size_t)header->sections[i].size;
-        if (header->counts[kinds[i].needs] == 0) continue;
+        if (!kind || header->counts[kind->needs] == 0) continue;
+        memcpy(member_at(tree, kind->length), &header->counts[kind->count], sizeof header->counts[0]);
         if (tree->borrowed) {
-            set_array(tree, i, from);
+            set_array(tree, kind, from);
             continue;
         }
         void *copy = mlrt_allocate(&tree->memory, size, 1);
         if (!copy) return 0;
         memcpy(copy, from, size);
-        set_array(tree, i, copy);
+        set_array(tree, kind, copy);
     }
     mlrt_read_in_order(tree);
-    if (tree->bvh.places) mlrt_read_by_places(tree);
     return 1;
 }
 
 /*
- * Checks the tables of meshes. If ids ascend strictly in mesh_by_id, all positions are different, and so are all ids.
+ * Checks the tables of meshes. If ids ascend strictly in meshes.by_id, all positions are different, and so are all ids.
  */
 static const char *check_meshes(const struct mlrt_tree *tree)
 {
     uint32_t first = 0;
-    if (tree->mesh_first[0] != 0) return "meshes are out of order"; // also where there are none
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
-        if (tree->mesh_first[i] < first) return "meshes are out of order";
-        first = tree->mesh_first[i];
-        if (tree->mesh_by_id[i] >= tree->mesh_count) return "a position is not that of a mesh";
-        const uint32_t id = tree->mesh_ids[tree->mesh_by_id[i]];
-        if (id == MLRT_NONE || (i > 0 && id <= tree->mesh_ids[tree->mesh_by_id[i - 1]])) {
+    if (tree->meshes.first[0] != 0) return "meshes are out of order"; // also where there are none
+    for (uint32_t i = 0; i < tree->meshes.count; ++i) {
+        if (tree->meshes.first[i] < first) return "meshes are out of order";
+        first = tree->meshes.first[i];
+        if (tree->meshes.by_id[i] >= tree->meshes.count) return "a position is not that of a mesh";
+        const uint32_t id = tree->meshes.ids[tree->meshes.by_id[i]];
+        if (id == MLRT_NONE || (i > 0 && id <= tree->meshes.ids[tree->meshes.by_id[i - 1]])) {
             return "ids of meshes are not in order, or not different";
         }
     }
-    const uint32_t last = tree->mesh_first[tree->mesh_count];
+    const uint32_t last = tree->meshes.first[tree->meshes.count];
     return last == tree->triangle_count && last >= first ? NULL : "meshes have not as many triangles as the tree";
 }
 
@@ -414,59 +415,51 @@ static const char *check_report(struct mlrt_tree *tree)
         tree->info.zero_area_count != zero_area_count) {
         return "triangles are miscounted";
     }
-    if (!is_empty && tree->structure == MLRT_STRUCTURE_BVH && tree->bvh.node_count == 0) {
-        return "there are triangles, but no boxes";
-    }
     memcpy(tree->bounds.lo, tree->info.bounds_min, sizeof tree->bounds.lo); // zeros have the signs they had
     memcpy(tree->bounds.hi, tree->info.bounds_max, sizeof tree->bounds.hi);
     return NULL;
 }
 
-static const char *check_contents(struct mlrt_tree *tree)
+/* Also checks that the file has no counts and numbers of another structure: saved again, the tree would have the same. */
+static const char *check_contents(const struct header *header, struct mlrt_tree *tree)
 {
-    const float unit = tree->bvh.unit;
-    const char *wrong = check_meshes(tree);
-    if (!wrong && tree->bvh.places) wrong = mlrt_check_places(tree);
-    if (!wrong) wrong = check_report(tree);
-    if (!wrong && tree->structure == MLRT_STRUCTURE_BVH) {
-        mlrt_set_bvh_unit(tree);
-        mlrt_set_bvh_extent(tree);
-    } else {
-        tree->bvh.unit = 0;
+    struct header again;
+    make_header(tree, &again);
+    if (memcmp(again.counts, header->counts, sizeof again.counts) != 0 ||
+        memcmp(again.numbers, header->numbers, sizeof again.numbers) != 0) {
+        return wrong_counts;
     }
-    if (!wrong && memcmp(&unit, &tree->bvh.unit, sizeof unit) != 0) wrong = "the unit is not that of the triangles";
-    if (!wrong && tree->node_count > 0) wrong = mlrt_check_nodes(tree);
-    if (!wrong) wrong = mlrt_check_boxes(tree);
-    return wrong;
+    const char *wrong = check_meshes(tree);
+    if (!wrong) wrong = tree->structure->file.take(tree);
+    if (!wrong) wrong = check_report(tree);
+    return wrong ? wrong : tree->structure->file.check(tree);
 }
 
-/* Fills an empty tree, of which `borrowed` and `memory` are set. For MLRT_ERROR_DATA, *wrong receives the reason. */
-static MLRT_NOINLINE int32_t take_file(const unsigned char *data, size_t size, uint64_t geometry_hash,
+/* Copies the header of a file, and checks it and the hash. Returns the error as a static string, or NULL. */
+static const char *read_header(const unsigned char *data, size_t size, uint64_t geometry_hash, struct header *header)
+{
+    if (size < sizeof *header) return "not a saved tree";
+    memcpy(header, data, sizeof *header);
+    const char *wrong = check_header(header, size);
+    if (wrong) return wrong;
+    if (geometry_hash != 0 && header->geometry_hash != geometry_hash) return other_triangles;
+    return header->hash == hash_file(header, data) ? NULL : "damaged: its hash is not that of its contents";
+}
+
+/* Fills an empty tree, of which `borrowed` is set. For MLRT_ERROR_DATA, *wrong receives the reason. */
+static MLRT_NOINLINE int32_t take_file(const struct header *header, const unsigned char *data, uint64_t geometry_hash,
                                        struct mlrt_tree *tree, const char **wrong)
 {
-    struct header header;
-    *wrong = "not a saved tree";
-    if (size < sizeof header) return MLRT_ERROR_DATA;
-    memcpy(&header, data, sizeof header);
-    *wrong = check_header(&header, size);
+    if (!take_sections(header, data, tree)) return MLRT_ERROR_OUT_OF_MEMORY;
+    tree->info = header->info;
+    *wrong = check_contents(header, tree);
+    if (!*wrong && geometry_hash != 0 && hash_tree_geometry(tree) != geometry_hash) *wrong = other_triangles;
     if (*wrong) return MLRT_ERROR_DATA;
-    *wrong = "of other triangles";
-    if (geometry_hash != 0 && header.geometry_hash != geometry_hash) return MLRT_ERROR_DATA;
-    *wrong = "damaged: its hash is not that of its contents";
-    if (header.hash != hash_file(&header, data)) return MLRT_ERROR_DATA;
-
-    if (!take_sections(&header, data, tree)) return MLRT_ERROR_OUT_OF_MEMORY;
-    tree->info = header.info;
-    *wrong = check_contents(tree);
-    if (*wrong) return MLRT_ERROR_DATA;
-    *wrong = "of other triangles";
-    if (geometry_hash != 0 && hash_tree_geometry(tree) != geometry_hash) return MLRT_ERROR_DATA;
-    mlrt_find_float_safety(tree);
     tree->info.struct_size = sizeof tree->info;
     tree->info.memory_size = tree->memory.held_size;
     tree->info.peak_memory_size = tree->memory.peak_size;
     tree->info.build_seconds = 0;
-    tree->info.structure = tree->structure;
+    tree->info.structure = tree->structure->code;
     tree->info.reserved = 0;
     tree->memory.limit_size = 0;
     return MLRT_OK;
@@ -484,25 +477,24 @@ static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_optio
     return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, options) : status;
 }
 
-static int32_t load(const void *data, size_t size, const mlrt_load_options *options, const mlrt_host *host,
-                    mlrt_tree **tree)
+/* Sets *tree, or frees what was made of it. For MLRT_ERROR_DATA, *wrong receives the reason. */
+static MLRT_NOINLINE int32_t load(const void *data, size_t size, const mlrt_load_options *options,
+                                  const mlrt_host *host, mlrt_tree **tree, const char **wrong)
 {
+    struct header header;
+    *wrong = read_header(data, size, options->geometry_hash, &header);
+    if (*wrong) return MLRT_ERROR_DATA;
     const struct mlrt_memory memory = mlrt_host_memory(host, options->memory_limit);
-    struct mlrt_tree *made = mlrt_allocate_tree(&memory);
-    const char *wrong = NULL;
-    int32_t status = MLRT_ERROR_OUT_OF_MEMORY;
-    if (made) {
-        made->borrowed = options->flags & MLRT_LOAD_IN_PLACE && (uintptr_t)data % SECTION_ALIGNMENT == 0;
-        const uint64_t environment = mlrt_enter_fp_environment();
-        status = take_file(data, size, options->geometry_hash, made, &wrong);
-        mlrt_leave_fp_environment(environment);
-    }
+    struct mlrt_tree *made = mlrt_allocate_tree(find_structure(header.counts[MLRT_SAVED_STRUCTURE]), &memory);
+    if (!made) return MLRT_ERROR_OUT_OF_MEMORY;
+    made->borrowed = options->flags & MLRT_LOAD_IN_PLACE && (uintptr_t)data % SECTION_ALIGNMENT == 0;
+    const int32_t status = take_file(&header, data, options->geometry_hash, made, wrong);
     if (status == MLRT_OK) {
         *tree = made;
-        return status;
+    } else {
+        mlrt_destroy_tree(made);
     }
-    mlrt_destroy_tree(made);
-    return status == MLRT_ERROR_DATA ? mlrt_fail(status, "data: %s", wrong) : mlrt_note_status(status);
+    return status;
 }
 
 MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_options *options, mlrt_tree **tree)
@@ -512,11 +504,20 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
     mlrt_load_options own;
     struct mlrt_voice voice;
     int32_t status = take_load_options(options, &own, &voice);
-    if (status == MLRT_OK) status = load(data, size, &own, &voice.host, tree);
+    if (status == MLRT_OK) {
+        const char *wrong = NULL;
+        const uint64_t environment = mlrt_enter_fp_environment();
+        status = load(data, size, &own, &voice.host, tree, &wrong);
+        mlrt_leave_fp_environment(environment);
+        status = status == MLRT_ERROR_DATA ? mlrt_fail(status, "data: %s", wrong) : mlrt_note_status(status);
+    }
     return mlrt_end_call(&voice, status);
 }
 
 void mlrt_return_arrays(struct mlrt_tree *tree)
 {
-    for (int i = 0; i < SECTION_COUNT && tree->borrowed; ++i) set_array(tree, i, NULL);
+    for (int i = 0; i < SECTION_COUNT && tree->borrowed; ++i) {
+        const struct mlrt_section *kind = section_at(tree->structure, i);
+        if (kind) set_array(tree, kind, NULL);
+    }
 }

@@ -13,22 +13,18 @@
 #include "exact/nearest.h"
 #include "exact/offset.h"
 #include "hits/shadow_ray.h"
+#include "job/structure.h"
 #include "job/write_arrays.h"
 #include "rays/rows.h"
 #include "run/all_hits.h"
 #include "run/dispatch.h"
 #include "run/lone_ray.h"
 #include "run/run_job.h"
-#include "run/trace_ray.h"
 
 /* Sides of tiles, in pixels. */
-#define DEFAULT_INITIAL_TILE        128 /* cameras */
-#define DEFAULT_INITIAL_TILE_RAYS   32  /* cameras, method ray: a render stops sooner with small tiles */
-#define DEFAULT_TILE_ROWS           64  /* arrays with rows, tile method: a square of tiles */
-#define DEFAULT_TILE_LIST           256 /* lists, which are four wide, tile method */
-#define DEFAULT_INITIAL_TILE_ARRAYS 32  /* arrays, kd-tree: a beam needs a pass over its rays, so there is one level */
-#define DEFAULT_MINIMUM_TILE        32
-#define DEFAULT_SPLIT_FACTOR        16
+#define RAY_TILE             32 /* method ray: a render stops sooner with small tiles */
+#define DEFAULT_MINIMUM_TILE 32
+#define DEFAULT_SPLIT_FACTOR 16
 
 static int is_power_of_two(uint32_t n)
 {
@@ -47,18 +43,19 @@ static int32_t resolve_size(const char *field, uint32_t given, uint32_t standard
 /* Sets *method to `given` with the default resolved. Returns a status: it must be one of the tree's structure. */
 static int32_t resolve_method(int32_t given, const struct mlrt_tree *tree, int32_t *method)
 {
-    const int is_bvh = tree->structure == MLRT_STRUCTURE_BVH;
-    *method = given ? given : is_bvh ? MLRT_METHOD_TILE : MLRT_METHOD_MULTILEVEL;
-    if (*method == MLRT_METHOD_RAY || (*method == MLRT_METHOD_TILE) == is_bvh) return MLRT_OK;
+    const struct mlrt_structure *structure = tree->structure, *other = &mlrt_structure_kdtree;
+    *method = given ? given : structure->tracer.method;
+    if (structure->tracer.methods >> *method & 1) return MLRT_OK;
+    if (structure == other) other = &mlrt_structure_bvh;
     return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.method: %ld is for %s, and the tree is %s", (long)given,
-                     is_bvh ? "kd-trees" : "boxes", is_bvh ? "one of boxes" : "a kd-tree");
+                     other->plural, structure->name);
 }
 
-/* Sets *kernels to those of an instruction set. Returns a status. */
-static int32_t choose_kernels(int32_t isa, int32_t method, int counting, const struct mlrt_kernels **kernels)
+/* Sets a job's kernels to those of an instruction set. Returns a status. */
+static int32_t choose_kernels(int32_t isa, int counting, struct mlrt_job *job)
 {
-    *kernels = mlrt_select_kernels(isa, method, counting);
-    if (*kernels) return MLRT_OK;
+    job->kernels = mlrt_select_kernels(job->tree->structure, isa, job->method, counting);
+    if (job->kernels) return MLRT_OK;
     return mlrt_fail(MLRT_ERROR_UNSUPPORTED, "options.isa: %ld is not in this build, or not on this machine",
                      (long)isa);
 }
@@ -66,11 +63,10 @@ static int32_t choose_kernels(int32_t isa, int32_t method, int counting, const s
 /* The default side of the tiles that threads claim. */
 static uint32_t standard_initial_tile(const struct mlrt_job *job)
 {
-    if (job->source.kind == MLRT_SOURCE_CAMERA) {
-        return job->method == MLRT_METHOD_RAY ? DEFAULT_INITIAL_TILE_RAYS : DEFAULT_INITIAL_TILE;
-    }
-    if (job->method != MLRT_METHOD_TILE) return DEFAULT_INITIAL_TILE_ARRAYS;
-    return job->source.width <= 4 ? DEFAULT_TILE_LIST : DEFAULT_TILE_ROWS;
+    const struct mlrt_structure *structure = job->tree->structure;
+    if (job->method == MLRT_METHOD_RAY) return RAY_TILE;
+    if (job->source.kind == MLRT_SOURCE_CAMERA) return structure->tracer.camera_side;
+    return job->source.width <= 4 ? structure->tracer.list_side : structure->tracer.row_side;
 }
 
 /*
@@ -83,28 +79,23 @@ static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *
     if (status == MLRT_OK) status = resolve_method(options->method, tree, &job->method);
     if (status != MLRT_OK) return status;
     job->tree = tree;
-    job->trace_segment = mlrt_trace_segment;
     job->any = options->query == MLRT_QUERY_ANY;
-    job->culling = options->culling;
-    job->culling_check = options->culling_check != 0;
-    const uint32_t shortcuts = job->method == MLRT_METHOD_MULTILEVEL ? ~options->shortcuts_off : 0;
-    job->whole_tiles = (shortcuts & MLRT_SHORTCUT_WHOLE_TILES) != 0;
-    job->entry_lists = (shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) != 0;
-    job->shared_setups = job->method != MLRT_METHOD_PACKET2 && !(options->shortcuts_off & MLRT_SHORTCUT_SHARED_SETUPS);
+    job->multilevel.culling = options->culling;
+    job->multilevel.culling_check = options->culling_check != 0;
+    job->multilevel.shortcuts = ~options->shortcuts_off;
     status = resolve_size("initial_tile_size", options->initial_tile_size, standard_initial_tile(job), 1024,
                           &job->initial_tile_size);
     if (status != MLRT_OK) return status;
-    uint32_t standard_minimum =
-        job->source.kind == MLRT_SOURCE_CAMERA ? DEFAULT_MINIMUM_TILE : DEFAULT_INITIAL_TILE_ARRAYS;
-    if (standard_minimum > job->initial_tile_size) standard_minimum = job->initial_tile_size;
-    status = resolve_size("minimum_tile_size", options->minimum_tile_size, standard_minimum, job->initial_tile_size,
-                          &job->minimum_tile_size);
+    const uint32_t initial = job->initial_tile_size;
+    status = resolve_size("minimum_tile_size", options->minimum_tile_size,
+                          initial < DEFAULT_MINIMUM_TILE ? initial : DEFAULT_MINIMUM_TILE, initial,
+                          &job->multilevel.minimum_tile_size);
     if (status != MLRT_OK) return status;
     const uint32_t split_factor = options->split_factor ? options->split_factor : DEFAULT_SPLIT_FACTOR;
-    job->split_divisor = split_factor == 4 ? 2 : 4;
+    job->multilevel.split_divisor = split_factor == 4 ? 2 : 4;
     job->outputs = options->outputs;
-    mlrt_set_masks(tree, options->mask, job->method == MLRT_METHOD_TILE, &job->source);
-    return choose_kernels(options->isa, job->method, options->counters != NULL, &job->kernels);
+    mlrt_set_masks(tree, options->mask, tree->structure->tracer.filters_leaves, &job->source);
+    return choose_kernels(options->isa, options->counters != NULL, job);
 }
 
 /* All words of a part of a struct, or-ed together. `size` is a multiple of 4. */
@@ -241,7 +232,6 @@ static MLRT_NOINLINE int32_t make_packet_job(const mlrt_tree *tree, const mlrt_r
     mlrt_make_ray_source(tree, rays, &job->source);
     if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job->source), &job->source);
     mlrt_make_sink(hits, job->source.width, 1, &job->frame);
-    job->has_frame = 1;
     return resolve_options(tree, &call->options, job);
 }
 
@@ -250,7 +240,7 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
 {
     if (!tree || !rays || !hits) return mlrt_fail_null("tree rays hits", !tree + 2 * !rays);
     struct mlrt_lone_ray lone;
-    if (tree->structure == MLRT_STRUCTURE_BVH && are_simple_rays(rays) && take_plain_options(options, &lone) &&
+    if (tree->structure->tracer.has_lone_kernels && are_simple_rays(rays) && take_plain_options(options, &lone) &&
         are_simple_hits(hits, lone.any)) {
         const uint64_t environment = mlrt_enter_fp_environment();
         trace_few_rays(tree, rays, &lone, hits);
@@ -329,7 +319,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options.counters;
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (job.method == MLRT_METHOD_TILE && !counters && job.kernels->trace_ray) {
+    if (job.kernels->trace_ray) {
         lone->kernels = job.kernels;
         (void)mlrt_trace_lone_ray(tree, ray, lone, hit);
     } else {
@@ -381,12 +371,12 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
         if (MLRT_UNLIKELY(!are_plain(options))) return trace_as_call(tree, ray, options, &lone, hit);
         if (options->isa) {
             lone.kernels = (uint32_t)options->isa <= MLRT_ISA_AVX512
-                               ? mlrt_select_kernels(options->isa, MLRT_METHOD_TILE, 0)
+                               ? mlrt_select_kernels(tree->structure, options->isa, MLRT_METHOD_DEFAULT, 0)
                                : NULL;
             if (!lone.kernels || !lone.kernels->trace_ray) return trace_as_call(tree, ray, options, &lone, hit);
         }
     }
-    if (MLRT_UNLIKELY(tree->structure != MLRT_STRUCTURE_BVH)) return trace_as_call(tree, ray, options, &lone, hit);
+    if (MLRT_UNLIKELY(!tree->structure->tracer.has_lone_kernels)) return trace_as_call(tree, ray, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();
     if (mlrt_trace_lone_ray(tree, ray, &lone, hit)) {
         mlrt_leave_after_inexact(environment);
@@ -436,7 +426,6 @@ static int32_t make_light_jobs(const mlrt_light *lights, uint32_t count, const s
         if (status != MLRT_OK) return status;
         jobs[i] = *job;
         jobs[i].any = 1;
-        jobs[i].has_frame = 0;
         jobs[i].callback = NULL;
         jobs[i].light_count = 0;
         mlrt_set_light(&light, &jobs[i].source);
@@ -457,11 +446,10 @@ static MLRT_NOINLINE int32_t make_render_job(const mlrt_tree *tree, const mlrt_c
     if (status == MLRT_OK) status = make_light_jobs(lights, light_count, job, light_jobs);
     if (status != MLRT_OK) return status;
     mlrt_make_sink(frame, job->source.width, 0, &job->frame);
-    job->has_frame = !mlrt_sink_is_empty(&job->frame);
     if (light_count && (job->frame.channel[MLRT_CHANNEL_OCCLUDED].data || job->outputs & MLRT_OUTPUT_OCCLUDED)) {
         job->lights = light_jobs;
         job->light_count = light_count;
-        job->whole_tiles = 0;
+        job->multilevel.shortcuts &= ~(uint32_t)MLRT_SHORTCUT_WHOLE_TILES;
     }
     return status;
 }
@@ -540,7 +528,6 @@ static MLRT_NOINLINE int32_t make_light_job(const mlrt_tree *tree, const mlrt_po
     const mlrt_hits hits = {.struct_size = sizeof hits, .occluded = *occluded};
     mlrt_make_light_source(tree, points, light, &job->source);
     mlrt_make_sink(&hits, job->source.width, 1, &job->frame);
-    job->has_frame = 1;
     return resolve_options(tree, &call->options, job);
 }
 

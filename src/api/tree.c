@@ -9,10 +9,7 @@
 #include "base/platform.h"
 #include "base/progress.h"
 #include "base/structs.h"
-#include "bvh/build.h"
-#include "bvh/places.h"
-#include "mlrta/build.h"
-#include "mlrta/kdtree.h"
+#include "job/structure.h"
 #include "scene/meshes.h"
 
 /* ---- options ---- */
@@ -22,7 +19,7 @@
  * builders begin with the same fields, up to memory_limit.
  */
 struct call {
-    uint32_t structure; /* MLRT_STRUCTURE_* */
+    const struct mlrt_structure *structure;
     union {
         mlrt_tree_options tree;
         mlrt_kdtree_options kdtree;
@@ -39,9 +36,9 @@ typedef char options_begin_alike[SAME_PLACE(preset) && SAME_PLACE(traversal_cost
                                      : -1];
 
 /* Takes options. The caller's buffer and the host are known before fields are checked, and so can have the message. */
-static int32_t take_options(const void *given, uint32_t structure, struct call *call)
+static int32_t take_options(const void *given, const struct mlrt_structure *structure, struct call *call)
 {
-    const int form = structure == MLRT_STRUCTURE_KDTREE ? MLRT_STRUCT_KDTREE_OPTIONS : MLRT_STRUCT_TREE_OPTIONS;
+    const int form = structure->builder.options_form;
     memset(call, 0, sizeof *call);
     call->structure = structure;
     int32_t status = mlrt_copy_struct(form, "options", 0, given, &call->options);
@@ -57,26 +54,23 @@ static int32_t take_options(const void *given, uint32_t structure, struct call *
 
 static int32_t fill_tree(const mlrt_mesh *meshes, size_t mesh_count, const struct call *call, struct mlrt_tree *tree)
 {
-    const int is_kdtree = call->structure == MLRT_STRUCTURE_KDTREE;
     struct mlrt_progress progress;
     int32_t status = mlrt_check_meshes(meshes, mesh_count, &tree->triangle_count);
     if (status != MLRT_OK) return status;
-    const double work = MLRT_COPY_WORK + (is_kdtree ? MLRT_KDTREE_WORK : MLRT_BVH_WORK);
+    const double work = MLRT_COPY_WORK + (double)tree->structure->builder.work;
     mlrt_begin_progress(&call->voice.host, work * tree->triangle_count, &progress);
     status = mlrt_copy_meshes(meshes, mesh_count, &progress, tree);
-    if (status == MLRT_OK) {
-        status = is_kdtree ? mlrt_build_nodes(tree, &call->options.kdtree, &progress)
-                           : mlrt_build_bvh(tree, &call->options.tree, &progress);
-    }
-    if (status == MLRT_OK) mlrt_drop_order(tree);
+    if (status == MLRT_OK) status = tree->structure->builder.build(tree, &call->options, &progress);
     return mlrt_end_progress(&progress, status);
 }
 
-struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_memory *memory)
+struct mlrt_tree *mlrt_allocate_tree(const struct mlrt_structure *structure, const struct mlrt_memory *memory)
 {
     struct mlrt_memory own = *memory;
     struct mlrt_tree *tree = mlrt_allocate_zeroed(&own, 1, sizeof *tree);
-    if (tree) tree->memory = own;
+    if (!tree) return NULL;
+    tree->structure = structure;
+    tree->memory = own;
     return tree;
 }
 
@@ -108,16 +102,15 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
 {
     const double start = mlrt_seconds_now();
     const struct mlrt_memory memory = mlrt_host_memory(&call->voice.host, call->options.tree.memory_limit);
-    struct mlrt_tree *made = mlrt_allocate_tree(&memory);
+    struct mlrt_tree *made = mlrt_allocate_tree(call->structure, &memory);
     const int32_t status = made ? fill_tree(meshes, mesh_count, call, made) : MLRT_ERROR_OUT_OF_MEMORY;
     if (status != MLRT_OK) {
         (void)note_failure(call, made ? &made->memory : &memory, status);
         mlrt_destroy_tree(made);
         return status;
     }
-    made->structure = call->structure;
     made->info.struct_size = sizeof made->info;
-    made->info.structure = call->structure;
+    made->info.structure = call->structure->code;
     made->info.triangle_count = made->triangle_count;
     made->info.memory_size = made->memory.held_size;
     made->info.peak_memory_size = made->memory.peak_size;
@@ -128,8 +121,8 @@ static MLRT_NOINLINE int32_t build_tree(const mlrt_mesh *meshes, size_t mesh_cou
     return MLRT_OK;
 }
 
-static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
-                     mlrt_tree **tree)
+static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *options,
+                     const struct mlrt_structure *structure, mlrt_tree **tree)
 {
     if (!tree) return mlrt_fail_null("tree", 0);
     *tree = NULL;
@@ -146,13 +139,13 @@ static int32_t build(const mlrt_mesh *meshes, size_t mesh_count, const void *opt
 MLRT_API int32_t mlrt_build_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                  mlrt_tree **tree)
 {
-    return build(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, tree);
+    return build(meshes, mesh_count, options, &mlrt_structure_bvh, tree);
 }
 
 MLRT_API int32_t mlrt_build_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                    mlrt_tree **tree)
 {
-    return build(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, tree);
+    return build(meshes, mesh_count, options, &mlrt_structure_kdtree, tree);
 }
 
 /* ---- the finished tree ---- */
@@ -162,9 +155,7 @@ MLRT_API void mlrt_destroy_tree(mlrt_tree *tree)
     if (!tree) return;
     mlrt_return_arrays(tree);
     mlrt_free_meshes(tree);
-    mlrt_free_bvh(tree);
-    mlrt_free(&tree->memory, tree->nodes, tree->node_count, sizeof *tree->nodes);
-    mlrt_free(&tree->memory, tree->references, tree->reference_count, sizeof *tree->references);
+    tree->structure->builder.free(tree);
     struct mlrt_memory memory = tree->memory;
     mlrt_free(&memory, tree, 1, sizeof *tree);
 }
@@ -184,15 +175,13 @@ static MLRT_NOINLINE void foresee(const struct call *call, uint32_t triangle_cou
 {
     const uint64_t size = have_masks ? sizeof(uint32_t) : 0;
     const uint64_t always = sizeof(struct mlrt_tree) + triangle_count * size + mesh_count * 3 * sizeof(uint32_t);
-    const struct mlrt_demand demand = call->structure == MLRT_STRUCTURE_KDTREE
-                                          ? mlrt_foresee_nodes(&call->options.kdtree, triangle_count)
-                                          : mlrt_foresee_bvh(&call->options.tree, triangle_count);
+    const struct mlrt_demand demand = call->structure->builder.foresee(&call->options, triangle_count);
     estimate->memory_size = always + demand.held_size;
     estimate->peak_memory_size = always + demand.peak_size;
 }
 
-static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const void *options, uint32_t structure,
-                               mlrt_memory_estimate *estimate)
+static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const void *options,
+                               const struct mlrt_structure *structure, mlrt_memory_estimate *estimate)
 {
     if (!estimate) return mlrt_fail_null("estimate", 0);
     mlrt_memory_estimate own;
@@ -213,11 +202,11 @@ static int32_t estimate_memory(const mlrt_mesh *meshes, size_t mesh_count, const
 MLRT_API int32_t mlrt_estimate_tree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_tree_options *options,
                                     mlrt_memory_estimate *estimate)
 {
-    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_BVH, estimate);
+    return estimate_memory(meshes, mesh_count, options, &mlrt_structure_bvh, estimate);
 }
 
 MLRT_API int32_t mlrt_estimate_kdtree(const mlrt_mesh *meshes, size_t mesh_count, const mlrt_kdtree_options *options,
                                       mlrt_memory_estimate *estimate)
 {
-    return estimate_memory(meshes, mesh_count, options, MLRT_STRUCTURE_KDTREE, estimate);
+    return estimate_memory(meshes, mesh_count, options, &mlrt_structure_kdtree, estimate);
 }

@@ -908,8 +908,9 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
  */
 static const double RESULT_SIZES[] = {62, 57, 70};
 
-struct mlrt_demand mlrt_foresee_bvh(const mlrt_tree_options *options, uint32_t triangle_count)
+struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_count)
 {
+    const mlrt_tree_options *options = tree_options;
     struct build build = NOTHING_BUILT;
     set_limits(options, triangle_count, &build);
     const uint64_t references = (uint64_t)build.capacity * sizeof *build.references;

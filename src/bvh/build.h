@@ -10,7 +10,7 @@
 
 /*
  * On entry, tree->triangles and triangle_count are set, `options` is checked (or NULL), and the floating-point
- * environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds, float_safe and tree->info are set,
+ * environment is the library's. Returns a status. With MLRT_OK, tree->bvh, bounds and tree->info are set,
  * except triangle_count, structure, memory_size and build_seconds, which the caller sets. After an error the hierarchy
  * is empty, and tree->memory holds what it held on entry. MLRT_ERROR_TOO_LARGE: more nodes or quads than node.h has
  * bits for. Adds about MLRT_BVH_WORK per triangle to `progress` (NULL = none).
@@ -20,8 +20,11 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
 /* The work per triangle, where copying a triangle is 1 (MLRT_COPY_WORK, scene/meshes.h). */
 #define MLRT_BVH_WORK 10.0
 
-/* About how many bytes a hierarchy of mlrt_build_bvh takes when it is finished, and at most while it is built. */
-struct mlrt_demand mlrt_foresee_bvh(const mlrt_tree_options *options, uint32_t triangle_count);
+/*
+ * About how many bytes a hierarchy of mlrt_build_bvh takes when it is finished, and at most while it is built, with an
+ * mlrt_tree_options that was checked.
+ */
+struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_count);
 
 /* Frees the hierarchy of mlrt_build_bvh. tree->bvh is empty then. */
 void mlrt_free_bvh(struct mlrt_tree *tree);

@@ -12,7 +12,6 @@
 #include "bvh/node.h"
 #include "bvh/split.h"
 #include "bvh/unit.h"
-#include "exact/check_point.h"
 
 /* ---- statistics ---------------------------------------------------------------------------------------------- */
 
@@ -116,7 +115,7 @@ static void add_subtree(const struct mlrt_bvh *bvh, uint32_t number, uint32_t de
     }
 }
 
-static void set_info(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
+void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
 {
     mlrt_tree_info *info = &tree->info;
     struct totals totals = {0, 0, 0, 0, 0, progress};
@@ -133,12 +132,6 @@ static void set_info(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs,
     info->peak_memory_size = tree->memory.peak_size;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
-}
-
-void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs, struct mlrt_progress *progress)
-{
-    tree->float_safe = mlrt_has_safe_bounds(tree);
-    set_info(tree, costs, progress);
 }
 
 /* ---- invariants ---------------------------------------------------------------------------------------------- */
@@ -300,60 +293,4 @@ const char *mlrt_check_boxes(const struct mlrt_tree *tree)
     if (walk.next_node != tree->bvh.node_count) return "B1: there are nodes without a parent";
     if (walk.next_quad != tree->bvh.leaf_quad_count) return "there are quads without a leaf";
     return check_given(tree, walk.placed_count);
-}
-
-static int leaf_holds(const struct mlrt_bvh *bvh, uint32_t child, uint32_t triangle)
-{
-    const uint32_t *numbers = bvh->numbers + 4 * (size_t)mlrt_bvh_offset(child);
-    for (uint32_t i = 0; i < 4 * mlrt_bvh_quad_count(child); i++)
-        if (numbers[i] == triangle) return 1;
-    return 0;
-}
-
-/*
- * 1 if a leaf below the node holds the triangle, and its box and the boxes above it contain the point. At most 33 calls
- * deep.
- */
-static int is_found_at(const struct mlrt_bvh *bvh, uint32_t number, uint32_t triangle, const double point[3])
-{
-    const struct mlrt_bvh_node *node = &bvh->nodes[number];
-    for (int i = 0; i < MLRT_BVH_WIDTH && node->child[i] != 0; i++) {
-        int inside = 1;
-        for (int k = 0; k < 3; k++) inside = inside && node->lo[k][i] <= point[k] && point[k] <= node->hi[k][i];
-        if (!inside) continue;
-        if (is_leaf(node->child[i]) ? leaf_holds(bvh, node->child[i], triangle)
-                                    : is_found_at(bvh, mlrt_bvh_offset(node->child[i]), triangle, point))
-            return 1;
-    }
-    return 0;
-}
-
-static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
-{
-    static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
-                                     {4, 4, 8},  {4, 8, 4},  {8, 4, 4},  {1, 15, 0}, {3, 0, 13}, {0, 11, 5}};
-    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-    for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
-        double point[3], in_units[3];
-        if (!mlrt_find_check_point(&triangle, WEIGHTS[i], point)) continue;
-        for (int k = 0; k < 3; k++) {
-            in_units[k] = point[k] * tree->bvh.unit;
-            if (!(tree->bounds.lo[k] <= point[k] && point[k] <= tree->bounds.hi[k]))
-                return "a triangle is outside of the bounds";
-        }
-        if (!is_found_at(&tree->bvh, 0, number, in_units))
-            return "B3: a point of a triangle is in no leaf that holds it";
-    }
-    return NULL;
-}
-
-const char *mlrt_check_bvh(const struct mlrt_tree *tree)
-{
-    const char *wrong = mlrt_check_boxes(tree);
-    for (uint32_t i = 0; wrong == NULL && i < tree->triangle_count; i++) {
-        if (mlrt_is_left_out(tree, i)) continue;
-        if (tree->bvh.node_count == 0) return "B1: there are triangles, but no nodes";
-        wrong = check_triangle(tree, i);
-    }
-    return wrong;
 }

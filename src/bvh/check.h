@@ -10,7 +10,7 @@
 #include "scene/tree.h"
 
 /*
- * Sets tree->float_safe and the members of tree->info that follow from the hierarchy: depth, the counts of nodes,
+ * Sets the members of tree->info that follow from the hierarchy: depth, the counts of nodes,
  * leaves and references, tree_hash, sah_cost (in units of costs->node), the bounds, and the peak of memory. If the call
  * is cancelled meanwhile, these values may be wrong.
  */
@@ -22,11 +22,5 @@ void mlrt_measure_bvh(struct mlrt_tree *tree, const struct mlrt_bvh_costs *costs
  * NULL, or a static string with the first error. Takes linear time and little stack.
  */
 const char *mlrt_check_boxes(const struct mlrt_tree *tree);
-
-/*
- * Checks invariants B1 to B5. B3 is checked for points of each triangle that are exact in double: its vertices, and
- * where possible points of its edges and inside. Returns NULL, or a static string with the first error.
- */
-const char *mlrt_check_bvh(const struct mlrt_tree *tree);
 
 #endif

@@ -266,6 +266,16 @@ static void exact_d(const struct mlrt_ray_segment *ray, const struct exact_vecto
     exact_dot(&direction, normal, result);
 }
 
+/* The sign of v . n. */
+static int exact_side(const struct mlrt_triangle *triangle, const struct exact_vector *v)
+{
+    struct exact_vector normal;
+    struct mlrt_exact height;
+    exact_normal(triangle, &normal);
+    exact_dot(v, &normal, &height);
+    return height.sign;
+}
+
 static void exact_n(const float origin[3], const struct mlrt_triangle *triangle, const struct exact_vector *normal,
                     struct mlrt_exact *result)
 {
@@ -318,71 +328,60 @@ static MLRT_NOINLINE int side_of_plane_exactly(const struct mlrt_triangle *trian
 {
     int sign;
     if (MLRT_LIKELY(mlrt_grid_distance_sign(triangle, point, &sign))) return -sign;
-    struct exact_vector normal;
-    struct mlrt_exact n;
-    exact_normal(triangle, &normal);
-    exact_n(point, triangle, &normal, &n);
-    return -n.sign;
+    struct exact_vector v;
+    exact_vector_between(triangle->v[0], point, &v);
+    return exact_side(triangle, &v);
 }
 
-/* The sign of v . n; 0 if double cannot tell. */
-static int certain_side(const struct mlrt_triangle *triangle, struct vector v)
+/* The sign of v . n; 0 if double cannot tell. `size` is that of v, or those of its summands. */
+static int certain_side(const struct mlrt_triangle *triangle, struct vector v, double size)
 {
     struct vector a = vector_of(triangle->v[0]);
     struct vector ab = subtract(vector_of(triangle->v[1]), a);
     struct vector ac = subtract(vector_of(triangle->v[2]), a);
-    struct measured height = {dot(v, cross(ab, ac)), size_of(v) * size_of(ab) * size_of(ac)};
+    struct measured height = {dot(v, cross(ab, ac)), size * size_of(ab) * size_of(ac)};
     return certain_sign(height, SIGN_ERROR);
 }
 
 int mlrt_side_of_plane(const struct mlrt_triangle *triangle, const float point[3])
 {
-    int side = certain_side(triangle, subtract(vector_of(point), vector_of(triangle->v[0])));
+    const struct vector v = subtract(vector_of(point), vector_of(triangle->v[0]));
+    int side = certain_side(triangle, v, size_of(v));
     return side != 0 ? side : side_of_plane_exactly(triangle, point);
 }
 
 static MLRT_NOINLINE int side_of_sum_exactly(const struct mlrt_triangle *triangle, const float from[3],
                                              const float by[3])
 {
-    struct exact_vector normal, to_from, point;
-    struct mlrt_exact height;
-    exact_normal(triangle, &normal);
+    struct exact_vector to_from, point;
     exact_vector_between(triangle->v[0], from, &to_from);
     for (int k = 0; k < 3; ++k) {
         mlrt_exact_from_double(by[k], &point.x[k]);
         const struct mlrt_exact step = point.x[k];
         mlrt_exact_add(&to_from.x[k], &step, &point.x[k]);
     }
-    exact_dot(&point, &normal, &height);
-    return height.sign;
+    return exact_side(triangle, &point);
 }
 
 int mlrt_side_of_sum(const struct mlrt_triangle *triangle, const float from[3], const float by[3])
 {
-    const struct vector a = vector_of(triangle->v[0]), step = vector_of(by);
-    const struct vector to_from = subtract(vector_of(from), a), ab = subtract(vector_of(triangle->v[1]), a);
-    const struct vector ac = subtract(vector_of(triangle->v[2]), a);
+    const struct vector to_from = subtract(vector_of(from), vector_of(triangle->v[0])), step = vector_of(by);
     const struct vector v = {to_from.x + step.x, to_from.y + step.y, to_from.z + step.z};
     // A component of v has 2 factors, so the determinant has 9, relative to the sizes of the two summands of v.
-    const struct measured height = {dot(v, cross(ab, ac)),
-                                    (size_of(to_from) + size_of(step)) * size_of(ab) * size_of(ac)};
-    const int side = certain_sign(height, SIGN_ERROR);
+    const int side = certain_side(triangle, v, size_of(to_from) + size_of(step));
     return side != 0 ? side : side_of_sum_exactly(triangle, from, by);
 }
 
 static MLRT_NOINLINE int facing_of_normal_exactly(const struct mlrt_triangle *triangle, const float direction[3])
 {
-    struct exact_vector normal, along;
-    struct mlrt_exact d;
-    exact_normal(triangle, &normal);
+    struct exact_vector along;
     exact_vector_of(direction, &along);
-    exact_dot(&along, &normal, &d);
-    return d.sign;
+    return exact_side(triangle, &along);
 }
 
 int mlrt_facing(const struct mlrt_triangle *triangle, const float direction[3])
 {
-    int sign = certain_side(triangle, vector_of(direction));
+    int sign = certain_side(triangle, vector_of(direction), size_of(vector_of(direction)));
     if (sign != 0) return sign;
     for (int axis = 0; axis < 3; ++axis) {
         if (direction[axis] == 0 && is_across(triangle, axis)) return 0; /* such as a wall under vertical light */

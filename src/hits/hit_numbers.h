@@ -311,8 +311,8 @@ MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin
         to[k] = d_set1(direction[k]);
     }
     set_plane_terms(corners, &plane);
-    const uint32_t reported = report_rays(&plane, from, to, size,
-                                          MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, 0, &values);
+    const uint32_t reported =
+        report_rays(&plane, from, to, size, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, 0, &values);
     if (MLRT_UNLIKELY(!(reported & 1))) return 0;
     *report = (struct mlrt_hit_report){values.t[0], values.uv[0][0], values.uv[1][0], reported >> 16 & 1 ? 1 : -1};
     return 1;

@@ -9,6 +9,7 @@
 
 #include "exact/nearest.h"
 #include "exact/offset.h"
+#include "job/structure.h"
 #include "job/write_arrays.h"
 
 static double dot(const double a[3], const double b[3])
@@ -122,7 +123,7 @@ int mlrt_is_shaded(const struct mlrt_job *job, const struct mlrt_ray_segment *ra
     if (!mlrt_make_shadow_ray(&job->source, &triangle, ray, &faces, &shadow)) return !faces;
     shadow.mask = job->source.common_mask;
     if (counters) ++counters->ray_count, ++counters->packet_count;
-    return job->trace_segment(job->tree, &shadow, number, 1, counters) != MLRT_NONE;
+    return job->tree->structure->tracer.trace_ray(job->tree, &shadow, number, 1, NULL, counters) != MLRT_NONE;
 }
 
 void mlrt_find_shadows(const struct mlrt_job *job, const struct mlrt_packet *packet, uint32_t lanes,

@@ -18,10 +18,10 @@
 
 void mlrt_forget_planes(uint32_t plane_bits, uint32_t pair_bits, struct mlrt_worker *worker)
 {
-    worker->plane_mask = (1u << plane_bits) - 1;
-    worker->pair_mask = (1u << pair_bits) - 1;
-    memset(worker->planes, 0xFF, sizeof *worker->planes << plane_bits);
-    memset(worker->pairs, 0, sizeof *worker->pairs << pair_bits);
+    worker->known.plane_mask = (1u << plane_bits) - 1;
+    worker->known.pair_mask = (1u << pair_bits) - 1;
+    memset(worker->known.planes, 0xFF, sizeof *worker->known.planes << plane_bits);
+    memset(worker->known.pairs, 0, sizeof *worker->known.pairs << pair_bits);
 }
 
 int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t second, struct mlrt_worker *worker)
@@ -38,8 +38,8 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
         pair->differ = 1;
         return 0;
     }
-    worker->planes[plane_1 & worker->plane_mask] = (struct mlrt_known_plane){plane_1, plane_2};
-    worker->planes[first & worker->plane_mask] = (struct mlrt_known_plane){first, plane_2};
+    worker->known.planes[plane_1 & worker->known.plane_mask] = (struct mlrt_known_plane){plane_1, plane_2};
+    worker->known.planes[first & worker->known.plane_mask] = (struct mlrt_known_plane){first, plane_2};
     return 1;
 }
 

@@ -19,7 +19,7 @@ int mlrt_have_one_plane(const struct mlrt_tree *tree, uint32_t first, uint32_t s
 static inline uint32_t mlrt_known_plane_of(const struct mlrt_worker *worker, uint32_t number)
 {
     for (;;) {
-        const struct mlrt_known_plane *known = &worker->planes[number & worker->plane_mask];
+        const struct mlrt_known_plane *known = &worker->known.planes[number & worker->known.plane_mask];
         if (known->number != number) return number;
         number = known->plane;
     }
@@ -28,7 +28,7 @@ static inline uint32_t mlrt_known_plane_of(const struct mlrt_worker *worker, uin
 /* The table entry of a pair of triangles; it may hold another pair (mlrt_is_pair). */
 static inline struct mlrt_triangle_pair *mlrt_pair_of(const struct mlrt_worker *worker, uint32_t first, uint32_t second)
 {
-    return &worker->pairs[(first ^ second) & worker->pair_mask];
+    return &worker->known.pairs[(first ^ second) & worker->known.pair_mask];
 }
 
 static inline int mlrt_is_pair(const struct mlrt_triangle_pair *pair, uint32_t first, uint32_t second)

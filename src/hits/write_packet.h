@@ -20,8 +20,8 @@
 MLRT_INLINE uint32_t find_ids_in_mesh(const struct mlrt_tree *tree, uint32_t mesh, const struct mlrt_packet *packet,
                                       int is_first, struct mlrt_packet_values *values)
 {
-    const vi first = i_set1(tree->mesh_first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->mesh_ids[mesh]);
-    const vi count = i_set1(tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]);
+    const vi first = i_set1(tree->meshes.first[mesh]), none = i_set1(MLRT_NONE), id = i_set1(tree->meshes.ids[mesh]);
+    const vi count = i_set1(tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]);
     uint32_t found = 0;
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vi place = i_sub(i_load(packet->triangle + v), first);
@@ -46,14 +46,14 @@ MLRT_INLINE void find_packet_ids(const struct mlrt_tree *tree, const struct mlrt
     }
 }
 
-/* Writes the results of a packet's lanes to a sink, where the packet's block starts at (x, y). */
+/* Writes the results of a packet's lanes to a sink. */
 static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                        const struct mlrt_packet *packet, uint32_t lanes, uint32_t x, uint32_t y,
-                                        const struct mlrt_sink *sink)
+                                        const struct mlrt_packet *packet, uint32_t lanes,
+                                        const struct mlrt_rectangle *block, const struct mlrt_sink *sink)
 {
     const uint32_t hit = lanes & ~lanes_of_triangle(packet, MLRT_NONE);
     if (job->any) {
-        if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) mlrt_write_occluded(hit, lanes, x, y, sink);
+        mlrt_write_occluded(hit, lanes, block, sink);
         return;
     }
     struct mlrt_packet_values values;
@@ -61,16 +61,15 @@ static MLRT_NOINLINE void write_to_sink(const struct mlrt_job *job, struct mlrt_
         find_packet_ids(job->tree, packet, hit, &worker->mesh, &values);
     }
     if (sink->numbers) report_packet(job->tree, packet, hit, sink->numbers, &worker->hit_terms, &values);
-    mlrt_write_values(&values, lanes, x, y, sink);
+    mlrt_write_values(&values, lanes, block, sink);
 }
 
 /* Writes the results of a packet's lanes to the frame and to the callback's tile. */
 static void write_packet(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_packet *packet,
                          uint32_t lanes, const struct mlrt_rectangle *block)
 {
-    if (job->has_frame) write_to_sink(job, worker, packet, lanes, block->x, block->y, &job->frame);
-    if (job->callback) {
-        write_to_sink(job, worker, packet, lanes, block->x - worker->tile_x, block->y - worker->tile_y, &worker->tile);
+    for (uint32_t i = 0; i < worker->sink_count; ++i) {
+        write_to_sink(job, worker, packet, lanes, block, worker->sinks[i]);
     }
 }
 

@@ -7,17 +7,27 @@
 #define MLRT_JOB_JOB_H
 
 #include "base/forms.h"
+#include "base/tuning.h"
 #include "job/hit_terms.h"
 #include "job/write_arrays.h"
 #include "rays/source.h"
 
 /* State of workers that only one structure uses: trace/bundle.h and mlrta/setups.h. */
 struct mlrt_bundle;
-struct mlrt_bundle_cache;
-struct mlrt_triangle_setup;
+struct mlrt_bundles;
+struct mlrt_setups;
 
 /* base/progress.h */
 struct mlrt_progress;
+
+/* The options of the kd-tree. */
+struct mlrt_multilevel {
+    int32_t culling;
+    int culling_check;
+    uint32_t shortcuts; /* MLRT_SHORTCUT_*: those that are on */
+    uint32_t minimum_tile_size;
+    uint32_t split_divisor; /* pieces per side: the root of the split factor */
+};
 
 /* One call of the interface, as all workers see it. */
 struct mlrt_job {
@@ -25,24 +35,13 @@ struct mlrt_job {
     const struct mlrt_kernels *kernels;
     struct mlrt_source source;
     int32_t method; /* resolved: not DEFAULT */
-    int32_t culling;
-    int culling_check;
-    /* Shortcuts of the multi-level method that the paper does not have. */
-    int whole_tiles;
-    int entry_lists;
-    int shared_setups;
     int any;
-    /* Traces one ray with any numbers, in double: mlrt_trace_segment (run/trace_ray.h). */
-    uint32_t (*trace_segment)(const struct mlrt_tree *tree, const struct mlrt_ray_segment *ray, uint32_t skip, int any,
-                              mlrt_counters *counters);
     const struct mlrt_job *lights; /* a job for each light: its source, with `any` set */
     uint32_t light_count;
     uint32_t initial_tile_size;
-    uint32_t minimum_tile_size;
-    uint32_t split_divisor; /* pieces per side: the root of the split factor */
-    struct mlrt_sink frame;
-    int has_frame;
-    uint32_t outputs; /* of the callback */
+    struct mlrt_multilevel multilevel;
+    struct mlrt_sink frame; /* the caller's arrays; empty if there are none */
+    uint32_t outputs;       /* of the callback */
     mlrt_tile_callback callback;
     void *user;
 };
@@ -75,36 +74,44 @@ struct mlrt_known_plane {
 #define MLRT_PAIR_BITS        6
 #define MLRT_FEW_PAIR_BITS    4
 
-/* The state of one worker, in cache lines of its own. Pairs of counts are for closest hits and for any hit. */
-struct mlrt_worker {
-    MLRT_ALIGNED(64) mlrt_counters counters;
+/* Answers about triangles that a worker keeps, since neighbouring rays need the same ones (undecided.h). */
+struct mlrt_known_triangles {
     struct mlrt_triangle_pair *pairs; /* entry (first ^ second) & pair_mask */
     uint32_t pair_mask;               /* length of the table, a power of two, less one */
-    struct mlrt_known_plane *planes;  /* entry number & plane_mask */
     uint32_t plane_mask;
-    struct mlrt_triangle_setup *setups; /* mlrta/setups.h: entry number & setup_mask; for rays from `apex` */
-    uint32_t setup_mask;                /* length of the table, a power of two, less one */
-    float apex[3];
-    struct mlrt_sink tile; /* the callback's arrays, over the current tile; empty without a callback */
-    /*
-     * trace/bundle.h: one for closest hits and one for any hit, since a picture's tiles and their shadows take turns.
-     */
-    struct mlrt_bundle_cache *bundle_caches;
-    uint32_t mask;            /* of all rays; MLRT_MASK_ALL if each has its own, or triangles have none */
-    uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets */
-    uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane */
-    uint32_t open_tiles;      /* how many of the next tiles begin with open cells (trace/levels.c) */
-    uint32_t open_squares;    /* how many of the next squares are traced tile by tile */
+    struct mlrt_known_plane *planes; /* entry number & plane_mask */
+};
+
+/* How a worker looks up in the middle of an item (stop.h). */
+struct mlrt_watch {
+    struct mlrt_progress *progress; /* NULL = the host has no progress function */
+    uint64_t environment;           /* floating-point environment of the caller */
+    double pixels_told;             /* pixels of the current item that progress has counted */
+    uint32_t slow_steps;            /* counts calls of mlrt_is_stopped_in_step */
+    int stopped;                    /* the call is to end */
+};
+
+/* 1 if there are so few rays that large tables of workers would not pay. */
+static inline int mlrt_is_small(const struct mlrt_job *job)
+{
+    return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
+}
+
+/* The state of one worker, in cache lines of its own. */
+struct mlrt_worker {
+    MLRT_ALIGNED(64) mlrt_counters counters;
+    struct mlrt_known_triangles known;
+    /* What the kernels of the tree's structure keep (trace/bundle.h, mlrta/setups.h); the other is not set. */
+    struct mlrt_bundles *bundles;
+    struct mlrt_setups *setups;
+    struct mlrt_sink tile;            /* the callback's arrays, over the current tile; empty without a callback */
+    const struct mlrt_sink *sinks[2]; /* of frame and tile, those that are not empty */
+    uint32_t sink_count;
+    uint32_t mask; /* of all rays; MLRT_MASK_ALL if each has its own, or triangles have none */
     struct mlrt_hit_term_cache hit_terms;
     uint32_t mesh; /* position of the mesh that was hit last */
-    uint32_t tile_x;
-    uint32_t tile_y;
-    struct mlrt_progress *progress;    /* stop.h; NULL = the host has no progress function */
-    uint64_t environment;              /* floating-point environment of the caller */
-    double pixels_told;                /* pixels of the current item that progress has counted */
-    uint32_t slow_steps;               /* counts calls of mlrt_is_stopped_in_step */
+    struct mlrt_watch watch;
     struct mlrt_scaled_packet *scaled; /* the packet in units while its rays go alone (trace/units.h), else NULL */
-    int stopped;                       /* the call is to end */
 };
 
 /* rays/lone_ray.h */
@@ -136,6 +143,10 @@ struct mlrt_picture_kernels {
                              struct mlrt_packet *packet, struct mlrt_worker *worker, mlrt_counters *counters);
 };
 
+/* Traces a block of at most 4x4 rays, and writes their results. */
+typedef void mlrt_trace_block(const struct mlrt_job *job, struct mlrt_worker *worker,
+                              const struct mlrt_rectangle *block, const struct entry_list *list);
+
 /* The functions of an instruction set. */
 struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
@@ -144,9 +155,8 @@ struct mlrt_kernels {
 
     const struct mlrt_picture_kernels *picture;
 
-    /* Traces a block of at most 4x4 rays from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
-    void (*trace_block)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
-                        const struct entry_list *list);
+    /* Traces a block from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
+    mlrt_trace_block *trace_block;
 
     /* The kernels of the kd-tree have none of the following. */
 
@@ -156,12 +166,12 @@ struct mlrt_kernels {
      */
     uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, struct mlrt_corners *corners);
     /*
-     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them. NULL if
-     * those of `reports` are faster. hits/hit_numbers.h
+     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them. hits/hit_numbers.h
      */
     int (*report_ray)(const struct mlrt_corners *corners, const float origin[3], const float direction[3],
                       struct mlrt_hit_report *report);
-    const struct mlrt_kernels *reports; /* the kernels whose report_ray is used */
+    /* The kernels whose report_ray is used; NULL = the judge is as fast. */
+    const struct mlrt_kernels *reports;
     /*
      * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
      * Returns 0, and leaves *number, if float does not carry the ray there.
@@ -185,7 +195,10 @@ struct mlrt_kernels {
                                    struct mlrt_packet *packet);
 };
 
-/* The Makefile says which of them are compiled; run/dispatch.c chooses among these. */
+/* Method ray, of any structure (hits/finish.c). */
+extern const struct mlrt_kernels mlrt_kernels_ray;
+
+/* The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set. */
 extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;

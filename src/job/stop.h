@@ -20,9 +20,9 @@ int mlrt_is_stopped(struct mlrt_worker *worker, double pixels);
 /* As mlrt_is_stopped, for such a step, with no pixels done. */
 static inline int mlrt_is_stopped_in_step(struct mlrt_worker *worker)
 {
-    if (!worker->progress) return 0;
-    if (++worker->slow_steps % MLRT_SLOW_STEPS == 0) return mlrt_is_stopped(worker, 0);
-    return worker->stopped;
+    if (!worker->watch.progress) return 0;
+    if (++worker->watch.slow_steps % MLRT_SLOW_STEPS == 0) return mlrt_is_stopped(worker, 0);
+    return worker->watch.stopped;
 }
 
 #endif

@@ -16,17 +16,20 @@ size_t mlrt_channel_size(enum mlrt_channel channel)
     return channel == MLRT_CHANNEL_OCCLUDED ? 1 : 4;
 }
 
-/* The channel of the set that is at `data` with the strides of `group`; MLRT_CHANNEL_COUNT if there is none. */
-static int find_channel(const struct mlrt_sink *sink, uint32_t channels, const struct mlrt_sink_group *group,
-                        const unsigned char *data)
+/* How many bytes the elements of `second` lie behind those of `first`; SIZE_MAX if their strides differ. */
+static size_t distance_of(const struct mlrt_image *first, const struct mlrt_image *second)
 {
-    for (int c = 0; c < MLRT_CHANNEL_OCCLUDED; ++c) {
-        if (channels >> c & 1 && sink->channel[c].data == data && sink->channel[c].stride == group->stride &&
-            sink->channel[c].row_stride == group->row_stride) {
-            return c;
-        }
-    }
-    return MLRT_CHANNEL_COUNT;
+    const int is_alike = first->stride == second->stride && first->row_stride == second->row_stride;
+    return is_alike ? (uintptr_t)second->data - (uintptr_t)first->data : SIZE_MAX;
+}
+
+/* The channel of the set whose elements lie `distance` bytes behind those of `first`; MLRT_CHANNEL_COUNT if none do. */
+static int find_channel(const struct mlrt_sink *sink, uint32_t channels, const struct mlrt_image *first,
+                        size_t distance)
+{
+    int c = 0;
+    while (c < MLRT_CHANNEL_OCCLUDED && !(channels >> c & 1 && distance_of(first, &sink->channel[c]) == distance)) ++c;
+    return c < MLRT_CHANNEL_OCCLUDED ? c : MLRT_CHANNEL_COUNT;
 }
 
 /* The channel of the set that has the lowest address. */
@@ -48,25 +51,17 @@ static uint32_t make_group(const struct mlrt_sink *sink, uint32_t channels, stru
 {
     uint32_t taken = 0;
     int c = find_lowest_channel(sink, channels);
-    group->data = sink->channel[c].data;
-    group->stride = sink->channel[c].stride;
-    group->row_stride = sink->channel[c].row_stride;
+    group->image = sink->channel[c];
     group->count = 0;
     memset(group->channel, 0, sizeof group->channel);
     do {
         group->channel[group->count++] = (uint8_t)c;
-        if (group->count == 4 || 4u * (group->count + 1u) > group->stride) break;
-        c = find_channel(sink, channels, group, group->data + 4 * (size_t)group->count);
+        if (group->count == 4 || 4u * (group->count + 1u) > group->image.stride) break;
+        c = find_channel(sink, channels, &group->image, 4 * (size_t)group->count);
     } while (c != MLRT_CHANNEL_COUNT);
     if (group->count == 3) group->count = 2;
     for (uint32_t i = 0; i < group->count; ++i) taken |= 1u << group->channel[i];
     return taken;
-}
-
-static int is_same_struct(const struct mlrt_sink_group *first, const struct mlrt_sink_group *second)
-{
-    return (uintptr_t)second->data - (uintptr_t)first->data < first->stride && first->stride == second->stride &&
-           first->row_stride == second->row_stride;
 }
 
 void mlrt_group_channels(struct mlrt_sink *sink)
@@ -81,7 +76,8 @@ void mlrt_group_channels(struct mlrt_sink *sink)
     while (channels) {
         struct mlrt_sink_group *group = &sink->groups[sink->group_count];
         channels &= ~make_group(sink, channels, group);
-        group->is_same_struct = sink->group_count > 0 && is_same_struct(group - 1, group);
+        group->is_same_struct =
+            sink->group_count > 0 && distance_of(&group[-1].image, &group->image) < group->image.stride;
         ++sink->group_count;
     }
 }
@@ -93,10 +89,10 @@ void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, stru
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         const mlrt_array *array = arrays[c];
         const size_t stride = array->stride ? array->stride : mlrt_channel_size((enum mlrt_channel)c);
-        sink->channel[c].data = array->data;
-        sink->channel[c].stride = stride;
-        sink->channel[c].row_stride = packed_rows || !array->row_stride ? stride * width : array->row_stride;
+        const size_t row_stride = packed_rows || !array->row_stride ? stride * width : array->row_stride;
+        sink->channel[c] = (struct mlrt_image){array->data, stride, row_stride};
     }
+    sink->x = sink->y = 0;
     mlrt_group_channels(sink);
 }
 
@@ -110,10 +106,10 @@ int mlrt_sink_is_empty(const struct mlrt_sink *sink)
 
 uint32_t mlrt_mesh_of_triangle(const struct mlrt_tree *tree, uint32_t number)
 {
-    uint32_t below = 0, above = tree->mesh_count;
+    uint32_t below = 0, above = tree->meshes.count;
     while (above - below > 1) {
         uint32_t middle = below + (above - below) / 2;
-        if (tree->mesh_first[middle] <= number) {
+        if (tree->meshes.first[middle] <= number) {
             below = middle;
         } else {
             above = middle;
@@ -127,8 +123,8 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *mesh = *triangle = MLRT_NONE;
     if (number == MLRT_NONE) return;
     const uint32_t position = mlrt_mesh_of_triangle(tree, number);
-    *mesh = tree->mesh_ids[position];
-    *triangle = number - tree->mesh_first[position];
+    *mesh = tree->meshes.ids[position];
+    *triangle = number - tree->meshes.first[position];
 }
 
 void mlrt_set_hit(const struct mlrt_tree *tree, const mlrt_ray *ray, uint32_t number, mlrt_hit *hit)
@@ -185,23 +181,19 @@ void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *pa
     values->facing[lane] = (uint32_t)report.facing;
 }
 
-static unsigned char *find_corner(const struct mlrt_sink_group *group, uint32_t x, uint32_t y)
+/* The element of an image where a rectangle begins. */
+MLRT_INLINE unsigned char *find_corner(const struct mlrt_sink *sink, const struct mlrt_image *image,
+                                       const struct mlrt_rectangle *area)
 {
-    return group->data + (size_t)y * group->row_stride + (size_t)x * group->stride;
-}
-
-static unsigned char *find_occluded(const struct mlrt_sink *sink, uint32_t x, uint32_t y)
-{
-    return sink->channel[MLRT_CHANNEL_OCCLUDED].data + (size_t)y * sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride +
-           (size_t)x * sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
+    return image->data + (size_t)(area->y - sink->y) * image->row_stride + (size_t)(area->x - sink->x) * image->stride;
 }
 
 /* ---- packets ---- */
 
-static size_t lane_offset(uint32_t lane, size_t stride, size_t row_stride)
+static size_t lane_offset(uint32_t lane, const struct mlrt_image *image)
 {
     const uint32_t column = (lane & 1) | (lane >> 1 & 2), row = (lane >> 1 & 1) | (lane >> 2 & 2);
-    return row * row_stride + column * stride;
+    return row * image->row_stride + column * image->stride;
 }
 
 /* The array with the values of channel i of a group. */
@@ -226,8 +218,9 @@ struct square {
     unsigned char *at[4];
 };
 
-MLRT_INLINE struct square find_square(unsigned char *corner, size_t square, size_t stride, size_t row_stride)
+MLRT_INLINE struct square find_square(unsigned char *corner, size_t square, const struct mlrt_image *image)
 {
+    const size_t stride = image->stride, row_stride = image->row_stride;
     unsigned char *above = corner + (square & 1) * 2 * stride + (square >> 1) * 2 * row_stride;
     return (struct square){{above, above + stride, above + row_stride, above + row_stride + stride}};
 }
@@ -269,14 +262,14 @@ MLRT_INLINE void write_fours(const unsigned char *const *values, size_t offset, 
 static MLRT_NOINLINE void write_structs(const struct mlrt_packet_values *values, const struct mlrt_sink_group *group,
                                         unsigned char *corner)
 {
-    const size_t stride = group->stride, row_stride = group->row_stride;
+    const struct mlrt_image image = group->image;
     const uint32_t count = group->count;
     const unsigned char *arrays[4];
     MLRT_UNROLL
     for (uint32_t i = 0; i < 4; ++i) arrays[i] = values_of(values, group, i);
     MLRT_UNROLL
     for (size_t i = 0; i < 4; ++i) {
-        const struct square square = find_square(corner, i, stride, row_stride);
+        const struct square square = find_square(corner, i, &image);
         if (count == 4) {
             write_fours(arrays, 16 * i, &square);
         } else if (count == 2) {
@@ -293,21 +286,21 @@ static MLRT_NOINLINE void write_lanes(const struct mlrt_packet_values *values, u
 {
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        unsigned char *at = corner + lane_offset(lane, group->stride, group->row_stride);
+        unsigned char *at = corner + lane_offset(lane, &group->image);
         for (uint32_t i = 0; i < group->count; ++i) memcpy(at + 4 * i, values_of(values, group, i) + 4 * lane, 4);
     }
 }
 
-void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
+void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, const struct mlrt_rectangle *block,
                        const struct mlrt_sink *sink)
 {
     const struct mlrt_sink_group *const end = sink->groups + sink->group_count;
     for (const struct mlrt_sink_group *group = sink->groups; group < end; ++group) {
-        unsigned char *corner = find_corner(group, x, y);
+        unsigned char *corner = find_corner(sink, &group->image, block);
         if (MLRT_UNLIKELY(lanes != 0xFFFF)) {
             write_lanes(values, lanes, group, corner);
-        } else if (group->stride == 4) {
-            write_block(values_of(values, group, 0), corner, group->row_stride);
+        } else if (group->image.stride == 4) {
+            write_block(values_of(values, group, 0), corner, group->image.row_stride);
         } else {
             write_structs(values, group, corner);
         }
@@ -321,32 +314,34 @@ static const uint8_t bytes_of_bits[16][4] = {
 
 /* Writes a byte for each lane to elements with any stride. */
 static MLRT_NOINLINE void write_bytes(const uint8_t bytes[MLRT_PACKET_RAYS], uint32_t lanes, unsigned char *corner,
-                                      size_t stride, size_t row_stride)
+                                      const struct mlrt_image *image)
 {
     for (uint32_t i = 0; i < 4 && lanes == 0xFFFF; ++i) {
-        const struct square square = find_square(corner, i, stride, row_stride);
+        const struct square square = find_square(corner, i, image);
         MLRT_UNROLL
         for (uint32_t k = 0; k < 4; ++k) *square.at[k] = bytes[4 * i + k];
     }
     for (lanes = lanes == 0xFFFF ? 0 : lanes; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
-        corner[lane_offset(lane, stride, row_stride)] = bytes[lane];
+        corner[lane_offset(lane, image)] = bytes[lane];
     }
 }
 
-void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink)
+void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, const struct mlrt_rectangle *block,
+                         const struct mlrt_sink *sink)
 {
-    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
-    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
-    unsigned char *corner = find_occluded(sink, x, y);
-    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
+    const struct mlrt_image *image = &sink->channel[MLRT_CHANNEL_OCCLUDED];
+    if (!image->data) return;
+    unsigned char *corner = find_corner(sink, image, block);
+    if (MLRT_LIKELY(lanes == 0xFFFF && image->stride == 1)) {
         uint32_t rows = (occluded & 0xC3C3) | (occluded & 0x0C0C) << 2 | (occluded & 0x3030) >> 2;
         MLRT_UNROLL
-        for (int row = 0; row < 4; ++row, rows >>= 4, corner += row_stride) memcpy(corner, bytes_of_bits[rows & 15], 4);
+        for (int row = 0; row < 4; ++row, rows >>= 4, corner += image->row_stride)
+            memcpy(corner, bytes_of_bits[rows & 15], 4);
     } else {
         uint8_t bytes[MLRT_PACKET_RAYS];
         for (int i = 0; i < 4; ++i) memcpy(bytes + 4 * i, bytes_of_bits[occluded >> 4 * i & 15], 4);
-        write_bytes(bytes, lanes, corner, stride, row_stride);
+        write_bytes(bytes, lanes, corner, image);
     }
 }
 
@@ -361,43 +356,43 @@ void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t b
     }
 }
 
-void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
+void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, const struct mlrt_rectangle *block,
                         const struct mlrt_sink *sink)
 {
-    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
-    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
-    unsigned char *corner = find_occluded(sink, x, y);
-    if (MLRT_LIKELY(lanes == 0xFFFF && stride == 1)) {
-        for (uint32_t row = 0; row < 4; ++row, corner += row_stride) {
+    const struct mlrt_image *image = &sink->channel[MLRT_CHANNEL_OCCLUDED];
+    if (!image->data) return;
+    unsigned char *corner = find_corner(sink, image, block);
+    if (MLRT_LIKELY(lanes == 0xFFFF && image->stride == 1)) {
+        for (uint32_t row = 0; row < 4; ++row, corner += image->row_stride) {
             const uint8_t *left = shadows + 2 * (row & 1) + 8 * (row >> 1);
             memcpy(corner, left, 2);
             memcpy(corner + 2, left + 4, 2);
         }
     } else {
-        write_bytes(shadows, lanes, corner, stride, row_stride);
+        write_bytes(shadows, lanes, corner, image);
     }
 }
 
 /* ---- rectangles ---- */
 
-static void prefetch_rows(const unsigned char *row, size_t size, uint32_t height, size_t row_stride)
+static void prefetch_image(const struct mlrt_sink *sink, const struct mlrt_image *image,
+                           const struct mlrt_rectangle *area)
 {
-    for (; height; --height, row += row_stride) {
+    const size_t size = area->width * image->stride;
+    if (!image->data) return;
+    const unsigned char *row = find_corner(sink, image, area);
+    for (uint32_t left = area->height; left; --left, row += image->row_stride) {
         for (size_t i = 0; i < size; i += 64) mlrt_prefetch_for_writing(row + i);
         mlrt_prefetch_for_writing(row + size - 1);
     }
 }
 
-void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)
+void mlrt_prefetch_sink(const struct mlrt_rectangle *area, const struct mlrt_sink *sink)
 {
     for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group) {
-        if (group->is_same_struct) continue;
-        prefetch_rows(find_corner(group, x, y), width * group->stride, height, group->row_stride);
+        if (!group->is_same_struct) prefetch_image(sink, &group->image, area);
     }
-    if (sink->channel[MLRT_CHANNEL_OCCLUDED].data) {
-        prefetch_rows(find_occluded(sink, x, y), width * sink->channel[MLRT_CHANNEL_OCCLUDED].stride, height,
-                      sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride);
-    }
+    prefetch_image(sink, &sink->channel[MLRT_CHANNEL_OCCLUDED], area);
 }
 
 /* Writes one word to rows of 4 * quads packed elements. */
@@ -416,9 +411,9 @@ static void fill_structs(f4 words, uint32_t width, uint32_t height, const struct
 {
     uint32_t first;
     memcpy(&first, &words, sizeof first);
-    for (; height; --height, row += group->row_stride) {
+    for (; height; --height, row += group->image.row_stride) {
         unsigned char *at = row;
-        for (uint32_t i = 0; i < width; ++i, at += group->stride) {
+        for (uint32_t i = 0; i < width; ++i, at += group->image.stride) {
             if (group->count == 4) {
                 f4_store_any(at, words);
             } else if (group->count == 2) {
@@ -431,16 +426,17 @@ static void fill_structs(f4 words, uint32_t width, uint32_t height, const struct
 }
 
 /* Writes the same values, one for each channel of 4 bytes, to a rectangle. */
-static void fill_channels(const uint32_t values[MLRT_CHANNEL_OCCLUDED], uint32_t x, uint32_t y, uint32_t width,
-                          uint32_t height, const struct mlrt_sink *sink)
+static void fill_channels(const uint32_t values[MLRT_CHANNEL_OCCLUDED], const struct mlrt_rectangle *area,
+                          const struct mlrt_sink *sink)
 {
+    const uint32_t width = area->width, height = area->height;
     for (uint32_t g = 0; g < sink->group_count; ++g) {
         const struct mlrt_sink_group *group = &sink->groups[g];
-        unsigned char *row = find_corner(group, x, y);
-        if (MLRT_LIKELY(group->stride == 4 && width == 16)) { /* tiles */
-            fill_quads(values[group->channel[0]], 4, height, group->row_stride, row);
-        } else if (MLRT_LIKELY(group->stride == 4 && width == 4)) { /* packets */
-            fill_quads(values[group->channel[0]], 1, height, group->row_stride, row);
+        unsigned char *row = find_corner(sink, &group->image, area);
+        if (MLRT_LIKELY(group->image.stride == 4 && width == 16)) { /* tiles */
+            fill_quads(values[group->channel[0]], 4, height, group->image.row_stride, row);
+        } else if (MLRT_LIKELY(group->image.stride == 4 && width == 4)) { /* packets */
+            fill_quads(values[group->channel[0]], 1, height, group->image.row_stride, row);
         } else {
             uint32_t words[4];
             for (int i = 0; i < 4; ++i) words[i] = values[group->channel[i]];
@@ -449,37 +445,35 @@ static void fill_channels(const uint32_t values[MLRT_CHANNEL_OCCLUDED], uint32_t
     }
 }
 
-void mlrt_write_same_shadow(uint8_t value, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                            const struct mlrt_sink *sink)
+void mlrt_write_same_shadow(uint8_t value, const struct mlrt_rectangle *area, const struct mlrt_sink *sink)
 {
-    const size_t stride = sink->channel[MLRT_CHANNEL_OCCLUDED].stride;
-    const size_t row_stride = sink->channel[MLRT_CHANNEL_OCCLUDED].row_stride;
-    if (!sink->channel[MLRT_CHANNEL_OCCLUDED].data) return;
-    unsigned char *row = find_occluded(sink, x, y);
-    for (; height; --height, row += row_stride) {
-        if (stride != 1) {
-            for (uint32_t i = 0; i < width; ++i) row[i * stride] = value;
-        } else if (width == 16) { /* a fixed length: compiled to a store, not a call */
+    const struct mlrt_image *image = &sink->channel[MLRT_CHANNEL_OCCLUDED];
+    if (!image->data) return;
+    unsigned char *row = find_corner(sink, image, area);
+    for (uint32_t left = area->height; left; --left, row += image->row_stride) {
+        if (image->stride != 1) {
+            for (uint32_t i = 0; i < area->width; ++i) row[i * image->stride] = value;
+        } else if (area->width == 16) { /* a fixed length: compiled to a store, not a call */
             memset(row, value, 16);
         } else {
-            memset(row, value, width);
+            memset(row, value, area->width);
         }
     }
 }
 
-void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
-                         uint32_t height, const struct mlrt_sink *sink)
+void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, const struct mlrt_rectangle *area,
+                         const struct mlrt_sink *sink)
 {
     uint32_t values[MLRT_CHANNEL_OCCLUDED] = {0};
     mlrt_find_ids(tree, number, &values[MLRT_CHANNEL_MESH], &values[MLRT_CHANNEL_TRIANGLE]);
-    fill_channels(values, x, y, width, height, sink);
+    fill_channels(values, area, sink);
 }
 
-void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink)
+void mlrt_write_misses(const struct mlrt_rectangle *area, const struct mlrt_sink *sink)
 {
     const float infinity = INFINITY;
     uint32_t values[MLRT_CHANNEL_OCCLUDED] = {0, 0, 0, MLRT_NONE, MLRT_NONE, 0};
     memcpy(&values[MLRT_CHANNEL_T], &infinity, sizeof infinity);
-    fill_channels(values, x, y, width, height, sink);
-    mlrt_write_same_shadow(0, x, y, width, height, sink);
+    fill_channels(values, area, sink);
+    mlrt_write_same_shadow(0, area, sink);
 }

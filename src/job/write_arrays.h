@@ -7,6 +7,7 @@
 
 #include "exact/predicate.h"
 #include "rays/packet.h"
+#include "rays/rectangle.h"
 #include "scene/tree.h"
 
 enum mlrt_channel {
@@ -20,26 +21,28 @@ enum mlrt_channel {
     MLRT_CHANNEL_COUNT
 };
 
+/* An array over a picture. */
+struct mlrt_image {
+    unsigned char *data; /* NULL = there is none */
+    size_t stride;
+    size_t row_stride;
+};
+
 /*
  * Channels of 4 bytes whose elements lie beside each other in one struct, in the order of their addresses. They are
  * written together.
  */
 struct mlrt_sink_group {
-    unsigned char *data; /* of the first channel; all have the same strides */
-    size_t stride;
-    size_t row_stride;
-    uint8_t count;          /* 4, 2 or 1 */
-    uint8_t channel[4];     /* entries past `count` have no meaning */
-    uint8_t is_same_struct; /* its elements lie in the same structs as those of the group before it */
+    struct mlrt_image image; /* of the first channel; all have the same strides */
+    uint8_t count;           /* 4, 2 or 1 */
+    uint8_t channel[4];      /* entries past `count` have no meaning */
+    uint8_t is_same_struct;  /* its elements lie in the same structs as those of the group before it */
 };
 
-/* Arrays over a picture, with resolved strides. data = NULL: the channel is not wanted. */
+/* Arrays over a picture, or over a part of it, with resolved strides. */
 struct mlrt_sink {
-    struct {
-        unsigned char *data;
-        size_t stride;
-        size_t row_stride;
-    } channel[MLRT_CHANNEL_COUNT];
+    struct mlrt_image channel[MLRT_CHANNEL_COUNT]; /* without data: not wanted */
+    uint32_t x, y;                                 /* where the part begins in the picture */
     /* Set by mlrt_group_channels. */
     uint32_t numbers; /* outputs that have to be computed for each hit: MLRT_OUTPUT_T, _UV and _FACING */
     uint32_t group_count;
@@ -76,33 +79,35 @@ size_t mlrt_channel_size(enum mlrt_channel channel);
 void mlrt_report_lane(const struct mlrt_tree *tree, const struct mlrt_packet *packet, uint32_t lane, uint32_t outputs,
                       struct mlrt_packet_values *values);
 
-/* Writes the values of lanes of a packet, whose block starts at (x, y) of the sink, to all channels of 4 bytes. */
-void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, uint32_t x, uint32_t y,
+/* Rectangles and blocks are parts of the picture; the sink has all of them. */
+
+/* Writes the values of lanes of a packet to all channels of 4 bytes. */
+void mlrt_write_values(const struct mlrt_packet_values *values, uint32_t lanes, const struct mlrt_rectangle *block,
                        const struct mlrt_sink *sink);
 
-/* Likewise writes which of the lanes are occluded, 1 or 0, to the channel `occluded`. */
-void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, uint32_t x, uint32_t y, const struct mlrt_sink *sink);
+/* Likewise writes which of the lanes are occluded, 1 or 0, to the channel `occluded`, if the sink has it. */
+void mlrt_write_occluded(uint32_t occluded, uint32_t lanes, const struct mlrt_rectangle *block,
+                         const struct mlrt_sink *sink);
 
 /* Sets `bit`, that of one light, in the shadows of the lanes `dark`. It must not be set yet. */
 void mlrt_add_shadow(uint8_t shadows[MLRT_PACKET_RAYS], uint32_t dark, uint8_t bit);
 
-/* Writes the shadows of lanes of a packet, whose block starts at (x, y), to the channel `occluded`. */
-void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, uint32_t x, uint32_t y,
+/* Writes the shadows of lanes of a packet to the channel `occluded`, if the sink has it. */
+void mlrt_write_shadows(const uint8_t shadows[MLRT_PACKET_RAYS], uint32_t lanes, const struct mlrt_rectangle *block,
                         const struct mlrt_sink *sink);
 
 /* Prefetches the elements of a rectangle of at most 16 columns for writing. */
-void mlrt_prefetch_sink(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
+void mlrt_prefetch_sink(const struct mlrt_rectangle *area, const struct mlrt_sink *sink);
 
 /* Writes misses to a rectangle. */
-void mlrt_write_misses(uint32_t x, uint32_t y, uint32_t width, uint32_t height, const struct mlrt_sink *sink);
+void mlrt_write_misses(const struct mlrt_rectangle *area, const struct mlrt_sink *sink);
 
 /* Writes the ids of one triangle to a rectangle of a sink without numbers. */
-void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t x, uint32_t y, uint32_t width,
-                         uint32_t height, const struct mlrt_sink *sink);
+void mlrt_write_same_ids(const struct mlrt_tree *tree, uint32_t number, const struct mlrt_rectangle *area,
+                         const struct mlrt_sink *sink);
 
 /* Writes one value to a rectangle of the channel `occluded`, if the sink has it. */
-void mlrt_write_same_shadow(uint8_t occluded, uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                            const struct mlrt_sink *sink);
+void mlrt_write_same_shadow(uint8_t occluded, const struct mlrt_rectangle *area, const struct mlrt_sink *sink);
 
 /* Sets *ray to the ray of a lane. If the packet has no masks, its mask is MLRT_MASK_ALL. */
 void mlrt_get_segment(const struct mlrt_packet *packet, uint32_t lane, struct mlrt_ray_segment *ray);

@@ -121,7 +121,7 @@ int mlrt_get_beam(const struct mlrt_source *source, uint32_t x, uint32_t y, uint
         bounds.direction_lo[a] = INFINITY;
         bounds.direction_hi[a] = -INFINITY;
     }
-    beam->may_cover = source->skip.data == NULL && !source->has_masks;
+    beam->may_cover = source->arrays.skip.data == NULL && !source->has_masks;
     beam->is_unlimited = 0;
     for (uint32_t j = y; j < y + height; ++j) {
         for (uint32_t i = x; i < x + width; ++i) {

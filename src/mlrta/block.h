@@ -9,7 +9,6 @@
 
 #include "base/counters.h"
 #include "hits/finish.h"
-#include "hits/shadow_ray.h"
 #include "mlrta/interval_traversal.h"
 #include "mlrta/masked_traversal.h"
 #include "mlrta/triangle_setup.h"
@@ -18,7 +17,7 @@
 MLRT_INLINE void trace_active(const struct mlrt_job *job, const struct entry_list *list, struct mlrt_packet *packet,
                               struct mlrt_worker *worker)
 {
-    if (packet->has_apex && memcmp(packet->apex, worker->apex, sizeof packet->apex) != 0) {
+    if (packet->has_apex && memcmp(packet->apex, worker->setups->apex, sizeof packet->apex) != 0) {
         forget_setups(packet->apex, worker);
     }
     if (VW <= 4 && job->method == MLRT_METHOD_PACKET2) { /* run/dispatch.c: wider kernels never get this method */
@@ -35,17 +34,8 @@ static void trace_block(const struct mlrt_job *job, struct mlrt_worker *worker, 
     const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
     struct mlrt_packet packet;
     mlrt_get_packet(job, block, lanes, &packet);
-    if (job->method == MLRT_METHOD_RAY || !job->tree->float_safe) {
-        packet.single |= packet.active;
-        packet.active = 0;
-    }
     if (packet.active) trace_active(job, list, &packet, worker);
-    if (packet.single) mlrt_trace_single_rays(job, packet.single, &packet, &worker->counters);
-    job->kernels->picture->write_packet(job, worker, &packet, lanes, block);
-    if (MLRT_LIKELY(!job->light_count)) return;
-    uint8_t shadows[MLRT_PACKET_RAYS];
-    mlrt_find_shadows(job, &packet, lanes, shadows, &worker->counters);
-    mlrt_write_packet_shadows(job, worker, shadows, lanes, block);
+    mlrt_end_packet(job, worker, lanes, block, &packet);
 }
 
 #endif

@@ -566,7 +566,7 @@ static int build_tree(struct build *build, struct mlrt_tree *tree)
     return build_cell(build, &root, &cost);
 }
 
-int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *options, struct mlrt_progress *progress)
+int32_t mlrt_build_nodes(struct mlrt_tree *tree, const void *options, struct mlrt_progress *progress)
 {
     static const struct build NOTHING_BUILT;
     struct build build = NOTHING_BUILT;
@@ -574,8 +574,8 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
     build.triangles = tree->triangles;
     build.progress = progress;
     build.settings = resolve_options(options, tree->triangle_count);
-    tree->nodes = NULL;
-    tree->references = NULL;
+    tree->kdtree.nodes = NULL;
+    tree->kdtree.references = NULL;
     tree->info.non_finite_count = 0;
     tree->info.zero_area_count = 0;
     if (tree->triangle_count > COUNT_LIMIT) return MLRT_ERROR_TOO_LARGE;
@@ -586,10 +586,10 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
         release_results(&build);
         return mlrt_is_cancelled(progress) ? MLRT_ERROR_CANCELLED : MLRT_ERROR_OUT_OF_MEMORY;
     }
-    tree->nodes = build.nodes.elements;
-    tree->node_count = build.node_count;
-    tree->references = build.entries.elements;
-    tree->reference_count = build.entry_count;
+    tree->kdtree.nodes = build.nodes.elements;
+    tree->kdtree.node_count = build.node_count;
+    tree->kdtree.references = build.entries.elements;
+    tree->kdtree.reference_count = build.entry_count;
     tree->info.retracted_count = build.retracted_count;
     tree->info.peak_memory_size = tree->memory.peak_size;
     mlrt_measure_tree(tree, build.settings.preset.model.traversal, build.settings.preset.model.intersection, progress);
@@ -600,7 +600,7 @@ int32_t mlrt_build_nodes(struct mlrt_tree *tree, const mlrt_kdtree_options *opti
  * The nodes and entries of scenes take 24 to 54 bytes per triangle, and twice that while they are built. Entries are
  * limited; each has 4 bytes and, if it is alone in its leaf, 16 bytes of nodes.
  */
-struct mlrt_demand mlrt_foresee_nodes(const mlrt_kdtree_options *options, uint32_t triangle_count)
+struct mlrt_demand mlrt_foresee_nodes(const void *options, uint32_t triangle_count)
 {
     const struct settings settings = resolve_options(options, triangle_count);
     const uint64_t guess = 56 * (uint64_t)triangle_count + 64 * 12;

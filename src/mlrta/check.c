@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/progress.h"
-#include "exact/check_point.h"
 #include "exact/predicate.h"
 #include "mlrta/kdtree.h"
 
@@ -37,7 +36,7 @@ static void start_walk(const struct mlrt_tree *tree, struct walk *walk)
 /* Makes the children of an inner node those that are visited next, the lower one first. */
 static void push_children(const struct mlrt_tree *tree, const struct visit *parent, struct walk *walk)
 {
-    const struct mlrt_node *node = &tree->nodes[parent->node];
+    const struct mlrt_node *node = &tree->kdtree.nodes[parent->node];
     uint32_t axis = mlrt_node_axis(node);
     struct visit *above = &walk->waiting[walk->count++], *below = &walk->waiting[walk->count++];
     *above = *below = *parent;
@@ -62,13 +61,13 @@ static uint64_t hash_word(uint64_t hash, uint32_t word)
 static uint64_t hash_tree(const struct mlrt_tree *tree, struct mlrt_progress *progress)
 {
     uint64_t hash = HASH_START;
-    for (uint32_t i = 0; i < tree->node_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
+    for (uint32_t i = 0; i < tree->kdtree.node_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++) {
         uint32_t first_word;
-        memcpy(&first_word, &tree->nodes[i].u, sizeof first_word);
-        hash = hash_word(hash_word(hash, first_word), tree->nodes[i].word);
+        memcpy(&first_word, &tree->kdtree.nodes[i].u, sizeof first_word);
+        hash = hash_word(hash_word(hash, first_word), tree->kdtree.nodes[i].word);
     }
-    for (uint32_t i = 0; i < tree->reference_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
-        hash = hash_word(hash, tree->references[i]);
+    for (uint32_t i = 0; i < tree->kdtree.reference_count && !mlrt_is_cancelled_in_round(progress, i + 1); i++)
+        hash = hash_word(hash, tree->kdtree.references[i]);
     return hash;
 }
 
@@ -81,11 +80,14 @@ static double half_area(const struct mlrt_box *box)
 
 void mlrt_find_float_safety(struct mlrt_tree *tree)
 {
-    tree->float_safe = mlrt_has_safe_bounds(tree);
-    for (uint32_t i = 0; i < tree->node_count; i++) {
-        const struct mlrt_node *node = &tree->nodes[i];
-        if (!mlrt_node_is_leaf(node) && !mlrt_is_float_safe(node->u.split)) tree->float_safe = 0;
+    int is_safe = 1;
+    for (int k = 0; k < 3; k++)
+        is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
+    for (uint32_t i = 0; i < tree->kdtree.node_count; i++) {
+        const struct mlrt_node *node = &tree->kdtree.nodes[i];
+        if (!mlrt_node_is_leaf(node) && !mlrt_is_float_safe(node->u.split)) is_safe = 0;
     }
+    tree->kdtree.float_safe = is_safe;
 }
 
 void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double intersection_cost,
@@ -95,14 +97,14 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
     double area = half_area(&tree->bounds), cost = 0;
     struct walk walk;
     info->depth = 0;
-    info->node_count = tree->node_count;
-    info->reference_count = tree->reference_count;
+    info->node_count = tree->kdtree.node_count;
+    info->reference_count = tree->kdtree.reference_count;
     info->leaf_count = info->empty_leaf_count = 0;
     memcpy(info->bounds_min, tree->bounds.lo, sizeof info->bounds_min);
     memcpy(info->bounds_max, tree->bounds.hi, sizeof info->bounds_max);
     for (start_walk(tree, &walk); walk.count > 0;) {
         struct visit visit = walk.waiting[--walk.count];
-        const struct mlrt_node *node = &tree->nodes[visit.node];
+        const struct mlrt_node *node = &tree->kdtree.nodes[visit.node];
         if (mlrt_is_cancelled_in_round(progress, visit.node + 1)) return;
         double part = area > 0 ? half_area(&visit.cell) / area : 1;
         info->depth = visit.depth > info->depth ? visit.depth : info->depth;
@@ -125,8 +127,8 @@ void mlrt_measure_tree(struct mlrt_tree *tree, double traversal_cost, double int
 /* Returns NULL, or the error. The leaf's entries must begin at `next`, behind those of all leaves before it. */
 static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t next)
 {
-    const uint32_t count = mlrt_leaf_count(leaf), *entries = tree->references + next;
-    if (leaf->u.offset != next || count > tree->reference_count - next)
+    const uint32_t count = mlrt_leaf_count(leaf), *entries = tree->kdtree.references + next;
+    if (leaf->u.offset != next || count > tree->kdtree.reference_count - next)
         return "a leaf's entries are not where depth-first order has them";
     for (uint32_t i = 0; i < count; i++) {
         if (entries[i] >= tree->triangle_count) return "an entry is not a triangle";
@@ -139,9 +141,9 @@ static const char *check_leaf(const struct mlrt_tree *tree, const struct mlrt_no
 /* Returns NULL, or the error. The first child must be node `next`, the first that no node before it has as a child. */
 static const char *check_inner(const struct mlrt_tree *tree, const struct visit *visit, uint32_t next)
 {
-    const struct mlrt_node *node = &tree->nodes[visit->node];
+    const struct mlrt_node *node = &tree->kdtree.nodes[visit->node];
     uint32_t axis = mlrt_node_axis(node);
-    if (mlrt_node_child(node) != next || tree->node_count - next < 2)
+    if (mlrt_node_child(node) != next || tree->kdtree.node_count - next < 2)
         return "I1: children are not where depth-first order has them";
     if (!(visit->cell.lo[axis] <= node->u.split && node->u.split <= visit->cell.hi[axis]))
         return "I2: a plane is outside of its cell";
@@ -153,10 +155,10 @@ const char *mlrt_check_nodes(const struct mlrt_tree *tree)
 {
     uint32_t next = 1, next_entry = 0;
     struct walk walk;
-    if (tree->node_count % 2 == 0) return "I1: the number of nodes is even";
+    if (tree->kdtree.node_count % 2 == 0) return "I1: the number of nodes is even";
     for (start_walk(tree, &walk); walk.count > 0;) {
         struct visit visit = walk.waiting[--walk.count];
-        const struct mlrt_node *node = &tree->nodes[visit.node];
+        const struct mlrt_node *node = &tree->kdtree.nodes[visit.node];
         const char *wrong =
             mlrt_node_is_leaf(node) ? check_leaf(tree, node, next_entry) : check_inner(tree, &visit, next);
         if (wrong != NULL) return wrong;
@@ -167,74 +169,6 @@ const char *mlrt_check_nodes(const struct mlrt_tree *tree)
             next += 2;
         }
     }
-    if (next != tree->node_count) return "I1: there are nodes without a parent";
-    return next_entry == tree->reference_count ? NULL : "there are entries without a leaf";
-}
-
-static int leaf_refers_to(const struct mlrt_tree *tree, const struct mlrt_node *leaf, uint32_t triangle)
-{
-    uint32_t first = leaf->u.offset, last = first + mlrt_leaf_count(leaf);
-    while (first < last) {
-        uint32_t middle = first + (last - first) / 2;
-        if (tree->references[middle] < triangle)
-            first = middle + 1;
-        else
-            last = middle;
-    }
-    return first < leaf->u.offset + mlrt_leaf_count(leaf) && tree->references[first] == triangle;
-}
-
-static int is_found_at(const struct mlrt_tree *tree, uint32_t triangle, const double point[3])
-{
-    uint32_t waiting[MLRT_DEPTH_LIMIT + 2];
-    uint32_t count = 1;
-    waiting[0] = 0;
-    while (count > 0) {
-        const struct mlrt_node *node = &tree->nodes[waiting[--count]];
-        if (mlrt_node_is_leaf(node)) {
-            if (leaf_refers_to(tree, node, triangle)) return 1;
-            continue;
-        }
-        double x = point[mlrt_node_axis(node)];
-        if (x >= node->u.split) waiting[count++] = mlrt_node_child(node) + 1;
-        if (x <= node->u.split) waiting[count++] = mlrt_node_child(node);
-    }
-    return 0;
-}
-
-static int is_inside(const struct mlrt_box *box, const struct mlrt_triangle *triangle)
-{
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (!(box->lo[k] <= triangle->v[i][k] && triangle->v[i][k] <= box->hi[k])) return 0;
-    return 1;
-}
-
-static const char *check_triangle(const struct mlrt_tree *tree, uint32_t number)
-{
-    static const int WEIGHTS[][3] = {{16, 0, 0}, {0, 16, 0}, {0, 0, 16}, {8, 8, 0},  {0, 8, 8},  {8, 0, 8},
-                                     {4, 4, 8},  {4, 8, 4},  {8, 4, 4},  {1, 15, 0}, {3, 0, 13}, {0, 11, 5}};
-    const struct mlrt_triangle *triangle = &tree->triangles[number];
-    if (!is_inside(&tree->bounds, triangle)) return "a triangle is outside of the bounds";
-    for (size_t i = 0; i < sizeof WEIGHTS / sizeof WEIGHTS[0]; i++) {
-        double point[3];
-        if (mlrt_find_check_point(triangle, WEIGHTS[i], point) && !is_found_at(tree, number, point))
-            return "I3: a point of a triangle is in no leaf that refers to it";
-    }
-    return NULL;
-}
-
-static const char *check_triangles(const struct mlrt_tree *tree)
-{
-    for (uint32_t i = 0; i < tree->triangle_count; i++) {
-        const char *wrong = mlrt_is_left_out(tree, i) ? NULL : check_triangle(tree, i);
-        if (wrong != NULL) return wrong;
-    }
-    return NULL;
-}
-
-const char *mlrt_check_tree(const struct mlrt_tree *tree)
-{
-    const char *wrong = mlrt_check_nodes(tree);
-    return wrong != NULL ? wrong : check_triangles(tree);
+    if (next != tree->kdtree.node_count) return "I1: there are nodes without a parent";
+    return next_entry == tree->kdtree.reference_count ? NULL : "there are entries without a leaf";
 }

@@ -27,10 +27,4 @@ void mlrt_find_float_safety(struct mlrt_tree *tree);
  */
 const char *mlrt_check_nodes(const struct mlrt_tree *tree);
 
-/*
- * Checks invariants I1 to I5. Returns NULL, or the first error as a static string. I3 is checked for points of each
- * triangle that double holds exactly: its vertices, and where possible points on its edges and inside.
- */
-const char *mlrt_check_tree(const struct mlrt_tree *tree);
-
 #endif

@@ -34,11 +34,11 @@ MLRT_INLINE int reachable_children(const struct mlrt_job *job, const struct mlrt
     if (c > cell->box.hi[a]) return beam->negative[a] ? FAR_CHILD : NEAR_CHILD;
     if (c < cell->box.lo[a]) return beam->negative[a] ? NEAR_CHILD : FAR_CHILD;
 
-    int children = job->culling == MLRT_CULLING_INVERSE ? cull_inverse(beam, &cell->box, a, c)
-                                                        : cull_direct(beam, &cell->box, a, c);
+    int children = job->multilevel.culling == MLRT_CULLING_INVERSE ? cull_inverse(beam, &cell->box, a, c)
+                                                                   : cull_direct(beam, &cell->box, a, c);
     if (children != BOTH_CHILDREN) return children;
     ++counters->undecided_cull_count;
-    if (job->culling_check) children = check_children(beam, &cell->box, a, c);
+    if (job->multilevel.culling_check) children = check_children(beam, &cell->box, a, c);
     counters->undecided_checked_count += children == BOTH_CHILDREN;
     return children;
 }
@@ -48,13 +48,13 @@ MLRT_INLINE int has_potential(const struct mlrt_job *job, const struct mlrt_beam
                               const struct mlrt_box *box)
 {
     if (mlrt_leaf_count(node) == 0) return 0;
-    return !(job->culling == MLRT_CULLING_INVERSE ? misses_box(beam, box)
-                                                  : misses_box_along(beam, box, beam->main_axis));
+    return !(job->multilevel.culling == MLRT_CULLING_INVERSE ? misses_box(beam, box)
+                                                             : misses_box_along(beam, box, beam->main_axis));
 }
 
 MLRT_INLINE void enter_far_child(const struct mlrt_tree *tree, const struct mlrt_beam *beam, struct entry_point *cell)
 {
-    const struct mlrt_node *node = &tree->nodes[cell->node];
+    const struct mlrt_node *node = &tree->kdtree.nodes[cell->node];
     const int a = (int)mlrt_node_axis(node);
     enter_child(cell, mlrt_node_child(node), !beam->negative[a], a, node->u.split);
 }
@@ -69,7 +69,7 @@ static int find_first_leaf(const struct mlrt_job *job, const struct mlrt_beam *b
 {
     *stack_count = 0;
     for (;;) {
-        const struct mlrt_node *node = &job->tree->nodes[cell.node];
+        const struct mlrt_node *node = &job->tree->kdtree.nodes[cell.node];
         ++counters->cell_count;
         ++counters->entry_point_cell_count;
         int children = 0;
@@ -118,8 +118,8 @@ static uint32_t look_for_cover(const struct mlrt_job *job, const struct entry_po
 {
     struct corner_directions corners;
     struct corner_terms terms[COVER_TRIAL_LIMIT];
-    const struct mlrt_node *node = &job->tree->nodes[leaf->node];
-    const uint32_t *entries = job->tree->references + node->u.offset;
+    const struct mlrt_node *node = &job->tree->kdtree.nodes[leaf->node];
+    const uint32_t *entries = job->tree->kdtree.references + node->u.offset;
     const uint32_t count = mlrt_leaf_count(node);
     if (!beam->has_apex || !beam->may_cover || count > COVER_TRIAL_LIMIT) return MLRT_NONE;
     int is_covered = 0;
@@ -159,7 +159,8 @@ int mlrt_find_entry_point(const struct mlrt_job *job, struct mlrt_beam *beam, st
         *cover = MLRT_NONE;
         break;
     }
-    if (*cover != MLRT_NONE && job->whole_tiles && beam->is_unlimited) return BEAM_IS_COVERED;
+    if (*cover != MLRT_NONE && (job->multilevel.shortcuts & MLRT_SHORTCUT_WHOLE_TILES) && beam->is_unlimited)
+        return BEAM_IS_COVERED;
     return clip_to_region(beam, &entry->box) ? BEAM_ENTERS : BEAM_MISSES;
 }
 
@@ -190,6 +191,8 @@ int mlrt_find_entry_list(const struct mlrt_job *job, struct mlrt_beam *beam, str
         }
     }
     if (list->count == 0) return BEAM_MISSES;
-    return list->count == 1 && *cover != MLRT_NONE && job->whole_tiles && beam->is_unlimited ? BEAM_IS_COVERED
-                                                                                             : BEAM_ENTERS;
+    return list->count == 1 && *cover != MLRT_NONE && (job->multilevel.shortcuts & MLRT_SHORTCUT_WHOLE_TILES) &&
+                   beam->is_unlimited
+               ? BEAM_IS_COVERED
+               : BEAM_ENTERS;
 }

@@ -92,7 +92,7 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
                        struct ray_group *group, struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_tree *tree = job->tree;
-    const uint32_t *entries = tree->references + leaf->u.offset;
+    const uint32_t *entries = tree->kdtree.references + leaf->u.offset;
     const uint32_t count = mlrt_leaf_count(leaf);
     uint32_t changed = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -104,7 +104,7 @@ static void visit_leaf(const struct mlrt_job *job, const struct mlrt_node *leaf,
             setup = get_setup(tree, number, group, worker);
             touched = touched_lanes(group, &setup->outline, *farthest);
             if (!touched) continue;
-            if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->apex, setup);
+            if (!setup->has_terms) set_up_terms(&tree->triangles[number], worker->setups->apex, setup);
             if (setup->in_plane) continue;
         }
         COUNT(&worker->counters, triangle_test_count, 1);
@@ -166,7 +166,7 @@ static void traverse_subtree(const struct mlrt_job *job, uint32_t node, struct d
     walk.part = part;
     walk.pending_count = 0;
     for (;;) {
-        const struct mlrt_node *nodes = job->tree->nodes;
+        const struct mlrt_node *nodes = job->tree->kdtree.nodes;
         const struct mlrt_node *leaf =
             group->has_frustum ? descend(nodes, group, 1, &walk, worker) : descend(nodes, group, 0, &walk, worker);
         visit_leaf(job, leaf, farthest, group, packet, worker);

@@ -14,28 +14,12 @@
 #include "mlrta/cell_outline.h"
 #include "mlrta/entry_point.h"
 
-static void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
-                         const struct entry_list *list)
-{
-    for (uint32_t j = 0; j < tile->height; j += 4) {
-        for (uint32_t i = 0; i < tile->width; i += 4) {
-            const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
-            job->kernels->trace_block(job, worker, &block, list);
-        }
-    }
-}
-
 /* Writes the results of a tile for BEAM_MISSES or BEAM_IS_COVERED: none of its rays has to be traced. */
 static void finish_tile(const struct mlrt_job *job, struct mlrt_worker *worker, int found, uint32_t cover,
                         const struct mlrt_rectangle *tile)
 {
-    if (found == BEAM_MISSES) {
-        ++worker->counters.missed_beam_count;
-        mlrt_write_picture_misses(job, worker, tile);
-    } else {
-        ++worker->counters.covered_beam_count;
-        mlrt_write_cover(job, worker, cover, tile);
-    }
+    ++*(found == BEAM_MISSES ? &worker->counters.missed_beam_count : &worker->counters.covered_beam_count);
+    mlrt_write_closed(job, worker, found == BEAM_MISSES ? MLRT_NONE : cover, tile);
 }
 
 /* Counts the nodes of `list` and traces the rays of a tile from them. */
@@ -46,7 +30,7 @@ static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
         ++worker->counters.entry_point_count;
         worker->counters.entry_point_depth_sum += list->entries[i].depth;
     }
-    trace_blocks(job, worker, tile, list);
+    mlrt_trace_blocks(job, worker, tile, list, job->kernels->trace_block);
 }
 
 /* Sets the outlines of a list's entries, if the beam has an apex. */
@@ -70,14 +54,14 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
     list.entries[0] = *above;
     if (mlrt_get_beam(&job->source, tile->x, tile->y, tile->width, tile->height, &beam)) {
         uint32_t cover;
-        const int found = job->entry_lists
+        const int found = job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS
                               ? mlrt_find_entry_list(job, &beam, *above, &list, &cover, &worker->counters)
                               : mlrt_find_entry_point(job, &beam, &list.entries[0], &cover, &worker->counters);
         if (found != BEAM_ENTERS) {
             finish_tile(job, worker, found, cover, tile);
             return;
         }
-        if (job->entry_lists) set_outlines(&beam, &list);
+        if (job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) set_outlines(&beam, &list);
     }
     enter_tile(job, worker, &list, tile);
 }
@@ -86,7 +70,7 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
 static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                         uint32_t size, const struct entry_point *above)
 {
-    if (size <= job->minimum_tile_size) {
+    if (size <= job->multilevel.minimum_tile_size) {
         trace_last_level(job, worker, tile, above);
         return;
     }
@@ -103,13 +87,13 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
             finish_tile(job, worker, found, cover, tile);
             return;
         }
-        if (mlrt_node_is_leaf(&job->tree->nodes[entry->node])) {
+        if (mlrt_node_is_leaf(&job->tree->kdtree.nodes[entry->node])) {
             enter_tile(job, worker, &list, tile);
             return;
         }
     }
-    uint32_t side = size / job->split_divisor;
-    if (side < job->minimum_tile_size) side = job->minimum_tile_size;
+    uint32_t side = size / job->multilevel.split_divisor;
+    if (side < job->multilevel.minimum_tile_size) side = job->multilevel.minimum_tile_size;
     for (uint32_t j = 0; j < tile->height; j += side) {
         for (uint32_t i = 0; i < tile->width; i += side) {
             const struct mlrt_rectangle piece = mlrt_cut_piece(tile, i, j, side);
@@ -121,13 +105,17 @@ static void trace_level(const struct mlrt_job *job, struct mlrt_worker *worker, 
 void mlrt_trace_kdtree_tile(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
 {
     struct entry_list root;
+    if (!job->tree->kdtree.float_safe) {
+        mlrt_trace_by_rays(job, worker, tile);
+        return;
+    }
     root.count = 1;
     root.axis_code = NO_OUTLINES;
     root.entries[0] = (struct entry_point){0, 0, job->tree->bounds};
     worker->counters.ray_count += mlrt_count_rays(&job->source, tile);
-    if (job->method == MLRT_METHOD_MULTILEVEL && job->tree->float_safe) {
+    if (job->method == MLRT_METHOD_MULTILEVEL) {
         trace_level(job, worker, tile, job->initial_tile_size, &root.entries[0]);
     } else {
-        trace_blocks(job, worker, tile, &root);
+        mlrt_trace_blocks(job, worker, tile, &root, job->kernels->trace_block);
     }
 }

@@ -101,7 +101,7 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
     uint32_t alive = group.lanes; /* rays still looking for a hit */
     COUNT(counters, packet_count, 1);
     for (;;) {
-        const struct mlrt_node *here = &tree->nodes[node];
+        const struct mlrt_node *here = &tree->kdtree.nodes[node];
         COUNT(counters, cell_count, 1);
         const uint32_t k = mlrt_node_axis(here);
         if (k != 3) {
@@ -133,13 +133,13 @@ MLRT_INLINE void traverse_masked_group(const struct mlrt_job *job, uint32_t lane
             }
             continue;
         }
-        const uint32_t *entries = tree->references + here->u.offset;
+        const uint32_t *entries = tree->kdtree.references + here->u.offset;
         const uint32_t count = mlrt_leaf_count(here);
         for (uint32_t i = 0; i < count; ++i) {
             struct mlrt_triangle_setup *setup = NULL;
             if (packet->has_apex) {
                 /* The table has one entry, used for its terms only: this method tests no outlines. */
-                setup = &worker->setups[0];
+                setup = &worker->setups->entries[0];
                 if (setup->number != entries[i] || setup->main_axis != group.axis_code || !setup->has_terms) {
                     setup->number = entries[i];
                     setup->main_axis = group.axis_code;

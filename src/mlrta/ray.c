@@ -62,7 +62,7 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
     if (!clip_to_box(ray, reciprocal, &tree->bounds, &part)) return MLRT_NONE;
 
     for (;;) {
-        const struct mlrt_node *here = &tree->nodes[node];
+        const struct mlrt_node *here = &tree->kdtree.nodes[node];
         if (counters) ++counters->cell_count;
         if (!mlrt_node_is_leaf(here)) {
             uint32_t axis = mlrt_node_axis(here), child = mlrt_node_child(here);
@@ -87,7 +87,7 @@ MLRT_INLINE uint32_t trace(const struct mlrt_tree *tree, const struct mlrt_ray_s
             }
             continue;
         }
-        const uint32_t *entries = tree->references + here->u.offset;
+        const uint32_t *entries = tree->kdtree.references + here->u.offset;
         uint32_t count = mlrt_leaf_count(here);
         for (uint32_t i = 0; i < count; ++i) {
             if (entries[i] == skip || mlrt_is_hidden(tree, entries[i], ray->mask)) continue;

@@ -30,4 +30,11 @@ struct mlrt_triangle_setup {
 
 #define MLRT_SETUP_COUNT 256 /* 24 KiB: fits the first-level cache beside a tile's packets and nodes */
 
+/* The table of a worker. */
+struct mlrt_setups {
+    float apex[3];                        /* the origin of the rays that it is for */
+    uint32_t mask;                        /* length, a power of two, less one */
+    struct mlrt_triangle_setup entries[]; /* that of a triangle is entry number & mask */
+};
+
 #endif

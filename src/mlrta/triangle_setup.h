@@ -18,20 +18,21 @@
 /* Empties the worker's table for packets from another apex. */
 static void forget_setups(const float apex[3], struct mlrt_worker *worker)
 {
-    for (uint32_t i = 0; i <= worker->setup_mask; ++i) worker->setups[i].number = MLRT_NONE;
-    memcpy(worker->apex, apex, sizeof worker->apex);
+    struct mlrt_setups *setups = worker->setups;
+    for (uint32_t i = 0; i <= setups->mask; ++i) setups->entries[i].number = MLRT_NONE;
+    memcpy(setups->apex, apex, sizeof setups->apex);
 }
 
 /* The table's entry for a triangle, with its outline. Its terms are only set if has_terms says so. */
 MLRT_INLINE struct mlrt_triangle_setup *get_setup(const struct mlrt_tree *tree, uint32_t number,
                                                   const struct ray_group *group, struct mlrt_worker *worker)
 {
-    struct mlrt_triangle_setup *setup = &worker->setups[number & worker->setup_mask];
+    struct mlrt_triangle_setup *setup = &worker->setups->entries[number & worker->setups->mask];
     if (setup->number == number && setup->main_axis == group->axis_code) return setup;
     setup->has_terms = 0;
     setup->number = number;
     setup->main_axis = group->axis_code;
-    set_triangle_outline(&tree->triangles[number], group->axis_code, worker->apex, &setup->outline);
+    set_triangle_outline(&tree->triangles[number], group->axis_code, worker->setups->apex, &setup->outline);
     return setup;
 }
 

@@ -61,17 +61,17 @@ static int is_followed_by(const struct array_layout *array, const struct array_l
  */
 static int begin_reading(const struct mlrt_source *source, struct array_reader *reader)
 {
-    const uint32_t group = source->rays_per_origin;
+    const uint32_t group = source->arrays.rays_per_origin;
     const int is_rays = source->kind == MLRT_SOURCE_RAYS;
     static const mlrt_const_array none;
     const mlrt_const_array light = {source->light, 0}; /* of a directional light: the direction of all rays */
     if (source->kind == MLRT_SOURCE_CAMERA || (group > 1 && group % MLRT_PACKET_RAYS != 0)) return 0;
     reader->source = source;
-    lay_out_array(&source->points, group, source->width, &reader->points);
-    lay_out_array(&source->skip, group, source->width, &reader->skip);
-    lay_out_array(is_rays ? &source->t_min : &none, group, source->width, &reader->t_min);
-    lay_out_array(is_rays ? &source->directions : &light, 1, source->width, &reader->directions);
-    lay_out_array(is_rays ? &source->t_max : &none, 1, source->width, &reader->t_max);
+    lay_out_array(&source->arrays.points, group, source->width, &reader->points);
+    lay_out_array(&source->arrays.skip, group, source->width, &reader->skip);
+    lay_out_array(is_rays ? &source->arrays.t_min : &none, group, source->width, &reader->t_min);
+    lay_out_array(is_rays ? &source->arrays.directions : &light, 1, source->width, &reader->directions);
+    lay_out_array(is_rays ? &source->arrays.t_max : &none, 1, source->width, &reader->t_max);
     reader->points_have_t_min = is_followed_by(&reader->points, &reader->t_min);
     reader->directions_have_t_max = is_followed_by(&reader->directions, &reader->t_max);
     reader->points.has_word = reader->points_have_t_min || is_followed_by(&reader->points, &reader->t_max) ||
@@ -206,7 +206,7 @@ static void read_whole_block(const struct array_reader *reader, uint32_t x, uint
 {
     const struct mlrt_source *source = reader->source;
     const size_t ray = (size_t)y * source->width + x;
-    const size_t origin = source->rays_per_origin == 1 ? ray : ray / source->rays_per_origin;
+    const size_t origin = source->arrays.rays_per_origin == 1 ? ray : ray / source->arrays.rays_per_origin;
     const unsigned char *points = reader->points.data + origin * reader->points.stride;
     const unsigned char *directions = reader->directions.data + ray * reader->directions.stride;
     float *t_min = reader->points_have_t_min ? packet->t_min : NULL;

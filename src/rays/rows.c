@@ -67,8 +67,8 @@ static uint32_t find_period(const mlrt_const_array *vectors, uint32_t count)
 
 uint32_t mlrt_find_row_length(const struct mlrt_source *rays)
 {
-    if (rays->count < FEWEST_ROWS * SHORTEST_ROW || rays->rays_per_origin > 1) return 0;
-    const int directions_are_equal =
-        step_length(&rays->directions, 0, 1) == 0 && step_length(&rays->directions, 1, 2) == 0;
-    return find_period(directions_are_equal ? &rays->points : &rays->directions, rays->count);
+    const mlrt_const_array *points = &rays->arrays.points, *directions = &rays->arrays.directions;
+    if (rays->count < FEWEST_ROWS * SHORTEST_ROW || rays->arrays.rays_per_origin > 1) return 0;
+    const int directions_are_equal = step_length(directions, 0, 1) == 0 && step_length(directions, 1, 2) == 0;
+    return find_period(directions_are_equal ? points : directions, rays->count);
 }

@@ -25,7 +25,7 @@ static mlrt_const_array resolve_array(const mlrt_const_array *array, size_t elem
 
 void mlrt_set_rows(uint32_t row_length, struct mlrt_source *source)
 {
-    source->width = row_length && source->rays_per_origin <= 1 ? row_length : 4;
+    source->width = row_length && source->arrays.rays_per_origin <= 1 ? row_length : 4;
     const uint32_t widest = source->count > 4 ? source->count : 4;
     if (source->width > widest) source->width = widest;
     source->height = source->count / source->width + (source->count % source->width != 0);
@@ -39,22 +39,22 @@ static int lie_together(const mlrt_const_array *array, const mlrt_const_array *o
 }
 
 /* Finds the arrays that are prefetched: those with an element for each ray; of those that lie together, the first. */
-static void find_streams(struct mlrt_source *source)
+static void find_streams(struct mlrt_ray_arrays *arrays)
 {
-    const mlrt_const_array *const arrays[5] = {&source->points, &source->directions, &source->t_max, &source->t_min,
-                                               &source->skip};
-    source->stream_count = 0;
+    const mlrt_const_array *const each[5] = {&arrays->points, &arrays->directions, &arrays->t_max, &arrays->t_min,
+                                             &arrays->skip};
+    arrays->stream_count = 0;
     for (int i = 0; i < 5; ++i) {
-        if (!arrays[i]->data || !arrays[i]->stride) continue;
+        if (!each[i]->data || !each[i]->stride) continue;
         uint32_t j = 0;
-        while (j < source->stream_count && !lie_together(arrays[i], &source->streams[j])) ++j;
-        if (j == source->stream_count) source->streams[source->stream_count++] = *arrays[i];
+        while (j < arrays->stream_count && !lie_together(each[i], &arrays->streams[j])) ++j;
+        if (j == arrays->stream_count) arrays->streams[arrays->stream_count++] = *each[i];
     }
 }
 
 static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_length)
 {
-    find_streams(source);
+    find_streams(&source->arrays);
     source->count = (uint32_t)count;
     mlrt_set_rows(row_length, source);
 }
@@ -62,9 +62,7 @@ static void set_extent(struct mlrt_source *source, size_t count, uint32_t row_le
 int32_t mlrt_make_view_source(const mlrt_camera *camera, struct mlrt_source *source)
 {
     source->kind = MLRT_SOURCE_CAMERA;
-    source->rays_per_origin = 1;
-    source->mask.data = NULL;
-    source->stream_count = 0;
+    source->arrays = (struct mlrt_ray_arrays){.rays_per_origin = 1};
     int32_t status = mlrt_make_view(camera, &source->view);
     if (status != MLRT_OK) return status;
     source->width = source->view.width;
@@ -77,13 +75,13 @@ void mlrt_make_ray_source(const struct mlrt_tree *tree, const mlrt_rays *rays, s
 {
     source->kind = MLRT_SOURCE_RAYS;
     source->tree = tree;
-    source->rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1;
-    source->points = resolve_array(&rays->origins, 12);
-    source->directions = resolve_array(&rays->directions, 12);
-    source->t_min = resolve_array(&rays->t_min, 4);
-    source->t_max = resolve_array(&rays->t_max, 4);
-    source->skip = resolve_array(&rays->skip, 8);
-    source->mask = resolve_array(&rays->mask, 4);
+    source->arrays = (struct mlrt_ray_arrays){.points = resolve_array(&rays->origins, 12),
+                                              .directions = resolve_array(&rays->directions, 12),
+                                              .t_min = resolve_array(&rays->t_min, 4),
+                                              .t_max = resolve_array(&rays->t_max, 4),
+                                              .skip = resolve_array(&rays->skip, 8),
+                                              .mask = resolve_array(&rays->mask, 4),
+                                              .rays_per_origin = rays->rays_per_origin ? rays->rays_per_origin : 1};
     set_extent(source, rays->count, rays->row_length);
 }
 
@@ -97,19 +95,17 @@ void mlrt_make_light_source(const struct mlrt_tree *tree, const mlrt_points *poi
                             struct mlrt_source *source)
 {
     mlrt_set_light(light, source);
-    source->directions.data = source->t_min.data = source->t_max.data = source->mask.data = NULL;
     source->tree = tree;
-    source->rays_per_origin = 1;
-    source->points = resolve_array(&points->positions, 12);
-    source->skip = resolve_array(&points->skip, 8);
+    source->arrays = (struct mlrt_ray_arrays){
+        .points = resolve_array(&points->positions, 12), .skip = resolve_array(&points->skip, 8), .rays_per_origin = 1};
     set_extent(source, points->count, points->row_length);
 }
 
 void mlrt_set_masks(const struct mlrt_tree *tree, uint32_t common, int leaves_are_filtered, struct mlrt_source *source)
 {
-    if (!tree->masks) source->mask.data = NULL;
-    source->common_mask = tree->masks && !source->mask.data && common ? common : MLRT_MASK_ALL;
-    source->has_masks = source->mask.data || (source->common_mask != MLRT_MASK_ALL && !leaves_are_filtered);
+    if (!tree->masks) source->arrays.mask.data = NULL;
+    source->common_mask = tree->masks && !source->arrays.mask.data && common ? common : MLRT_MASK_ALL;
+    source->has_masks = source->arrays.mask.data || (source->common_mask != MLRT_MASK_ALL && !leaves_are_filtered);
 }
 
 /* ---- reading rays ---- */
@@ -127,19 +123,19 @@ static const float *float_at(const mlrt_const_array *array, uint32_t i)
 struct mlrt_mesh_range mlrt_find_mesh(const struct mlrt_tree *tree, uint32_t mesh_id)
 {
     const struct mlrt_mesh_range none = {0, 0};
-    uint32_t below = 0, above = tree->mesh_count;
+    uint32_t below = 0, above = tree->meshes.count;
     while (below < above) {
         uint32_t middle = below + (above - below) / 2;
-        if (tree->mesh_ids[tree->mesh_by_id[middle]] < mesh_id) {
+        if (tree->meshes.ids[tree->meshes.by_id[middle]] < mesh_id) {
             below = middle + 1;
         } else {
             above = middle;
         }
     }
-    if (below == tree->mesh_count) return none;
-    const uint32_t mesh = tree->mesh_by_id[below];
-    if (tree->mesh_ids[mesh] != mesh_id) return none;
-    return (struct mlrt_mesh_range){tree->mesh_first[mesh], tree->mesh_first[mesh + 1] - tree->mesh_first[mesh]};
+    if (below == tree->meshes.count) return none;
+    const uint32_t mesh = tree->meshes.by_id[below];
+    if (tree->meshes.ids[mesh] != mesh_id) return none;
+    return (struct mlrt_mesh_range){tree->meshes.first[mesh], tree->meshes.first[mesh + 1] - tree->meshes.first[mesh]};
 }
 
 MLRT_INLINE uint32_t number_in_mesh(struct mlrt_mesh_range mesh, uint32_t triangle)
@@ -161,17 +157,16 @@ MLRT_INLINE uint32_t element_of_ray(uint32_t i, uint32_t group)
 /* The number of the triangle that ray i passes through, or MLRT_NONE. */
 static uint32_t skip_at(const struct mlrt_source *source, uint32_t i)
 {
-    if (!source->skip.data) return MLRT_NONE;
-    const uint32_t element = element_of_ray(i, source->rays_per_origin);
-    const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->skip, element);
+    if (!source->arrays.skip.data) return MLRT_NONE;
+    const uint32_t element = element_of_ray(i, source->arrays.rays_per_origin);
+    const uint32_t *pair = (const uint32_t *)(const void *)float_at(&source->arrays.skip, element);
     return mlrt_triangle_number(source->tree, pair[0], pair[1]);
 }
 
 static uint32_t mask_at(const struct mlrt_source *source, uint32_t i)
 {
-    if (!source->mask.data) return source->common_mask;
-    const uint32_t mask =
-        *(const uint32_t *)(const void *)((const unsigned char *)source->mask.data + (size_t)i * source->mask.stride);
+    if (!source->arrays.mask.data) return source->common_mask;
+    const uint32_t mask = *(const uint32_t *)(const void *)float_at(&source->arrays.mask, i);
     return mask ? mask : MLRT_MASK_ALL;
 }
 
@@ -186,12 +181,13 @@ static int get_camera_ray(const struct mlrt_view *view, uint32_t x, uint32_t y, 
 /* Ray i of arrays. */
 static int get_array_ray(const struct mlrt_source *source, uint32_t i, struct mlrt_ray_segment *ray)
 {
-    const uint32_t origin = element_of_ray(i, source->rays_per_origin);
-    const float *point = float_at(&source->points, origin);
+    const struct mlrt_ray_arrays *arrays = &source->arrays;
+    const uint32_t origin = element_of_ray(i, arrays->rays_per_origin);
+    const float *point = float_at(&arrays->points, origin);
     if (source->kind == MLRT_SOURCE_RAYS) {
-        return mlrt_make_segment(point, float_at(&source->directions, i),
-                                 source->t_min.data ? *float_at(&source->t_min, origin) : 0,
-                                 source->t_max.data ? *float_at(&source->t_max, i) : INFINITY, ray);
+        return mlrt_make_segment(point, float_at(&arrays->directions, i),
+                                 arrays->t_min.data ? *float_at(&arrays->t_min, origin) : 0,
+                                 arrays->t_max.data ? *float_at(&arrays->t_max, i) : INFINITY, ray);
     }
     if (source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT) return mlrt_make_segment(point, source->light, 0, INFINITY, ray);
     const float direction[3] = {point[0] - source->light[0], point[1] - source->light[1], point[2] - source->light[2]};
@@ -268,49 +264,65 @@ MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct 
     return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
 }
 
-/* Loads the vectors of a row: by_axis[k] receives component k of all four. */
-MLRT_INLINE void load_vectors(struct row row, f4 by_axis[3])
+/* Loads the first words of the four elements of a row: 1, 2 or 3 of each. words[k] receives word k of all four. */
+MLRT_INLINE void load_row(struct row row, int word_count, f4 words[3])
 {
     const float *at = (const float *)(const void *)row.at;
-    if (MLRT_LIKELY(row.step == 12)) {
-        f4_triples(at, by_axis);
-    } else {
-        f4_gather_triples(at, row.step / sizeof *at, by_axis);
+    const size_t step = row.step / sizeof *at;
+    if (word_count == 3) {
+        if (MLRT_LIKELY(step == 3)) {
+            f4_triples(at, words);
+        } else {
+            f4_gather_triples(at, step, words);
+        }
+        return;
     }
+    if (word_count == 1) {
+        words[0] = step == 1 ? f4_load_any(at) : f4_gather(at, step);
+        return;
+    }
+    uint32_t pairs[8];
+    if (MLRT_UNLIKELY(step != 2)) {
+        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, row.at + i * row.step, 8);
+        row.at = (const unsigned char *)pairs;
+    }
+    const f4 low = f4_load_any(row.at), high = f4_load_any(row.at + 16);
+    words[0] = f4_evens(low, high);
+    words[1] = f4_odds(low, high);
 }
 
-/* Copies elements lane by lane: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
+/* Reads the elements of a block: word k of lane l to words[k][l]. The array has an element for each `group` rays. */
 static void fetch_lanes(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
-                        void *const *words)
+                        unsigned char *const *words)
 {
     for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; ++lane) {
         const float *element = float_at(array, element_of_ray(element_of_lane(block, lane), group));
-        for (int k = 0; k < word_count; ++k) memcpy((unsigned char *)words[k] + 4 * lane, element + k, 4);
+        for (int k = 0; k < word_count; ++k) memcpy(words[k] + 4 * lane, element + k, 4);
+    }
+}
+
+/* Likewise, by rows where that is possible. */
+MLRT_INLINE void fetch_words(const mlrt_const_array *array, const struct block *block, uint32_t group, int word_count,
+                             unsigned char *const *words)
+{
+    if (!has_rows(block, group)) {
+        fetch_lanes(array, block, group, word_count, words);
+        return;
+    }
+    for (uint32_t row = 0; row < 4; row += 2) {
+        f4 even[3], odd[3];
+        load_row(row_of_block(array, block, group, row), word_count, even);
+        load_row(row_of_block(array, block, group, row + 1), word_count, odd);
+        for (int k = 0; k < word_count; ++k) put_rows(even[k], odd[k], words[k] + 16 * row);
     }
 }
 
 static void fetch_vectors(const mlrt_const_array *array, const struct block *block, uint32_t group,
                           float vectors[3][MLRT_PACKET_RAYS])
 {
-    if (!has_rows(block, group)) {
-        fetch_lanes(array, block, group, 3, (void *const[]){vectors[0], vectors[1], vectors[2]});
-        return;
-    }
-    for (uint32_t row = 0; row < 4; row += 2) {
-        f4 even[3], odd[3];
-        load_vectors(row_of_block(array, block, group, row), even);
-        load_vectors(row_of_block(array, block, group, row + 1), odd);
-        put_rows(even[0], odd[0], vectors[0] + 4 * row);
-        put_rows(even[1], odd[1], vectors[1] + 4 * row);
-        put_rows(even[2], odd[2], vectors[2] + 4 * row);
-    }
-}
-
-/* Loads the four numbers of a row. */
-MLRT_INLINE f4 load_numbers(struct row row)
-{
-    const float *at = (const float *)(const void *)row.at;
-    return row.step == sizeof *at ? f4_load_any(at) : f4_gather(at, row.step / sizeof *at);
+    unsigned char *const words[] = {(unsigned char *)vectors[0], (unsigned char *)vectors[1],
+                                    (unsigned char *)vectors[2]};
+    fetch_words(array, block, group, 3, words);
 }
 
 MLRT_INLINE void fill(float value, float numbers[MLRT_PACKET_RAYS])
@@ -326,47 +338,18 @@ MLRT_INLINE void fetch_numbers(const mlrt_const_array *array, const struct block
         fill(standard, numbers);
         return;
     }
-    if (!has_rows(block, group)) {
-        fetch_lanes(array, block, group, 1, (void *const[]){numbers});
-        return;
-    }
-    for (uint32_t row = 0; row < 4; row += 2) {
-        put_rows(load_numbers(row_of_block(array, block, group, row)),
-                 load_numbers(row_of_block(array, block, group, row + 1)), numbers + 4 * row);
-    }
-}
-
-/* Loads the pairs of a row: the first words, and the second words. */
-MLRT_INLINE void load_pairs(struct row row, f4 *firsts, f4 *seconds)
-{
-    uint32_t pairs[8];
-    if (MLRT_UNLIKELY(row.step != sizeof *pairs * 2)) {
-        for (int i = 0; i < 4; ++i) memcpy(pairs + 2 * i, row.at + i * row.step, 8);
-        row.at = (const unsigned char *)pairs;
-    }
-    const f4 low = f4_load_any(row.at), high = f4_load_any(row.at + 16);
-    *firsts = f4_evens(low, high);
-    *seconds = f4_odds(low, high);
+    fetch_words(array, block, group, 1, (unsigned char *const[]){(unsigned char *)numbers});
 }
 
 void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                       struct mlrt_packet *packet)
 {
-    const mlrt_const_array *array = &source->skip;
+    const mlrt_const_array *array = &source->arrays.skip;
     const struct block block = {lanes ? y * source->width + x : 0, source->width, lanes};
     packet->has_skip = array->data != NULL;
     if (!array->data) return;
-    if (!has_rows(&block, source->rays_per_origin)) {
-        fetch_lanes(array, &block, source->rays_per_origin, 2, (void *const[]){packet->skip_mesh, packet->skip});
-        return;
-    }
-    for (uint32_t row = 0; row < 4; row += 2) {
-        f4 even[2], odd[2];
-        load_pairs(row_of_block(array, &block, source->rays_per_origin, row), &even[0], &even[1]);
-        load_pairs(row_of_block(array, &block, source->rays_per_origin, row + 1), &odd[0], &odd[1]);
-        put_rows(even[0], odd[0], packet->skip_mesh + 4 * row);
-        put_rows(even[1], odd[1], packet->skip + 4 * row);
-    }
+    unsigned char *const words[] = {(unsigned char *)packet->skip_mesh, (unsigned char *)packet->skip};
+    fetch_words(array, &block, source->arrays.rays_per_origin, 2, words);
 }
 
 static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t y, struct mlrt_packet *packet)
@@ -386,7 +369,7 @@ static void fetch_camera_rays(const struct mlrt_view *view, uint32_t x, uint32_t
 static void fetch_light_rays(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     const int is_point = source->kind == MLRT_SOURCE_POINT_LIGHT;
-    fetch_vectors(&source->points, block, 1, is_point ? packet->direction : packet->origin);
+    fetch_vectors(&source->arrays.points, block, 1, is_point ? packet->direction : packet->origin);
     for (int k = 0; k < 3; ++k) {
         const f4 light = f4_set1(source->light[k]);
         float *direction = packet->direction[k];
@@ -404,7 +387,7 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
 static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     mlrt_set_common_mask(source, packet);
-    for (uint32_t lane = 0; source->mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
+    for (uint32_t lane = 0; source->arrays.mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
         packet->mask[lane] = mask_at(source, element_of_lane(block, lane));
     }
 }
@@ -428,11 +411,12 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
         return;
     }
     if (source->kind == MLRT_SOURCE_RAYS) {
-        packet->has_limits = source->t_min.data || source->t_max.data;
-        fetch_vectors(&source->points, &block, source->rays_per_origin, packet->origin);
-        fetch_vectors(&source->directions, &block, 1, packet->direction);
-        fetch_numbers(&source->t_min, &block, source->rays_per_origin, 0, packet->t_min);
-        fetch_numbers(&source->t_max, &block, 1, INFINITY, packet->t_max);
+        const struct mlrt_ray_arrays *arrays = &source->arrays;
+        packet->has_limits = arrays->t_min.data || arrays->t_max.data;
+        fetch_vectors(&arrays->points, &block, arrays->rays_per_origin, packet->origin);
+        fetch_vectors(&arrays->directions, &block, 1, packet->direction);
+        fetch_numbers(&arrays->t_min, &block, arrays->rays_per_origin, 0, packet->t_min);
+        fetch_numbers(&arrays->t_max, &block, 1, INFINITY, packet->t_max);
     } else {
         fetch_light_rays(source, &block, packet);
     }
@@ -481,5 +465,6 @@ void mlrt_prefetch_row(const struct mlrt_source *source, uint32_t x, uint32_t y)
     if (x >= source->width || y >= source->height) return;
     const uint32_t width = source->width - x < 16 ? source->width - x : 16;
     const size_t first = (size_t)y * source->width + x;
-    for (uint32_t i = 0; i < source->stream_count; ++i) prefetch_elements(&source->streams[i], first, width);
+    for (uint32_t i = 0; i < source->arrays.stream_count; ++i)
+        prefetch_elements(&source->arrays.streams[i], first, width);
 }

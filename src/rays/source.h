@@ -21,14 +21,8 @@ enum mlrt_source_kind {
     MLRT_SOURCE_DIRECTIONAL_LIGHT /* origins: the points; directions: the light's */
 };
 
-struct mlrt_source {
-    enum mlrt_source_kind kind;
-    uint32_t width;
-    uint32_t height;
-    uint32_t count;        /* number of rays; the last row may be short */
-    struct mlrt_view view; /* camera */
-    float light[3];
-    /* Arrays with resolved strides: 0 where one element serves all rays. */
+/* The arrays of a source, with resolved strides: 0 where one element serves all rays. A camera has none. */
+struct mlrt_ray_arrays {
     mlrt_const_array points; /* rays: the origins; lights: the points */
     mlrt_const_array directions;
     mlrt_const_array t_min;
@@ -37,7 +31,17 @@ struct mlrt_source {
     mlrt_const_array mask;
     mlrt_const_array streams[5]; /* the arrays above that are prefetched */
     uint32_t stream_count;
-    uint32_t rays_per_origin;     /* ray i has element i / rays_per_origin of points, t_min and skip; over 1: a list */
+    uint32_t rays_per_origin; /* ray i has element i / rays_per_origin of points, t_min and skip; over 1: a list */
+};
+
+struct mlrt_source {
+    enum mlrt_source_kind kind;
+    uint32_t width;
+    uint32_t height;
+    uint32_t count;        /* number of rays; the last row may be short */
+    struct mlrt_view view; /* camera */
+    float light[3];
+    struct mlrt_ray_arrays arrays;
     const struct mlrt_tree *tree; /* `skip` has ids of its meshes */
     /* Set by mlrt_set_masks. */
     uint32_t common_mask; /* the mask of all rays, if `mask` has no data */

@@ -5,14 +5,15 @@
 #include "run/all_hits.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/counters.h"
 #include "base/progress.h"
 #include "base/run_options.h"
 #include "base/scheduler.h"
 #include "exact/hit_list.h"
+#include "job/structure.h"
 #include "job/write_arrays.h"
-#include "run/trace_ray.h"
 
 #define ITEM_RAYS 256
 
@@ -51,25 +52,16 @@ static void resolve_arrays(const mlrt_hit_lists *lists, struct run *run)
                    (lists->facing.data ? MLRT_OUTPUT_FACING : 0u);
 }
 
-static void *element(const mlrt_array *array, size_t i)
+static void write_element(const mlrt_array *array, size_t i, const void *value, size_t size)
 {
-    return (unsigned char *)array->data + i * array->stride;
-}
-
-static void write_word(const mlrt_array *array, size_t i, uint32_t value)
-{
-    if (array->data) *(uint32_t *)element(array, i) = value;
-}
-
-static void write_float(const mlrt_array *array, size_t i, float value)
-{
-    if (array->data) *(float *)element(array, i) = value;
+    if (array->data) memcpy((unsigned char *)array->data + i * array->stride, value, size);
 }
 
 /* Writes a hit of a ray to element i; if number is MLRT_NONE, a miss. */
 static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray, uint32_t number, int crossing,
                       size_t i)
 {
+    const uint8_t crosses = (uint8_t)crossing;
     struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
     uint32_t mesh, triangle;
     mlrt_find_ids(run->tree, number, &mesh, &triangle);
@@ -77,13 +69,9 @@ static void write_hit(const struct run *run, const struct mlrt_ray_segment *ray,
         const struct mlrt_triangle hit = mlrt_triangle_at(&run->tree->by_number, number);
         mlrt_report_hit(ray, &hit, run->outputs, &report);
     }
-    write_float(&run->arrays[T], i, report.t);
-    write_float(&run->arrays[U], i, report.u);
-    write_float(&run->arrays[V], i, report.v);
-    write_word(&run->arrays[MESH], i, mesh);
-    write_word(&run->arrays[TRIANGLE], i, triangle);
-    if (run->arrays[FACING].data) *(int32_t *)element(&run->arrays[FACING], i) = report.facing;
-    if (run->arrays[CROSSING].data) *(uint8_t *)element(&run->arrays[CROSSING], i) = (uint8_t)crossing;
+    const void *const values[] = {&report.t, &report.u, &report.v, &mesh, &triangle, &report.facing};
+    for (int c = T; c <= FACING; ++c) write_element(&run->arrays[c], i, values[c], 4);
+    write_element(&run->arrays[CROSSING], i, &crosses, 1);
 }
 
 static int crosses(const struct run *run, const struct mlrt_ray_segment *ray, uint32_t number)
@@ -114,12 +102,16 @@ static int trace_ray(const struct run *run, struct worker *worker, uint32_t i)
     ++worker->counters.ray_count;
     if (mlrt_get_ray(source, i % source->width, i / source->width, &ray, &skip)) {
         ++worker->counters.packet_count;
-        mlrt_gather_hits(run->tree, &ray, skip, list, counters);
+        (void)run->tree->structure->tracer.trace_ray(run->tree, &ray, skip, 0, list, counters);
+        mlrt_remove_repetitions(list);
         mlrt_order_hits(&run->tree->by_number, &ray, run->capacity, list, counters);
     }
     if (list->failed) return 0;
-    write_word(&run->arrays[TOTAL], i, list->count);
-    if (run->arrays[CROSSING_TOTAL].data) write_word(&run->arrays[CROSSING_TOTAL], i, count_crossings(run, &ray, list));
+    write_element(&run->arrays[TOTAL], i, &list->count, 4);
+    if (run->arrays[CROSSING_TOTAL].data) {
+        const uint32_t count = count_crossings(run, &ray, list);
+        write_element(&run->arrays[CROSSING_TOTAL], i, &count, 4);
+    }
     for (uint32_t j = 0; j < run->capacity; ++j) {
         const uint32_t number = j < list->count ? list->hits[j].triangle : MLRT_NONE;
         const int crossing = number != MLRT_NONE && run->arrays[CROSSING].data && crosses(run, &ray, number);

@@ -9,6 +9,8 @@
  */
 #include "run/dispatch.h"
 
+#include "job/job.h"
+
 #if MLRT_HAVE_SSE
 #include <cpuid.h>
 
@@ -37,56 +39,34 @@ static int32_t find_widest(void)
 
 static int32_t known_isa; /* the only static data that the library writes; 0 = not looked up yet */
 
-/* The widest instruction set, looked up once. Threads that look it up at the same time find the same. */
+/* Threads that look it up at the same time find the same. */
 static int32_t widest_isa(void)
 {
     int32_t isa = __atomic_load_n(&known_isa, __ATOMIC_RELAXED);
     if (!isa) __atomic_store_n(&known_isa, isa = find_widest(), __ATOMIC_RELAXED);
     return isa;
 }
-#endif
-
-/* The kernels for the hierarchy of boxes, by MLRT_ISA_*. */
-static const struct mlrt_kernels *const kernels_of_isa[MLRT_ISA_AVX512 + 1] = {
-#if MLRT_HAVE_SSE
-    [MLRT_ISA_SCALAR] = &mlrt_kernels_scalar_counting,
-    [MLRT_ISA_SSE] = &mlrt_kernels_sse,
-    [MLRT_ISA_AVX2] = &mlrt_kernels_avx2,
-    [MLRT_ISA_AVX512] = &mlrt_kernels_avx512,
 #else
-    [MLRT_ISA_SCALAR] = &mlrt_kernels_scalar,
-#endif
-};
-
-const struct mlrt_kernels *mlrt_widest_kernels(void)
+static int32_t widest_isa(void)
 {
-#if MLRT_HAVE_SSE
-    return kernels_of_isa[widest_isa()];
-#else
-    return kernels_of_isa[MLRT_ISA_SCALAR];
+    return MLRT_ISA_SCALAR;
+}
 #endif
+
+const struct mlrt_kernels *mlrt_widest_kernels(const struct mlrt_structure *structure)
+{
+    return structure->tracer.kernels[widest_isa()];
 }
 
-/* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
-static const struct mlrt_kernels *kdtree_kernels(int32_t isa, int32_t method, int counting)
+const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa, int32_t method,
+                                               int counting)
 {
-#if MLRT_HAVE_SSE
-    if (isa >= MLRT_ISA_AVX2 && !counting && method != MLRT_METHOD_PACKET2) return &mlrt_kernels_kdtree_avx2;
-#else
-    (void)isa, (void)method, (void)counting;
-#endif
-    return &mlrt_kernels_kdtree;
-}
-
-const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting)
-{
-#if MLRT_HAVE_SSE
     const int32_t widest = widest_isa();
-#else
-    const int32_t widest = MLRT_ISA_SCALAR;
-#endif
-    if (isa == MLRT_ISA_AUTO) isa = widest;
     if (isa > widest) return NULL;
-    if (method != MLRT_METHOD_TILE) return kdtree_kernels(isa, method, counting);
-    return counting ? &mlrt_kernels_scalar_counting : kernels_of_isa[isa];
+    if (isa == MLRT_ISA_AUTO) isa = widest;
+    if (method == MLRT_METHOD_RAY) return &mlrt_kernels_ray;
+    /* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
+    if (counting || method == MLRT_METHOD_PACKET2) return structure->tracer.counting;
+    while (!structure->tracer.kernels[isa]) --isa;
+    return structure->tracer.kernels[isa];
 }

@@ -5,15 +5,16 @@
 #ifndef MLRT_RUN_DISPATCH_H
 #define MLRT_RUN_DISPATCH_H
 
-#include "job/job.h"
+#include "job/structure.h"
 
 /*
- * The kernels for an MLRT_ISA_* and an MLRT_METHOD_*, NULL if this build or this machine lacks the instruction set. If
- * `counting`, they count. They may use a narrower instruction set than the one given.
+ * The kernels of a structure for an MLRT_ISA_* and one of its methods, NULL if this build or this machine lacks the
+ * instruction set. If `counting`, they count. They may use a narrower instruction set than the one given.
  */
-const struct mlrt_kernels *mlrt_select_kernels(int32_t isa, int32_t method, int counting);
+const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa, int32_t method,
+                                               int counting);
 
-/* The kernels of MLRT_METHOD_TILE for the widest instruction set of this machine. They do not count. */
-const struct mlrt_kernels *mlrt_widest_kernels(void);
+/* The kernels for the widest instruction set of this machine, of a structure that has lone kernels. They do not count. */
+const struct mlrt_kernels *mlrt_widest_kernels(const struct mlrt_structure *structure);
 
 #endif

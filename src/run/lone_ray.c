@@ -10,7 +10,6 @@
 #include "job/job.h"
 #include "rays/meet_scene.h"
 #include "run/dispatch.h"
-#include "run/trace_ray.h"
 #include "scene/tree.h"
 
 static float limit_of(const mlrt_ray *ray)
@@ -49,14 +48,14 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const mlrt_ray *ray, int any, uint
     if (mlrt_make_segment(ray->origin, ray->direction, ray->t_min, limit_of(ray), &segment)) {
         segment.mask = mask;
         if (counters) ++counters->packet_count;
-        number = mlrt_trace_segment(tree, &segment, skip, any, counters);
+        number = tree->structure->tracer.trace_ray(tree, &segment, skip, any, NULL, counters);
     }
     set_result(tree, ray, number, any, hit);
 }
 
-static const struct mlrt_kernels *kernels_of(const struct mlrt_lone_ray *ray)
+static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct mlrt_lone_ray *ray)
 {
-    return ray->kernels ? ray->kernels : mlrt_widest_kernels();
+    return ray->kernels ? ray->kernels : mlrt_widest_kernels(tree->structure);
 }
 
 /* These, too, return 1 if no flag but inexact was raised. */
@@ -78,7 +77,7 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *g
     if (tree->bvh.node_count > 0 &&
         mlrt_make_segment(given->origin, given->direction, given->t_min, limit_of(given), &segment)) {
         segment.mask = ray->mask;
-        if (!kernels_of(ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
+        if (!kernels_of(tree, ray)->trace_scaled_ray(tree, &segment, ray->any, ray->skip, &number)) {
             return trace_in_double(tree, given, ray, hit);
         }
     }
@@ -90,11 +89,11 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const mlrt_ray *g
 static MLRT_NOINLINE int trace_in_scene(const mlrt_tree *tree, const mlrt_ray *given, const struct mlrt_lone_ray *ray,
                                         mlrt_hit *hit)
 {
-    const struct mlrt_kernels *kernels = kernels_of(ray);
+    const struct mlrt_kernels *kernels = kernels_of(tree, ray);
     struct mlrt_corners corners;
     struct mlrt_hit_report report;
     const uint32_t number = tree->bvh.node_count > 0 ? kernels->trace_ray(tree, ray, &corners) : MLRT_NONE;
-    if (number == MLRT_NONE || ray->any ||
+    if (number == MLRT_NONE || ray->any || !kernels->reports ||
         MLRT_UNLIKELY(!kernels->reports->report_ray(&corners, ray->origin, ray->direction, &report))) {
         set_result(tree, given, number, ray->any, hit);
         return 0;

@@ -5,7 +5,6 @@
  */
 #include "run/run_job.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/counters.h"
@@ -13,11 +12,10 @@
 #include "base/run_options.h"
 #include "base/scheduler.h"
 #include "hits/undecided.h"
+#include "job/structure.h"
 #include "job/write_arrays.h"
-#include "mlrta/setups.h"
 #include "rays/rectangle.h"
 #include "simd/sixteen.h"
-#include "trace/bundle.h"
 
 struct run {
     const struct mlrt_job *job;
@@ -38,8 +36,8 @@ static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *
     const struct mlrt_sink *sink = &worker->tile;
     *tile = (mlrt_tile){sizeof *tile,
                         number,
-                        job->source.view.first_x + worker->tile_x,
-                        job->source.view.first_y + worker->tile_y,
+                        job->source.view.first_x + sink->x,
+                        job->source.view.first_y + sink->y,
                         width,
                         height,
                         (const float *)(const void *)sink->channel[MLRT_CHANNEL_T].data,
@@ -59,8 +57,8 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
         worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
     }
     mlrt_group_channels(&worker->tile);
-    worker->tile_x = area->x;
-    worker->tile_y = area->y;
+    worker->tile.x = area->x;
+    worker->tile.y = area->y;
     run->job->kernels->trace_tile(run->job, worker, area);
 }
 
@@ -74,17 +72,17 @@ static int32_t run_item(void *work, uint32_t item, uint32_t number)
     const struct mlrt_rectangle area =
         mlrt_cut_piece(&whole, item % run->column_count * size, item / run->column_count * size, size);
 
-    worker->pixels_told = 0;
-    worker->environment = mlrt_enter_fp_environment();
+    worker->watch.pixels_told = 0;
+    worker->watch.environment = mlrt_enter_fp_environment();
     trace_item(run, worker, &area);
-    mlrt_leave_fp_environment(worker->environment);
-    if (worker->stopped) return 1;
+    mlrt_leave_fp_environment(worker->watch.environment);
+    if (worker->watch.stopped) return 1;
     if (job->callback) {
         mlrt_tile tile;
         describe_tile(job, worker, number, area.width, area.height, &tile);
         if (job->callback(job->user, &tile) != 0) return 1;
     }
-    return mlrt_advance(&run->progress, (double)area.width * area.height - worker->pixels_told);
+    return mlrt_advance(&run->progress, (double)area.width * area.height - worker->watch.pixels_told);
 }
 
 /* 1 if the callback gets this channel. */
@@ -109,95 +107,34 @@ static size_t tile_buffer_size(const struct mlrt_job *job)
     return size;
 }
 
-/* 1 if there are so few rays that large tables would not pay. */
-static int is_small(const struct mlrt_job *job)
-{
-    return (uint64_t)job->source.width * job->source.height < MLRT_MANY_RAYS;
-}
-
-/* Tables of a worker have 1 << so many entries: set-ups of leaves, pairs of triangles, triangles of known planes. */
-static uint32_t leaf_setup_bits(const struct mlrt_job *job)
-{
-    return is_small(job) ? MLRT_FEW_SETUP_BITS : MLRT_LEAF_SETUP_BITS;
-}
-
+/* Tables of a worker have 1 << so many entries: pairs of triangles, and triangles of known planes. */
 static uint32_t pair_bits(const struct mlrt_job *job)
 {
-    return is_small(job) ? MLRT_FEW_PAIR_BITS : MLRT_PAIR_BITS;
+    return mlrt_is_small(job) ? MLRT_FEW_PAIR_BITS : MLRT_PAIR_BITS;
 }
 
 static uint32_t known_plane_bits(const struct mlrt_job *job)
 {
-    return is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
-}
-
-/*
- * 1 if workers keep set-ups of leaves for closest hits (any = 0) or any hits (1). These have tables of their own, since
- * a picture's tiles and their shadows are traced in turns.
- */
-static int keeps_leaves(const struct mlrt_job *job, int any)
-{
-    return job->method == MLRT_METHOD_TILE && (any ? job->any || job->light_count : !job->any);
-}
-
-static int uses_bundles(const struct mlrt_job *job)
-{
-    return job->method == MLRT_METHOD_TILE;
-}
-
-/* The entries of a worker's table of triangle set-ups: only multilevel shares set-ups among packets. */
-static uint32_t setup_count(const struct mlrt_job *job)
-{
-    return uses_bundles(job) ? 0 : job->shared_setups ? MLRT_SETUP_COUNT : 1;
+    return mlrt_is_small(job) ? MLRT_FEW_PLANE_BITS : MLRT_KNOWN_PLANE_BITS;
 }
 
 /* The bytes of a worker's share of memory, beside its state: its tables and its tile buffer. */
 static size_t share_size(const struct mlrt_job *job)
 {
-    size_t size = tile_buffer_size(job) + (sizeof(struct mlrt_known_plane) << known_plane_bits(job)) +
-                  (sizeof(struct mlrt_triangle_pair) << pair_bits(job));
-    for (int any = 0; any < 2; ++any) {
-        if (keeps_leaves(job, any)) {
-            size += sizeof(struct mlrt_bundle_leaf) << leaf_setup_bits(job);
-        }
-    }
-    size += (uses_bundles(job) ? 2 * sizeof(struct mlrt_bundle_cache) : 0) +
-            setup_count(job) * sizeof(struct mlrt_triangle_setup);
+    const size_t size = job->tree->structure->tracer.lay_out(job, NULL, NULL) + tile_buffer_size(job) +
+                        (sizeof(struct mlrt_known_plane) << known_plane_bits(job)) +
+                        (sizeof(struct mlrt_triangle_pair) << pair_bits(job));
     return (size + 63) / 64 * 64;
-}
-
-/*
- * Lays out the set-ups of leaves from `next` on, then their tables' heads. Leaves come first, since they fill whole
- * cache lines. Returns the end.
- */
-static unsigned char *lay_out_leaves(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
-{
-    struct mlrt_bundle_leaf *leaves = (struct mlrt_bundle_leaf *)(void *)next;
-    const uint32_t bits = leaf_setup_bits(job);
-    next += sizeof *leaves * ((size_t)(keeps_leaves(job, 0) + keeps_leaves(job, 1)) << bits);
-    worker->bundle_caches = (struct mlrt_bundle_cache *)(void *)next;
-    for (int any = 0; any < 2; ++any) {
-        struct mlrt_bundle_cache *cache = &worker->bundle_caches[any];
-        cache->waist = (struct mlrt_waist){.main_axis = -1};
-        cache->waist_count = 0;
-        cache->bits = bits;
-        cache->leaves = leaves;
-        if (keeps_leaves(job, any)) leaves += (size_t)1 << bits;
-    }
-    return next + 2 * sizeof *worker->bundle_caches;
 }
 
 static void lay_out_share(const struct mlrt_job *job, unsigned char *next, struct mlrt_worker *worker)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
-    worker->setups = (struct mlrt_triangle_setup *)(void *)next;
-    next += setup_count(job) * sizeof *worker->setups;
-    worker->setup_mask = setup_count(job) - 1;
-    if (uses_bundles(job)) next = lay_out_leaves(job, next, worker);
-    worker->planes = (struct mlrt_known_plane *)(void *)next;
-    next += sizeof *worker->planes << known_plane_bits(job);
-    worker->pairs = (struct mlrt_triangle_pair *)(void *)next;
-    next += sizeof *worker->pairs << pair_bits(job);
+    next += job->tree->structure->tracer.lay_out(job, next, worker);
+    worker->known.planes = (struct mlrt_known_plane *)(void *)next;
+    next += sizeof *worker->known.planes << known_plane_bits(job);
+    worker->known.pairs = (struct mlrt_triangle_pair *)(void *)next;
+    next += sizeof *worker->known.pairs << pair_bits(job);
     for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
         if (!wants_channel(job, (enum mlrt_channel)c)) continue;
         worker->tile.channel[c].data = next;
@@ -206,37 +143,31 @@ static void lay_out_share(const struct mlrt_job *job, unsigned char *next, struc
     }
 }
 
-/*
- * Sets a worker's state as it begins. Its table of triangle set-ups is not cleared, which would slow down calls of few
- * rays: its apex is one that no packet has, so that the first packet clears it (forget_setups).
- */
+/* Sets a worker's state as it begins. */
 static void begin_worker(const struct mlrt_job *job, unsigned char *share, struct mlrt_worker *worker)
 {
     memset(&worker->counters, 0, sizeof worker->counters);
     memset(&worker->tile, 0, sizeof worker->tile);
     lay_out_share(job, share, worker);
+    worker->sink_count = 0;
+    if (!mlrt_sink_is_empty(&job->frame)) worker->sinks[worker->sink_count++] = &job->frame;
+    if (job->callback) worker->sinks[worker->sink_count++] = &worker->tile;
     mlrt_forget_planes(known_plane_bits(job), pair_bits(job), worker);
-    for (int k = 0; k < 3; ++k) {
-        worker->apex[k] = NAN;
-    }
     mlrt_fill_words(worker->hit_terms.numbers, MLRT_NONE);
     worker->mask = job->source.common_mask;
-    worker->open_bundles[0] = worker->open_bundles[1] = 0;
-    worker->lane_tiles[0] = worker->lane_tiles[1] = 0;
-    worker->open_tiles = MLRT_FIRST_OPEN_TILES;
-    worker->open_squares = MLRT_FIRST_OPEN_SQUARES;
     worker->mesh = 0;
-    worker->progress = NULL;
-    worker->slow_steps = 0;
+    worker->watch.progress = NULL;
+    worker->watch.slow_steps = 0;
     worker->scaled = NULL;
-    worker->stopped = 0;
+    worker->watch.stopped = 0;
 }
 
 static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_count, uint32_t worker_count,
                          struct run *run)
 {
     mlrt_begin_progress(&options->host, (double)run->job->source.width * run->job->source.height, &run->progress);
-    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w) run->workers[w].progress = &run->progress;
+    for (uint32_t w = 0; options->host.progress && w < worker_count; ++w)
+        run->workers[w].watch.progress = &run->progress;
     const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
     for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
         mlrt_add_counters(options->counters, &run->workers[w].counters);

@@ -121,8 +121,8 @@ static void sink(const uint32_t *ids, uint32_t *heap, uint32_t i, uint32_t count
 /* Sorts positions by id, which makes equal ids neighbours. Ids must be distinct and not MLRT_NONE. Returns a status. */
 static int32_t sort_mesh_ids(struct mlrt_tree *tree)
 {
-    const uint32_t *ids = tree->mesh_ids, count = tree->mesh_count;
-    uint32_t *sorted = tree->mesh_by_id;
+    const uint32_t *ids = tree->meshes.ids, count = tree->meshes.count;
+    uint32_t *sorted = tree->meshes.by_id;
     for (uint32_t i = 0; i < count; ++i) sorted[i] = i;
     for (uint32_t i = count / 2; i-- > 0;) sink(ids, sorted, i, count);
     for (uint32_t left = count; left > 1;) {
@@ -148,8 +148,8 @@ static int32_t sort_mesh_ids(struct mlrt_tree *tree)
 static int32_t set_mesh_ids(const mlrt_mesh *meshes, struct mlrt_tree *tree)
 {
     uint32_t any = 0;
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) any |= tree->mesh_ids[i] = mlrt_mesh_at(meshes, i).id;
-    for (uint32_t i = 0; i < tree->mesh_count && !any; ++i) tree->mesh_ids[i] = i;
+    for (uint32_t i = 0; i < tree->meshes.count; ++i) any |= tree->meshes.ids[i] = mlrt_mesh_at(meshes, i).id;
+    for (uint32_t i = 0; i < tree->meshes.count && !any; ++i) tree->meshes.ids[i] = i;
     return sort_mesh_ids(tree);
 }
 
@@ -178,37 +178,37 @@ int mlrt_have_masks(const mlrt_mesh *meshes, size_t mesh_count)
 /* Sets the mask of each triangle, if a mesh has a mask. Returns a status. */
 static int32_t set_masks(const mlrt_mesh *meshes, struct mlrt_tree *tree)
 {
-    if (!mlrt_have_masks(meshes, tree->mesh_count)) return MLRT_OK;
+    if (!mlrt_have_masks(meshes, tree->meshes.count)) return MLRT_OK;
     tree->masks = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->masks);
     if (!tree->masks) return MLRT_ERROR_OUT_OF_MEMORY;
-    for (uint32_t i = 0; i < tree->mesh_count; ++i) {
+    for (uint32_t i = 0; i < tree->meshes.count; ++i) {
         const uint32_t mask = mlrt_mesh_at(meshes, i).mask;
-        for (uint32_t j = tree->mesh_first[i]; j < tree->mesh_first[i + 1]; ++j) tree->masks[j] = mask;
+        for (uint32_t j = tree->meshes.first[i]; j < tree->meshes.first[i + 1]; ++j) tree->masks[j] = mask;
     }
     return MLRT_OK;
 }
 
 static int allocate_tables(struct mlrt_tree *tree)
 {
-    tree->mesh_ids = mlrt_allocate(&tree->memory, tree->mesh_count, sizeof *tree->mesh_ids);
-    tree->mesh_by_id = mlrt_allocate(&tree->memory, tree->mesh_count, sizeof *tree->mesh_by_id);
-    tree->mesh_first = mlrt_allocate(&tree->memory, (size_t)tree->mesh_count + 1, sizeof *tree->mesh_first);
+    tree->meshes.ids = mlrt_allocate(&tree->memory, tree->meshes.count, sizeof *tree->meshes.ids);
+    tree->meshes.by_id = mlrt_allocate(&tree->memory, tree->meshes.count, sizeof *tree->meshes.by_id);
+    tree->meshes.first = mlrt_allocate(&tree->memory, (size_t)tree->meshes.count + 1, sizeof *tree->meshes.first);
     tree->triangles = mlrt_allocate(&tree->memory, tree->triangle_count, sizeof *tree->triangles);
     mlrt_read_in_order(tree);
-    return tree->mesh_ids && tree->mesh_by_id && tree->mesh_first && tree->triangles;
+    return tree->meshes.ids && tree->meshes.by_id && tree->meshes.first && tree->triangles;
 }
 
 int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, struct mlrt_progress *progress,
                          struct mlrt_tree *tree)
 {
-    tree->mesh_count = (uint32_t)mesh_count;
+    tree->meshes.count = (uint32_t)mesh_count;
     if (!allocate_tables(tree)) return MLRT_ERROR_OUT_OF_MEMORY;
     int32_t status = set_mesh_ids(meshes, tree);
-    tree->mesh_first[0] = 0;
-    for (uint32_t i = 0; i < tree->mesh_count && status == MLRT_OK; ++i) {
+    tree->meshes.first[0] = 0;
+    for (uint32_t i = 0; i < tree->meshes.count && status == MLRT_OK; ++i) {
         const mlrt_mesh mesh = mlrt_mesh_at(meshes, i);
-        tree->mesh_first[i + 1] = tree->mesh_first[i] + (uint32_t)mesh.triangle_count;
-        status = copy_triangles(&mesh, i, progress, tree->triangles + tree->mesh_first[i]);
+        tree->meshes.first[i + 1] = tree->meshes.first[i] + (uint32_t)mesh.triangle_count;
+        status = copy_triangles(&mesh, i, progress, tree->triangles + tree->meshes.first[i]);
     }
     return status == MLRT_OK ? set_masks(meshes, tree) : status;
 }
@@ -217,7 +217,7 @@ void mlrt_free_meshes(struct mlrt_tree *tree)
 {
     mlrt_free(&tree->memory, tree->triangles, tree->triangle_count, sizeof *tree->triangles);
     mlrt_free(&tree->memory, tree->masks, tree->triangle_count, sizeof *tree->masks);
-    mlrt_free(&tree->memory, tree->mesh_ids, tree->mesh_count, sizeof *tree->mesh_ids);
-    mlrt_free(&tree->memory, tree->mesh_by_id, tree->mesh_count, sizeof *tree->mesh_by_id);
-    mlrt_free(&tree->memory, tree->mesh_first, (size_t)tree->mesh_count + 1, sizeof *tree->mesh_first);
+    mlrt_free(&tree->memory, tree->meshes.ids, tree->meshes.count, sizeof *tree->meshes.ids);
+    mlrt_free(&tree->memory, tree->meshes.by_id, tree->meshes.count, sizeof *tree->meshes.by_id);
+    mlrt_free(&tree->memory, tree->meshes.first, (size_t)tree->meshes.count + 1, sizeof *tree->meshes.first);
 }

@@ -1,18 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Facts about a tree that both structures use: whether its bounds are float-safe, and which triangles are left out.
+ * Which triangles of a tree are left out, whatever its structure.
  */
 #include "scene/tree.h"
 
 #include "exact/predicate.h"
-
-int mlrt_has_safe_bounds(const struct mlrt_tree *tree)
-{
-    int is_safe = 1;
-    for (int k = 0; k < 3; k++)
-        is_safe &= mlrt_is_float_safe(tree->bounds.lo[k]) && mlrt_is_float_safe(tree->bounds.hi[k]);
-    return is_safe;
-}
 
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number)
 {

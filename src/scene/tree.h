@@ -3,7 +3,7 @@
  * The tree as a whole: the triangles of the scene, and the structure over them, a hierarchy of boxes (bvh/node.h) or a
  * kd-tree (mlrta/kdtree.h).
  *
- * Triangles keep the order of the input: triangle i of mesh m has the number mesh_first[m] + i everywhere in the
+ * Triangles keep the order of the input: triangle i of mesh m has the number meshes.first[m] + i everywhere in the
  * library, so the order of numbers is the order of ties in the hit rule. Triangles that are left out (not finite, or
  * without area) are stored too, but no leaf holds them. A kd-tree keeps an array of the triangles. In a hierarchy of
  * boxes the leaves have them already (bvh/places.h).
@@ -15,46 +15,59 @@
 #include "exact/triangle.h"
 #include "mlrt.h"
 
+/* job/structure.h */
+struct mlrt_structure;
+
 /* bvh/node.h */
 struct mlrt_bvh_node;
 
 /* mlrta/kdtree.h */
 struct mlrt_node;
 
-/* The hierarchy of boxes. bvh/node.h describes its arrays. */
+/* The hierarchy of boxes. bvh/node.h describes its arrays. A file has `unit` and `leaf_quad_count` as they lie here. */
 struct mlrt_bvh {
     struct mlrt_bvh_node *nodes;
-    uint32_t node_count;
+    uint32_t node_count; /* 0 without triangles */
     uint32_t quad_count;
-    uint32_t leaf_quad_count; /* quads of leaves: the first ones */
     float *corners;           /* 36 * quad_count + 16 */
     uint32_t *numbers;        /* 4 * quad_count + 16 */
     uint32_t *places;         /* of all triangles, mlrt_pack_place; NULL = tree->triangles has them */
     float unit;               /* the factor of the coordinates of boxes and corners: bvh/unit.h */
+    uint32_t leaf_quad_count; /* quads of leaves: the first ones */
     struct mlrt_box whole;    /* bounds of all triangles that leaves hold, in units */
     struct mlrt_box core;     /* estimated bounds of most of them, in units: no answer depends on it */
 };
 
+/* The kd-tree. mlrta/kdtree.h describes its arrays. */
+struct mlrt_kdtree {
+    struct mlrt_node *nodes;
+    uint32_t node_count; /* at least 1 */
+    uint32_t reference_count;
+    uint32_t *references;
+    int float_safe; /* 1 = every split plane and every bound is mlrt_is_float_safe */
+};
+
+/* Mesh m is at position m of the caller's array. */
+struct mlrt_mesh_table {
+    uint32_t count;
+    uint32_t *ids;   /* count: the ids that results report */
+    uint32_t *first; /* count + 1: number of the first triangle of each mesh, ascending */
+    uint32_t *by_id; /* count: positions of the meshes in the order of their ids */
+};
+
 struct mlrt_tree {
+    const struct mlrt_structure *structure;
     struct mlrt_memory memory;
     struct mlrt_triangles by_number; /* how to read a triangle */
     struct mlrt_triangle *triangles; /* triangle_count, in order; NULL = they lie in the hierarchy of boxes */
     uint32_t triangle_count;
-    uint32_t mesh_count;
-    uint32_t *mesh_ids;   /* mesh_count: the ids that results report */
-    uint32_t *mesh_first; /* mesh_count + 1: number of the first triangle of each mesh, ascending */
-    uint32_t *mesh_by_id; /* mesh_count: positions of the meshes in the order of their ids */
-    uint32_t *masks;      /* triangle_count: the mask of each triangle's mesh; NULL = all are MLRT_MASK_ALL */
-    int borrowed;         /* 1 = all arrays lie in the caller's memory and are not freed (api/save.c) */
-    /* The kd-tree: nodes is NULL, and the counts are 0, in a hierarchy of boxes */
-    struct mlrt_node *nodes;
-    uint32_t node_count; /* at least 1 in a kd-tree */
-    uint32_t *references;
-    uint32_t reference_count;
+    struct mlrt_mesh_table meshes;
+    uint32_t *masks;        /* triangle_count: the mask of each triangle's mesh; NULL = all are MLRT_MASK_ALL */
+    int borrowed;           /* 1 = all arrays lie in the caller's memory and are not freed (api/save.c) */
     struct mlrt_box bounds; /* of all triangles not left out, not rounded; all 0 if there are none */
-    struct mlrt_bvh bvh;    /* node_count is 0 in a kd-tree, and without triangles */
-    uint32_t structure;     /* MLRT_STRUCTURE_* */
-    int float_safe;         /* 1 = every split plane and every bound is mlrt_is_float_safe */
+    /* The structure's own part; that of the other structure is empty. */
+    struct mlrt_bvh bvh;
+    struct mlrt_kdtree kdtree;
     mlrt_tree_info info;
 };
 
@@ -63,9 +76,6 @@ static inline void mlrt_read_in_order(struct mlrt_tree *tree)
 {
     tree->by_number = (struct mlrt_triangles){tree->triangles ? tree->triangles->v[0] : NULL, NULL, 0, 1};
 }
-
-/* 1 if all bounds of the tree are mlrt_is_float_safe. */
-int mlrt_has_safe_bounds(const struct mlrt_tree *tree);
 
 /* 1 if the triangle is left out: no leaf may hold it. tree->info must have the counts of triangles left out. */
 int mlrt_is_left_out(const struct mlrt_tree *tree, uint32_t number);

@@ -7,5 +7,5 @@
 #include "simd/avx512.h"
 #define KERNELS mlrt_kernels_avx512
 #define PICTURE mlrt_picture_avx512
-#define REPORTS mlrt_kernels_avx2
+#define REPORTS (&mlrt_kernels_avx2)
 #include "trace/kernels.h"

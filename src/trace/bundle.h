@@ -215,4 +215,15 @@ struct mlrt_bundle_cache {
     struct mlrt_pair_line lines[1u << MLRT_PAIR_LINE_BITS];
 };
 
+/*
+ * What a worker keeps. Pairs are for closest hits and for any hit, since a picture's tiles and their shadows take turns.
+ */
+struct mlrt_bundles {
+    uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets */
+    uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane */
+    uint32_t open_tiles;      /* how many of the next tiles begin with open cells (levels.c) */
+    uint32_t open_squares;    /* how many of the next squares are traced tile by tile */
+    struct mlrt_bundle_cache caches[2];
+};
+
 #endif

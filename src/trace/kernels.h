@@ -40,14 +40,18 @@ const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_OF_BOXES, .picture = &mlrt
 #else
 const struct mlrt_picture_kernels PICTURE = {fetch_block, check_block, read_packets, write_packet, decide_lanes};
 #ifndef REPORTS
-#define REPORTS    KERNELS
-#define REPORT_RAY report_one_ray
-#else
+#define REPORTS NULL
+#endif
+#ifndef REPORT_RAY
 #define REPORT_RAY NULL
 #endif
-const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES, .picture = &PICTURE, .trace_ray = trace_lone_ray,
-                                     .trace_scaled_ray = trace_scaled_ray, .report_ray = REPORT_RAY,
-                                     .reports = &REPORTS, .make_shadow_packet = make_shadow_packet};
+const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES,
+                                     .picture = &PICTURE,
+                                     .trace_ray = trace_lone_ray,
+                                     .trace_scaled_ray = trace_scaled_ray,
+                                     .report_ray = REPORT_RAY,
+                                     .reports = REPORTS,
+                                     .make_shadow_packet = make_shadow_packet};
 #endif
 
 #endif

@@ -26,17 +26,6 @@ static int gather_picture_cells(const struct mlrt_job *job, const struct mlrt_re
     return mlrt_is_pinhole(&job->source) && job->kernels->gather_camera_cells(job, area, side, bundle);
 }
 
-/* Writes the results of a closed cell: hits of the triangle `cover`, or misses if that is MLRT_NONE. */
-static void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
-                         const struct mlrt_rectangle *area)
-{
-    if (cover == MLRT_NONE) {
-        mlrt_write_picture_misses(job, worker, area);
-    } else {
-        mlrt_write_cover(job, worker, cover, area);
-    }
-}
-
 /* Traces the rays of a packet that float does not carry, and writes the results of the packet. */
 static void finish_block(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
                          uint32_t place)
@@ -79,15 +68,15 @@ static void trace_packets(const struct mlrt_job *job, struct mlrt_worker *worker
 {
     struct mlrt_ray_tile *tile = bundle->tile;
     if (gather_picture_cells(job, &tile->area, 4, bundle)) {
-        job->kernels->trace_cells(job, worker, worker->open_tiles != 0, bundle);
-        worker->open_tiles = worker->open_tiles ? worker->open_tiles - 1 : !bundle->closed ? MLRT_TILE_RUN : 0;
+        job->kernels->trace_cells(job, worker, worker->bundles->open_tiles != 0, bundle);
+        worker->bundles->open_tiles = worker->bundles->open_tiles ? worker->bundles->open_tiles - 1
+                                      : !bundle->closed           ? MLRT_TILE_RUN
+                                                                  : 0;
         return;
     }
     tile->made = 0xFFFF;
     const uint32_t waiting = mlrt_make_packets(job, tile);
-    if (job->has_frame && !is_list(&job->source)) {
-        mlrt_prefetch_sink(tile->area.x, tile->area.y, tile->area.width, tile->area.height, &job->frame);
-    }
+    if (!is_list(&job->source)) mlrt_prefetch_sink(&tile->area, &job->frame);
     job->kernels->trace_bundle(job, worker, bundle, waiting);
     bundle->closed = 0;
 }
@@ -111,7 +100,7 @@ static void write_packets(const struct mlrt_job *job, struct mlrt_worker *worker
         if (has_numbers && open >> ahead & 1) prefetch_triangles(job->tree, &tile->packets[ahead]);
         if (bundle->closed >> place & 1) {
             const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-            write_closed(job, worker, bundle->hulls.cover[place], &block);
+            mlrt_write_closed(job, worker, bundle->hulls.cover[place], &block);
         } else {
             finish_block(job, worker, tile, place);
         }
@@ -131,7 +120,7 @@ static void trace_ray_tile(const struct mlrt_job *job, struct mlrt_worker *worke
     if (known) {
         gather_picture_cells(job, area, 4, &bundle);
         mlrt_fill_words(bundle.hulls.cover, known->cover);
-        write_closed(job, worker, known->cover, area);
+        mlrt_write_closed(job, worker, known->cover, area);
     } else {
         trace_packets(job, worker, &bundle);
         write_packets(job, worker, &tile, &bundle);
@@ -145,11 +134,11 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
     struct mlrt_bundle bundle;
     bundle.tile = NULL;
     bundle.closed = 0;
-    if (worker->open_squares) {
-        --worker->open_squares;
+    if (worker->bundles->open_squares) {
+        --worker->bundles->open_squares;
     } else if (gather_picture_cells(job, area, 16, &bundle)) {
         job->kernels->trace_cells(job, worker, 0, &bundle);
-        if (!bundle.closed) worker->open_squares = MLRT_SQUARE_RUN;
+        if (!bundle.closed) worker->bundles->open_squares = MLRT_SQUARE_RUN;
     }
     struct mlrt_known_lights known[MLRT_CELL_COUNT];
     uint32_t known_cells = bundle.closed;
@@ -159,9 +148,9 @@ static void trace_square(const struct mlrt_job *job, struct mlrt_worker *worker,
             const struct mlrt_rectangle tile = mlrt_cut_piece(area, i, j, 16);
             const uint32_t place = j / 4 + i / 16, cover = bundle.hulls.cover[place];
             if (known_cells >> place & 1) {
-                write_closed(job, worker, cover, &tile);
+                mlrt_write_closed(job, worker, cover, &tile);
                 if (MLRT_UNLIKELY(job->light_count) && cover != MLRT_NONE) {
-                    mlrt_write_picture_shadow(job, worker, known[place].dark, &tile);
+                    mlrt_write_picture_shadow(worker, known[place].dark, &tile);
                 }
             } else {
                 trace_ray_tile(job, worker, &tile, bundle.closed >> place & 1 ? &known[place] : NULL);
@@ -187,7 +176,7 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
         for (uint32_t i = 0; i < area->width; i += 64) {
             const struct mlrt_rectangle square = mlrt_cut_piece(area, i, j, 64);
             trace_square(job, worker, &square);
-            if (worker->stopped) return;
+            if (worker->watch.stopped) return;
         }
     }
 }

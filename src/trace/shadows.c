@@ -144,6 +144,6 @@ void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, str
     for (uint32_t left = tile->blocks; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         const struct mlrt_rectangle block = mlrt_block_of_tile(tile, place);
-        mlrt_write_packet_shadows(job, worker, shadows[place], mlrt_existing_lanes(&job->source, &block), &block);
+        mlrt_write_packet_shadows(worker, shadows[place], mlrt_existing_lanes(&job->source, &block), &block);
     }
 }

@@ -92,7 +92,7 @@ struct single_ray {
     vf t_min;
     size_t near_row[3]; /* per axis, the index in a node's floats of the planes that the ray crosses first */
     size_t far_row[3];  /* of those that it crosses last */
-    float reach;          /* 4 m: see "Overflow" */
+    float reach;        /* 4 m: see "Overflow" */
     uint32_t lane;
 };
 
@@ -310,8 +310,8 @@ MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
  * nearest hit did not change, else its place. (A tie changes the triangle but not the distance.)
  */
 MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
-                              const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
-                              struct mlrt_worker *worker)
+                                   const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
+                                   struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
     uint32_t candidates = m_bits(inside) & places;
@@ -384,8 +384,8 @@ MLRT_INLINE float finite_limit(float hi)
  * if nothing nearer was found, `corner` is NULL.
  */
 static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job,
-                                                      const struct mlrt_reciprocals *reciprocals,
-                                                      uint32_t lane, uint32_t child, struct mlrt_packet *packet,
+                                                      const struct mlrt_reciprocals *reciprocals, uint32_t lane,
+                                                      uint32_t child, struct mlrt_packet *packet,
                                                       struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
@@ -451,12 +451,12 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     packet->has_skip = ray->skip != MLRT_NONE;
     packet->has_apex = packet->has_masks = 0;
     worker.mask = ray->mask;
-    worker.planes = &plane;
-    worker.pairs = &pair;
-    worker.plane_mask = worker.pair_mask = 0;
+    worker.known.planes = &plane;
+    worker.known.pairs = &pair;
+    worker.known.plane_mask = worker.known.pair_mask = 0;
     plane.number = MLRT_NONE;
     pair.first = pair.second = 0;
-    worker.progress = NULL;
+    worker.watch.progress = NULL;
     worker.scaled = scaled;
     *corners = trace_single(job, &reciprocals, 0, 0, packet, &worker);
     return packet->triangle[0];

@@ -425,7 +425,7 @@ static void set_wide_packets_aside(const struct mlrt_job *job, struct mlrt_bundl
 /* Begins a bundle of which only `tile` is set. */
 static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
-    bundle->cache = &worker->bundle_caches[job->any];
+    bundle->cache = &worker->bundles->caches[job->any];
     bundle->unit = job->tree->bvh.unit;
     bundle->made = bundle->given_up = bundle->nearer = bundle->covered = 0;
     bundle->set_aside = bundle->riding = bundle->has_reciprocals = 0;
@@ -466,8 +466,8 @@ static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlr
     if (!bundle->going) return others;
     bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
     finish_all_hulls(bundle);
-    bundle->closed = worker->open_bundles[job->any] ? 0 : bundle->going;
-    if (worker->open_bundles[job->any]) --worker->open_bundles[job->any];
+    bundle->closed = worker->bundles->open_bundles[job->any] ? 0 : bundle->going;
+    if (worker->bundles->open_bundles[job->any]) --worker->bundles->open_bundles[job->any];
     for (uint32_t left = bundle->closed; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has_masks) bundle->closed &= ~(left & (0u - left));
     }
@@ -484,7 +484,7 @@ static void trace_going_packets(const struct mlrt_job *job, struct mlrt_worker *
     traverse_bundle(job, worker, bundle);
     uint32_t rest = bundle->riding;
     if (mlrt_count_bits(bundle->given_up) > MLRT_MOST_GIVEN_UP) {
-        worker->lane_tiles[job->any] = MLRT_LANE_TILES;
+        worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
         rest |= bundle->going;
     }
     for (uint32_t left = rest; left; left &= left - 1) {
@@ -541,11 +541,12 @@ static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *
 {
     const uint32_t others = make_bundle(job, worker, places, bundle);
     const uint32_t closed = bundle->closed;
-    if (8 * mlrt_count_bits(bundle->going) < mlrt_count_bits(others)) worker->lane_tiles[job->any] = MLRT_LANE_TILES;
+    if (8 * mlrt_count_bits(bundle->going) < mlrt_count_bits(others))
+        worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
     if (!bundle->going) return others;
     trace_going_packets(job, worker, bundle);
     if (closed && !(bundle->closed & bundle->going) && !bundle->covered) {
-        worker->open_bundles[job->any] = MLRT_TILE_RUN;
+        worker->bundles->open_bundles[job->any] = MLRT_TILE_RUN;
     }
     return others | bundle->set_aside;
 }
@@ -564,8 +565,8 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->triangle, MLRT_NONE);
     }
     if (job->tree->bvh.node_count == 0) return;
-    if (worker->lane_tiles[job->any] || !(places & (places - 1))) {
-        worker->lane_tiles[job->any] -= worker->lane_tiles[job->any] != 0;
+    if (worker->bundles->lane_tiles[job->any] || !(places & (places - 1))) {
+        worker->bundles->lane_tiles[job->any] -= worker->bundles->lane_tiles[job->any] != 0;
         alone = check_odd_packets(bundle, places);
     } else {
         alone = trace_as_bundle(job, worker, bundle, places);
