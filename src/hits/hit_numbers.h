@@ -257,18 +257,14 @@ static uint32_t report_from_apex(const struct mlrt_packet *packet, const double 
     return reported | positive << 16;
 }
 
-/* Computes the numbers of DW lanes from `lane` on, whose origins or triangles differ. */
-MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct plane_terms *plane, uint32_t lane,
-                                  double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
+/* Computes the numbers of DW rays, whose origins or triangles differ: those of `lane` and the next ones of `values`. */
+MLRT_INLINE uint32_t report_rays(const struct plane_terms *plane, const vd origin[3], const vd direction[3],
+                                 double direction_size, uint32_t outputs, uint32_t lane,
+                                 struct mlrt_packet_values *values)
 {
-    vd direction[3], origin[3], moment[3];
+    vd moment[3];
     struct lane_denominator denominator;
     struct start_terms start;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-    }
-    load_directions(packet, lane, direction);
     set_start_terms(plane, origin, outputs, &start);
     const vd d = fused_dot_product(direction, plane->normal);
     const vd d_size = d_mul(plane->normal_size, d_set1(direction_size));
@@ -284,6 +280,42 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
         }
     }
     return certain << lane | (outputs & MLRT_OUTPUT_FACING ? d_gt(d, d_set1(0)) : 0) << (16 + lane);
+}
+
+/* The same for DW lanes of a packet, from `lane` on. */
+MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct plane_terms *plane, uint32_t lane,
+                                  double direction_size, uint32_t outputs, struct mlrt_packet_values *values)
+{
+    vd direction[3], origin[3];
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+    }
+    load_directions(packet, lane, direction);
+    return report_rays(plane, origin, direction, direction_size, outputs, lane, values);
+}
+
+/* The function `report_ray` of job/job.h. */
+MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
+                               struct mlrt_hit_report *report)
+{
+    const double size = (double)(fabsf(direction[0]) + fabsf(direction[1]) + fabsf(direction[2])) * (1 + 0x1p-22);
+    vd corners[9], from[3], to[3];
+    struct plane_terms plane;
+    struct mlrt_packet_values values;
+    MLRT_UNROLL
+    for (size_t i = 0; i < 9; ++i) corners[i] = d_set1(of->corner[i * of->row]);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        from[k] = d_set1(origin[k]);
+        to[k] = d_set1(direction[k]);
+    }
+    set_plane_terms(corners, &plane);
+    const uint32_t reported =
+        report_rays(&plane, from, to, size, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, 0, &values);
+    if (MLRT_UNLIKELY(!(reported & 1))) return 0;
+    *report = (struct mlrt_hit_report){values.t[0], values.uv[0][0], values.uv[1][0], reported >> 16 & 1 ? 1 : -1};
+    return 1;
 }
 
 /* Computes the numbers of a packet whose hits are all of one triangle, from different origins. */

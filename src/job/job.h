@@ -123,6 +123,9 @@ struct mlrt_worker {
 /* rays/lone_ray.h */
 struct mlrt_lone_ray;
 
+/* exact/predicate.h */
+struct mlrt_hit_report;
+
 /* trace/ray_tile.h */
 struct mlrt_rectangle;
 struct mlrt_ray_tile;
@@ -164,10 +167,17 @@ struct mlrt_kernels {
     /* The kernels of the kd-tree have none of the following. */
 
     /*
-     * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, or MLRT_NONE.
-     * Kernels that count have NULL. trace/single_ray.h
+     * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, whose corners are
+     * at *corners, or MLRT_NONE. Kernels that count have NULL. trace/single_ray.h
      */
-    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray);
+    uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, struct mlrt_corners *corners);
+    /*
+     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them. hits/hit_numbers.h
+     */
+    int (*report_ray)(const struct mlrt_corners *corners, const float origin[3], const float direction[3],
+                      struct mlrt_hit_report *report);
+    /* The kernels whose report_ray is used; NULL = the judge is as fast. */
+    const struct mlrt_kernels *reports;
     /*
      * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
      * Returns 0, and leaves *number, if float does not carry the ray there.

@@ -70,8 +70,21 @@ static MLRT_NOINLINE int trace_in_units(const mlrt_tree *tree, const struct mlrt
 
 void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
-    const uint32_t number = tree->bvh.node_count > 0 ? kernels_of(tree, ray)->trace_ray(tree, ray) : MLRT_NONE;
-    set_result(tree, ray, number, hit);
+    const struct mlrt_kernels *kernels = kernels_of(tree, ray);
+    struct mlrt_corners corners;
+    struct mlrt_hit_report report;
+    const uint32_t number = tree->bvh.node_count > 0 ? kernels->trace_ray(tree, ray, &corners) : MLRT_NONE;
+    if (number == MLRT_NONE || ray->any || !kernels->reports ||
+        MLRT_UNLIKELY(!kernels->reports->report_ray(&corners, ray->origin, ray->direction, &report))) {
+        set_result(tree, ray, number, hit);
+        return;
+    }
+    mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
+    hit->t = report.t;
+    hit->u = report.u;
+    hit->v = report.v;
+    hit->facing = report.facing;
+    hit->occluded = 1;
 }
 
 int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)

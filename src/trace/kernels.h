@@ -51,8 +51,19 @@ static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle 
 const struct mlrt_kernels KERNELS_COUNTING = {KERNELS_OF_BOXES, .picture = &mlrt_plain_picture};
 #else
 const struct mlrt_picture_kernels PICTURE = {fetch_block, check_block, read_packets, write_packet, decide_lanes};
-const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES, .picture = &PICTURE, .trace_ray = trace_lone_ray,
-                                     .trace_scaled_ray = trace_scaled_ray, .make_shadow_packet = make_shadow_packet};
+#ifndef REPORTS
+#define REPORTS NULL
+#endif
+#ifndef REPORT_RAY
+#define REPORT_RAY NULL
+#endif
+const struct mlrt_kernels KERNELS = {KERNELS_OF_BOXES,
+                                     .picture = &PICTURE,
+                                     .trace_ray = trace_lone_ray,
+                                     .trace_scaled_ray = trace_scaled_ray,
+                                     .report_ray = REPORT_RAY,
+                                     .reports = REPORTS,
+                                     .make_shadow_packet = make_shadow_packet};
 #endif
 
 #endif

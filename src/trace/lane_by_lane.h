@@ -54,10 +54,11 @@
 
 /*
  * In trees of more nodes, rays of different origins whose directions have different signs are traced one by one from
- * the root on: lane by lane, diffuse rays of conference (2231 nodes) are 8 % faster, those of clinic (17,840) 8 %
- * slower.
+ * the root on. With vectors of 16, diffuse rays are faster lane by lane in conference (2226 nodes, by 8 %) and sponza
+ * (723, 5 %), and slower in clinic (17,840, 8 %). With vectors of 8 they are slower in sponza (5 %) and dragon (6895,
+ * 6 %), as fast in conference, and faster in office (296, 4 %).
  */
-#define SMALL_TREE 10000
+#define SMALL_TREE (VW < MLRT_BVH_WIDTH ? 500 : 10000)
 
 /* For this many lanes, or fewer, the hull is not worth its cost: the lanes are tested against all boxes. */
 #define FEW_FOR_HULL 6

@@ -82,15 +82,17 @@
  */
 #define WAITING_LIMIT ((MLRT_BVH_WIDTH - 1) * MLRT_BVH_DEPTH_LIMIT + 1)
 
+#define NO_PLACE 0xFFFFFFFFu
+
 struct single_ray {
     vf origin[3];
     vf direction[3];
     vf near[3];
     vf far[3];
     vf t_min;
-    uint32_t near_row[3]; /* per axis, the index in a node's floats of the planes that the ray crosses first */
-    uint32_t far_row[3];  /* of those that it crosses last */
-    float reach;          /* 4 m: see "Overflow" */
+    size_t near_row[3]; /* per axis, the index in a node's floats of the planes that the ray crosses first */
+    size_t far_row[3];  /* of those that it crosses last */
+    float reach;        /* 4 m: see "Overflow" */
     uint32_t lane;
 };
 
@@ -113,7 +115,7 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct m
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const float d = packet->direction[k][lane];
-        const uint32_t lo = (uint32_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
+        const size_t lo = (size_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
         ray->origin[k] = v_set1(packet->has_apex ? packet->apex[k] : packet->origin[k][lane]);
         ray->direction[k] = v_set1(d);
         ray->near[k] = v_set1(reciprocals->near[k][lane]);
@@ -222,43 +224,48 @@ MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reac
         v_mul_add(v_mul(v_mul(size_s, v_set1(4)), plane_size), v_set1(DISTANCE_BOUND / 4), distance_floor);
 }
 
-/* Computes the filter's numbers lane by lane: s goes from corner a to the origin, f and g from a to b and c. */
+/*
+ * Computes the filter's numbers lane by lane: s goes from corner a to the origin, f and g from a to b and c. In this
+ * order, few values wait at a time: compilers keep it, and there may be only sixteen registers.
+ */
 MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], const vf direction[3], vf reach,
                                 struct float_test *test)
 {
     vf p[3], q[3];
-    cross_product(g, direction, p);
-    cross_product(f, s, q);
     set_bounds(s, f, g, reach, test);
+    cross_product(g, direction, p);
+    const vf ca = dot_product(s, p);
     test->determinant = dot_product(f, p);
+    cross_product(f, s, q);
     test->distance = dot_product(g, q);
-    const vf ca = dot_product(s, p), ab = dot_product(direction, q);
+    const vf ab = dot_product(direction, q);
     const vf bc = v_sub(v_sub(test->determinant, ca), ab);
-    test->least = v_min(v_min(ab, bc), ca);
-    test->greatest = v_max(v_max(ab, bc), ca);
+    test->least = v_min(v_min(ab, ca), bc); /* bc is the last to be known */
+    test->greatest = v_max(v_max(ab, ca), bc);
 }
 
 /* Likewise for one ray and a vector of triangles. Each coordinate is a row; rows are `stride` floats apart. */
-MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corners, uint32_t stride,
+MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corners, size_t stride,
                                  struct float_test *test)
 {
+    const float *b = corners + 3 * stride, *c = b + 3 * stride;
     vf s[3], f[3], g[3];
     MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const vf a = v_load_any(corners + (uint32_t)k * stride);
+    for (size_t k = 0; k < 3; ++k) {
+        const vf a = v_load_any(corners + k * stride);
         s[k] = v_sub(ray->origin[k], a);
-        f[k] = v_sub(v_load_any(corners + (uint32_t)(3 + k) * stride), a);
-        g[k] = v_sub(v_load_any(corners + (uint32_t)(6 + k) * stride), a);
+        f[k] = v_sub(v_load_any(b + k * stride), a);
+        g[k] = v_sub(v_load_any(c + k * stride), a);
     }
     set_float_test(s, f, g, ray->direction, v_set1(ray->reach), test);
 }
 
 /*
- * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane. Returns those
- * whose distances overlap with it, which have to be compared exactly.
+ * Makes the nearest of the triangles in `nearer`, which are surely hit, the nearest hit of the lane, and sets *place to
+ * its place. Returns those whose distances overlap with it, which have to be compared exactly.
  */
 MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer, const uint32_t *numbers,
-                                  uint32_t lane, struct mlrt_packet *packet)
+                                  uint32_t lane, struct mlrt_packet *packet, uint32_t *place)
 {
     MLRT_ALIGNED(64) float lo[VW];
     MLRT_ALIGNED(64) float hi[VW];
@@ -272,6 +279,7 @@ MLRT_INLINE uint32_t keep_nearest(const struct verdict *verdict, uint32_t nearer
     packet->triangle[lane] = numbers[nearest];
     packet->lo[lane] = lo[nearest];
     packet->hi[lane] = hi[nearest];
+    *place = nearest;
     for (nearer &= ~(1u << nearest); nearer; nearer &= nearer - 1) {
         const uint32_t i = mlrt_lowest_bit(nearer);
         if (!MLRT_GUESS && lo[i] <= hi[nearest]) close |= 1u << i;
@@ -289,61 +297,81 @@ MLRT_INLINE vm places_without_test(const struct mlrt_packet *packet, uint32_t la
     return packet->has_skip ? m_or(ignored, i_eq(number, i_set1(packet->skip[lane]))) : ignored;
 }
 
+/* The place of triangle `number`, which is among `numbers`. */
+MLRT_INLINE uint32_t find_place(const uint32_t *numbers, uint32_t number)
+{
+    uint32_t place = 0;
+    while (numbers[place] != number) ++place;
+    return place;
+}
+
 /*
- * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns 1 if the
- * nearest hit changed.
+ * Decides the triangles of a leaf at those of `places` where the ray may be `inside` the edges. Returns NO_PLACE if the
+ * nearest hit did not change, else its place. (A tie changes the triangle but not the distance.)
  */
-MLRT_INLINE int settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
-                              const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
-                              struct mlrt_worker *worker)
+MLRT_INLINE uint32_t settle_places(const struct mlrt_job *job, const uint32_t *numbers, vm inside, uint32_t places,
+                                   const struct float_test *test, uint32_t lane, vf t_min, struct mlrt_packet *packet,
+                                   struct mlrt_worker *worker)
 {
     const vm ignored = places_without_test(packet, lane, i_load_any(numbers));
     uint32_t candidates = m_bits(inside) & places;
     uint32_t offered = (MLRT_COUNTING ? places & ALL_LANES : candidates) & ~m_bits(ignored);
     const uint32_t mask = packet->has_masks ? packet->mask[lane] : worker->mask;
-    int changed = 0;
+    uint32_t changed = NO_PLACE;
     if (MLRT_UNLIKELY(mask != MLRT_MASK_ALL)) offered = mlrt_visible_places(job->tree, numbers, offered, mask);
     COUNT(&worker->counters, triangle_test_count, mlrt_count_bits(offered));
     COUNT(&worker->counters, lane_test_count, mlrt_count_bits(offered));
     candidates &= offered;
-    if (!candidates) return 0;
+    if (!candidates) return NO_PLACE;
     const struct verdict verdict = compare_distances(test, m_andnot(inside, ignored), t_min, v_set1(packet->lo[lane]),
                                                      v_set1(packet->hi[lane]), job->any);
     uint32_t undecided = MLRT_GUESS ? 0 : m_bits(verdict.undecided) & candidates;
     const uint32_t nearer = m_bits(verdict.nearer) & candidates;
     if (nearer && job->any) {
-        packet->triangle[lane] = numbers[mlrt_lowest_bit(nearer)];
-        return 1;
+        changed = mlrt_lowest_bit(nearer);
+        packet->triangle[lane] = numbers[changed];
+        return changed;
     }
-    if (nearer) {
-        undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet);
-        changed = 1;
-    }
+    if (nearer) undecided |= keep_nearest(&verdict, nearer, numbers, lane, packet, &changed);
     if (MLRT_UNLIKELY(undecided)) {
-        changed |= decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
+        const uint32_t before = packet->triangle[lane];
+        decide_scaled_triangles(job, numbers, undecided, m_bits(verdict.inside), lane, packet, worker);
+        if (packet->triangle[lane] != before) changed = find_place(numbers, packet->triangle[lane]);
     }
     return changed;
 }
 
-/* Tests the triangles of a leaf. Returns 1 if the nearest hit changed. */
-MLRT_INLINE int test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
-                          struct mlrt_packet *packet, struct mlrt_worker *worker)
+/*
+ * Tests the triangles of a leaf. Returns NULL if the nearest hit did not change, else the first of its corners'
+ * coordinates.
+ */
+MLRT_INLINE const float *test_leaf(const struct mlrt_job *job, const struct single_ray *ray, uint32_t leaf,
+                                   struct mlrt_packet *packet, struct mlrt_worker *worker)
 {
     const struct mlrt_bvh *bvh = &job->tree->bvh;
     const uint32_t place_count = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
-    int changed = 0;
+    const float *nearest = NULL;
     for (uint32_t v = 0; v < place_count; v += VW) {
         const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (place_count - v)) - 1;
         struct float_test test;
         set_single_test(ray, corners + v, place_count, &test);
         const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
         if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
-        changed |= settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
-        if (changed && job->any) return 1;
+        const uint32_t changed =
+            settle_places(job, numbers + v, inside, places, &test, ray->lane, ray->t_min, packet, worker);
+        if (changed == NO_PLACE) continue;
+        nearest = corners + v + changed;
+        if (job->any) return nearest;
     }
-    return changed;
+    return nearest;
+}
+
+/* Node `child`. Its byte offset is child * 56: cheaper than its number times the 448 bytes of a node. */
+MLRT_INLINE const struct mlrt_bvh_node *node_of(const struct mlrt_bvh_node *nodes, uint32_t child)
+{
+    return (const struct mlrt_bvh_node *)((const char *)nodes + child * (sizeof *nodes / 8));
 }
 
 MLRT_INLINE float finite_limit(float hi)
@@ -351,15 +379,20 @@ MLRT_INLINE float finite_limit(float hi)
     return hi < FLT_MAX ? hi : FLT_MAX;
 }
 
-/* Traces one lane of a packet through `child` and the tree below it. */
-static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct mlrt_reciprocals *reciprocals,
-                                       uint32_t lane, uint32_t child, struct mlrt_packet *packet,
-                                       struct mlrt_worker *worker)
+/*
+ * Traces one lane of a packet through `child` and the tree below it. Returns where the corners of its nearest hit lie;
+ * if nothing nearer was found, `corner` is NULL.
+ */
+static MLRT_NOINLINE struct mlrt_corners trace_single(const struct mlrt_job *job,
+                                                      const struct mlrt_reciprocals *reciprocals, uint32_t lane,
+                                                      uint32_t child, struct mlrt_packet *packet,
+                                                      struct mlrt_worker *worker)
 {
     const struct mlrt_bvh_node *nodes = job->tree->bvh.nodes;
     MLRT_ALIGNED(64) float order[MLRT_BVH_WIDTH];
     const int any = job->any;
     uint64_t stack[WAITING_LIMIT];
+    struct mlrt_corners nearest = {NULL, 0, 1};
     uint32_t count = 0;
     struct single_ray ray;
     set_single_ray(packet, reciprocals, lane, &ray);
@@ -368,18 +401,23 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
     for (;;) {
         COUNT(&worker->counters, cell_count, 1);
         if (mlrt_bvh_quad_count(child) == 0) {
-            const struct mlrt_bvh_node *node = &nodes[mlrt_bvh_offset(child)];
+            const struct mlrt_bvh_node *node = node_of(nodes, child);
             const uint32_t met = meet_boxes(&ray, node, limit, any, order);
             if (met) {
                 child = choose_child(node, met, order, any, stack, &count);
                 continue;
             }
-        } else if (test_leaf(job, &ray, child, packet, worker)) {
-            if (any) return;
-            limit = finite_limit(packet->hi[lane]);
+        } else {
+            const float *corner = test_leaf(job, &ray, child, packet, worker);
+            if (corner) {
+                nearest.corner = corner;
+                nearest.row = 4 * mlrt_bvh_quad_count(child);
+                if (any) return nearest;
+                limit = finite_limit(packet->hi[lane]);
+            }
         }
         do {
-            if (count == 0) return;
+            if (count == 0) return nearest;
             --count;
         } while (!any && stack[count] > stack_entry(limit, 0xFFFFFFFFu));
         child = (uint32_t)stack[count];
@@ -388,11 +426,11 @@ static MLRT_NOINLINE void trace_single(const struct mlrt_job *job, const struct 
 
 #if !MLRT_COUNTING
 /*
- * Traces a ray as lane 0 of a packet, and returns the number of the triangle that it hits. The worker is one of this
- * call, of which only the fields set here are used: with room for one plane and one pair of triangles.
+ * Traces a ray as lane 0 of a packet. Returns the number of the triangle that it hits, and sets *corners. The worker is
+ * one of this call, of which only the fields set here are used: with room for one plane and one pair of triangles.
  */
 static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lone_ray *ray,
-                                struct mlrt_scaled_packet *scaled)
+                                struct mlrt_scaled_packet *scaled, struct mlrt_corners *corners)
 {
     struct mlrt_packet own, *packet = scaled ? &scaled->rays : &own;
     struct mlrt_reciprocals reciprocals;
@@ -420,17 +458,18 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     pair.first = pair.second = 0;
     worker.watch.progress = NULL;
     worker.scaled = scaled;
-    trace_single(job, &reciprocals, 0, 0, packet, &worker);
+    *corners = trace_single(job, &reciprocals, 0, 0, packet, &worker);
     return packet->triangle[0];
 }
 
 /* The function `trace_ray` of job/job.h. */
-static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray)
+static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
+                               struct mlrt_corners *corners)
 {
     struct mlrt_job job;
     job.tree = tree;
     job.any = ray->any;
-    return trace_lone_lane(&job, ray, NULL);
+    return trace_lone_lane(&job, ray, NULL, corners);
 }
 
 /* The function `trace_scaled_ray` of job/job.h. */
@@ -441,6 +480,7 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     struct mlrt_scaled_packet scaled;
     struct mlrt_lone_ray ray;
     struct mlrt_job job;
+    struct mlrt_corners corners;
     for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) { /* all lanes are brought into units */
         for (int k = 0; k < 3; ++k) {
             packet.origin[k][lane] = segment->origin[k];
@@ -465,7 +505,7 @@ static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_
     ray.skip = skip;
     job.tree = tree;
     job.any = any;
-    *number = trace_lone_lane(&job, &ray, &scaled);
+    *number = trace_lone_lane(&job, &ray, &scaled, &corners);
     return 1;
 }
 #endif
