@@ -609,9 +609,9 @@ static void find_edges(const struct mlrt_bundle_leaf *of, int has_places, struct
 {
     found->bound[0] = edge_bounds(&bundle.hulls, 0, of->steepness[0], has_places);
     if (has_places) {
-        find_edge_values(of, &tile.rays[0], 1, 1, 1, 0, 1, found);
+        find_edge_values(of, &tile.rays[0], &tile.packets[0], 1, 1, 0, 1, found);
     } else {
-        find_edge_values(of, &tile.rays[0], 1, 1, 0, 0, 1, found);
+        find_edge_values(of, &tile.rays[0], &tile.packets[0], 1, 0, 0, 1, found);
     }
 }
 
