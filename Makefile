@@ -85,8 +85,11 @@ EXACT    := $(if $(GUESS),-DMLRT_GUESS=1) -ffp-contract=off $(if $(filter i386% 
 SANITIZE := $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer)
 # Functions, jumps and loops that are not aligned: 18 kB less, 6 of them by functions, and no slower: of 44 ratios of kinds
 # of rays the middle one is 1.01 for functions, of 20 1.01 for the others. No expressions computed ahead on paths that do
-# not need them (-ftree-pre): 5 kB less, and of 44 ratios the middle one is 1.00. clang does not know them all.
-LAYOUT   := $(shell $(CC) -Werror -fno-align-functions -fno-align-jumps -fno-align-loops -fno-tree-pre -E -x c /dev/null >/dev/null 2>&1 && echo -fno-align-functions -fno-align-jumps -fno-align-loops -fno-tree-pre)
+# not need them (-ftree-pre): 5 kB less, and of 44 ratios the middle one is 1.00. No common subexpressions of whole functions
+# (-fgcse) and no invariants moved out of loops before registers are known (-ftree-loop-im): 5 kB less, and of 66 ratios
+# the middle one is 1.00. clang does not know them all.
+PLAIN    := -fno-align-functions -fno-align-jumps -fno-align-loops -fno-tree-pre -fno-gcse -fno-tree-loop-im
+LAYOUT   := $(shell $(CC) -Werror $(PLAIN) -E -x c /dev/null >/dev/null 2>&1 && echo $(PLAIN))
 # A message per thread (src/base/message.c) is found without a call of __tls_get_addr, which would need ld-linux, could
 # allocate, and would end the process if it could not. Other processors do so anyway; clang does not know the flag.
 TLS      := $(if $(IS_X86),$(shell $(CC) -Werror -mtls-dialect=gnu2 -fPIC -S -x c /dev/null -o /dev/null 2>/dev/null && echo -mtls-dialect=gnu2))
@@ -376,6 +379,7 @@ charts-speed: | $(AFTER_DEPS)
 	$(BUILD)/bin/bench --study triangles --isa avx512 $(BENCH) > docs/data/bench-triangles.csv
 	$(BUILD)/bin/bench --study resolution --isa avx512 --scene room,office,building,scan $(BENCH) > docs/data/bench-resolution.csv
 	for n in 1 2; do $(BUILD)/bin/bench --study build --threads $$n --runs 3 $(BENCH_ALL) $(BENCH) > docs/data/bench-build-$$n.csv; done
+	$(BUILD)/bin/bench --study calls --alone --runs 7 $(addprefix --scene ,$(filter %/erw6.ply,$(BENCH_FILES))) $(addprefix --views ,$(VIEWS)) $(BENCH) > docs/data/bench-calls.csv
 	$(BUILD)/bin/bench --study costs --isa avx2,avx512 --size 512 $(BENCH_ALL) $(BENCH) > docs/data/costs.csv
 	$(PYTHON) examples/bench/charts.py docs/data docs
 

@@ -138,7 +138,8 @@ static void builders(const Arrays &arrays) {
 
     mlrt::KdTreeOptions kd;
     kd.preset = MLRT_KDTREE_TUNED, kd.traversal_cost = 1, kd.intersection_cost = 2, kd.memory_limit = 1 << 24;
-    kd.max_references = 100000, kd.max_depth = 5, kd.rules_off = MLRT_RULE_COPLANAR, kd.pool = pool.get(), kd.host = host.get();
+    kd.max_references = 100000, kd.max_depth = 5, kd.rules_off = MLRT_RULE_COPLANAR, kd.pool = pool.get(),
+    kd.host = host.get();
     require(mlrt::estimate(arrays.meshes(), kd).memory_size > 0, "an estimate");
     const mlrt::Tree kdtree(arrays.meshes(), kd);
     require(kdtree.info().structure == MLRT_STRUCTURE_KDTREE && kdtree.info().depth == 5, "a kd-tree");

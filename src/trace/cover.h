@@ -478,7 +478,8 @@ MLRT_INLINE uint32_t offer_to_packets_by(const struct mlrt_job *job, struct mlrt
             const uint32_t made = (bundle->tile ? bundle->tile->made : 0) >> v,
                            those = (may_be & made) << v & bundle->closed;
             const uint32_t others = may_be & bundle->closed >> v & ~made;
-            if (others && bundle->ends_at_skip) met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
+            if (others && bundle->ends_at_skip)
+                met &= ~find_packets_behind(job, worker, bundle, number, others, v, &of);
             if (those) {
                 met &= ~(find_packets_apart(job->tree, bundle, number, those, ~m_bits(near_begin) << v,
                                             m_bits(of.backward) << v) >>
