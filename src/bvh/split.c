@@ -171,6 +171,7 @@ void mlrt_sweep_set(const struct mlrt_bvh_costs *costs, const struct mlrt_quad_b
             bins.box[rank[axis][i]][axis] = references[i];
             bins.count[i][axis] = 1;
         }
+        bins.count[i][3] = 0;
     }
     split->axis = 0; /* where there is no split */
     mlrt_choose_split(costs, &bins, &set->box, split);
