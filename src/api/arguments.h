@@ -31,8 +31,8 @@ MLRT_INLINE uint64_t words_of(const void *part, size_t size)
 }
 
 /*
- * Are all options 0, except for the query, the instruction set, the mask and the pool? `of` is of this version. Checks no
- * rule but that of the query.
+ * Are all options 0, except for the query, the instruction set, the mask and the pool? `of` is of this version. Checks
+ * no rule but that of the query.
  */
 MLRT_INLINE int mlrt_are_plain(const mlrt_trace_options *of)
 {

@@ -420,7 +420,9 @@ static const char *check_report(struct mlrt_tree *tree)
     return NULL;
 }
 
-/* Also checks that the file has no counts and numbers of another structure: saved again, the tree would have the same. */
+/*
+ * Also checks that the file has no counts and numbers of another structure: saved again, the tree would have the same.
+ */
 static const char *check_contents(const struct header *header, struct mlrt_tree *tree)
 {
     struct header again;

@@ -71,8 +71,8 @@ static uint32_t standard_initial_tile(const struct mlrt_job *job)
 }
 
 /*
- * Checks the options, and sets the fields of a job that follow from them and the tree, those of a call without lights and
- * callback. The job's source is set already.
+ * Checks the options, and sets the fields of a job that follow from them and the tree, those of a call without lights
+ * and callback. The job's source is set already.
  */
 static int32_t resolve_options(const mlrt_tree *tree, const mlrt_trace_options *options, struct mlrt_job *job)
 {
@@ -276,7 +276,9 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
            (!options || (options->struct_size == sizeof *options && !options->isa && mlrt_are_plain(options)));
 }
 
-/* Usual calls, in the environment of most programs, are told from others here, and rays that miss the scene end here. */
+/*
+ * Usual calls, in the environment of most programs, are told from others here, and rays that miss the scene end here.
+ */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
 {

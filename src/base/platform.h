@@ -162,8 +162,8 @@ MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
     if (mlrt_get_control() != (uint32_t)saved) _mm_setcsr((uint32_t)saved);
 }
 /*
- * As mlrt_leave_fp_environment. If `is_quiet`, the arithmetic raised no flag of <fenv.h> but inexact: if that was raised
- * before, there is nothing to restore. Reading the register would take 22 cycles.
+ * As mlrt_leave_fp_environment. If `is_quiet`, the arithmetic raised no flag of <fenv.h> but inexact: if that was
+ * raised before, there is nothing to restore. Reading the register would take 22 cycles.
  */
 MLRT_INLINE void mlrt_leave_after(int is_quiet, uint64_t saved)
 {
@@ -172,8 +172,8 @@ MLRT_INLINE void mlrt_leave_after(int is_quiet, uint64_t saved)
 }
 /*
  * Sets *saved to the environment. Returns 1 if it is that of the library and inexact was raised before. Then arithmetic
- * that raises no other flag may follow without a call between. Compilers leave it behind the branch on this result, as it
- * may trap; before the branch it could only raise flags that the caller did not have.
+ * that raises no other flag may follow without a call between. Compilers leave it behind the branch on this result, as
+ * it may trap; before the branch it could only raise flags that the caller did not have.
  */
 MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
 {

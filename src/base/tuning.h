@@ -123,9 +123,9 @@
 #endif
 
 /*
- * The builder's cost of each triangle of a leaf, where a leaf costs 1; bvh/build.c has more measurements. Lower costs make
- * larger leaves. Mean over five kinds of rays (docs/performance.md, "How large leaves are"), 0.005: dragon 1.02 to 1.04,
- * conference 0.95 to 0.97, others 0.97 to 1.01. 0.08: 0.92 to 1.02.
+ * The builder's cost of each triangle of a leaf, where a leaf costs 1; bvh/build.c has more measurements. Lower costs
+ * make larger leaves. Mean over five kinds of rays (docs/performance.md, "How large leaves are"), 0.005: dragon 1.02 to
+ * 1.04, conference 0.95 to 0.97, others 0.97 to 1.01. 0.08: 0.92 to 1.02.
  */
 #ifndef MLRT_TRIANGLE_COST
 #define MLRT_TRIANGLE_COST 0.02f

@@ -605,7 +605,9 @@ static int32_t cut_item(void *work, uint32_t item, uint32_t worker)
     return mlrt_is_cancelled(build->progress);
 }
 
-/* Cuts the sets of a level: first those that have much of it, with bins that all workers fill, then each by one worker. */
+/*
+ * Cuts the sets of a level: first those that have much of it, with bins that all workers fill, then each by one worker.
+ */
 static void cut_level(struct build *build, uint32_t count)
 {
     const uint64_t worker_count = mlrt_worker_count(build->pool);

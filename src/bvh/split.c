@@ -108,7 +108,6 @@ void mlrt_choose_split(const struct mlrt_bvh_costs *costs, const struct mlrt_bvh
     for (uint32_t i = 0; i < last; i++) {
         const f4 sum = f4_add(add_row(costs, bins, i, unit, &side), f4_load(upper[i + 1]));
         f4_store(cost[i], sum);
-        f4_store(cost[i], sum);
         least = f4_min(sum, least); /* `least` if the sum is NaN */
     }
     f4_store(best, least);
@@ -190,8 +189,8 @@ static void apply_ranks(struct mlrt_quad_box *references, const struct mlrt_bvh_
 /* ---- many references ------------------------------------------------------------------------------------------- */
 
 /*
- * Sets of fewer references have half as many bins: fast builds take 2 to 6 % less time, and expected costs differ by less
- * than 0.6 % either way.
+ * Sets of fewer references have half as many bins: fast builds take 2 to 6 % less time, and expected costs differ by
+ * less than 0.6 % either way.
  */
 #define FEW_REFERENCES 256
 

@@ -89,8 +89,8 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
 }
 
 /*
- * Gathers corners and origins of the lanes `hit`: if they hit few triangles, triangle by triangle. Returns 1 if all lanes
- * have one triangle and one origin.
+ * Gathers corners and origins of the lanes `hit`: if they hit few triangles, triangle by triangle. Returns 1 if all
+ * lanes have one triangle and one origin.
  */
 static int get_seen_points(const struct mlrt_tree *tree, const struct mlrt_packet *seen, uint32_t hit,
                            struct seen_points *points)

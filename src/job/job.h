@@ -172,7 +172,8 @@ struct mlrt_kernels {
      */
     uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, struct mlrt_corners *corners);
     /*
-     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them. hits/hit_numbers.h
+     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them.
+     * hits/hit_numbers.h
      */
     int (*report_ray)(const struct mlrt_corners *corners, const float origin[3], const float direction[3],
                       struct mlrt_hit_report *report);
@@ -186,7 +187,8 @@ struct mlrt_kernels {
                             uint32_t *number);
     /*
      * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (trace/camera_cells.h),
-     * or of the tiles of points that rays from a light lead to (trace/point_cells.h). Returns 0 if that is not possible.
+     * or of the tiles of points that rays from a light lead to (trace/point_cells.h). Returns 0 if that is not
+     * possible.
      */
     int (*gather_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                         struct mlrt_bundle *bundle);
@@ -204,7 +206,9 @@ struct mlrt_kernels {
 /* Method ray, of any structure (hits/finish.c). */
 extern const struct mlrt_kernels mlrt_kernels_ray;
 
-/* The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set. */
+/*
+ * The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set.
+ */
 extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_kdtree_avx2;
 extern const struct mlrt_kernels mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;

@@ -59,8 +59,8 @@ struct mlrt_packet_values {
 };
 
 /*
- * Sets the channels of a sink: arrays that were checked, for a frame of `width` columns. `packed_rows`: rows follow each
- * other without gaps, and the arrays' row_stride is ignored (lists of rays).
+ * Sets the channels of a sink: arrays that were checked, for a frame of `width` columns. `packed_rows`: rows follow
+ * each other without gaps, and the arrays' row_stride is ignored (lists of rays).
  */
 void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, struct mlrt_sink *sink);
 

@@ -3,11 +3,11 @@
  * The builder of the kd-tree: asks split.c for a plane, partitions the references of the cell by it, builds both sides,
  * and keeps the subtree only if it pays.
  *
- * The subtree of a cell depends only on its references, its box and its shares of the limits on depth, references, nodes
- * and bad splits. So the workers of the pool build parts of the tree at the same time: large cells are cut in two, each
- * by one worker, round after round, until all are small; a small one is built by one worker, with the references of the
- * current cell and of the siblings that wait in memory. At the end the calling thread joins the parts in depth-first
- * order. Neither the tree nor the order of any sum depends on the number of workers.
+ * The subtree of a cell depends only on its references, its box and its shares of the limits on depth, references,
+ * nodes and bad splits. So the workers of the pool build parts of the tree at the same time: large cells are cut in
+ * two, each by one worker, round after round, until all are small; a small one is built by one worker, with the
+ * references of the current cell and of the siblings that wait in memory. At the end the calling thread joins the parts
+ * in depth-first order. Neither the tree nor the order of any sum depends on the number of workers.
  *
  * Based on: Alexander Reshetov, Alexei Soupikov, Jim Hurley, "Multi-Level Ray Tracing Algorithm", 2005, section 3.1.
  * Wenzel Jakob, Mitsuba renderer, 2010 (bad refinements and retraction).
@@ -76,10 +76,10 @@ static const struct preset PRESETS[] = {
 #define COUNT_LIMIT 0x3FFFFFFFu
 
 /*
- * Cells of more references than this, and than this part of the triangles, are cut into parts. By the processor times of
- * the parts, two workers take 1 / 1.57 (cruiser) to 1 / 1.83 (dragon) of the time of one, and eight 1 / 2.4 to 1 / 4.5.
- * With 4096 references and a 64th, they take 1 / 1.60 to 1 / 1.81, and 1 / 2.4 to 1 / 3.9. What is missing are the first
- * rounds, which have fewer cells than there are workers.
+ * Cells of more references than this, and than this part of the triangles, are cut into parts. By the processor times
+ * of the parts, two workers take 1 / 1.57 (cruiser) to 1 / 1.83 (dragon) of the time of one, and eight 1 / 2.4 to 1 /
+ * 4.5. With 4096 references and a 64th, they take 1 / 1.60 to 1 / 1.81, and 1 / 2.4 to 1 / 3.9. What is missing are the
+ * first rounds, which have fewer cells than there are workers.
  */
 #define PART_SIZE  2048
 #define PART_SHARE 512
@@ -606,7 +606,9 @@ static void release_part(struct build *build, struct part *part)
     release(build, &part->entries, sizeof(uint32_t));
 }
 
-/* Copies a part that is built into the whole tree, where part->cell.node is its root. Returns 0 if there is no memory. */
+/*
+ * Copies a part that is built into the whole tree, where part->cell.node is its root. Returns 0 if there is no memory.
+ */
 static int append_part(struct part *whole, struct part *part)
 {
     const uint32_t shift = whole->node_count - 1; /* node 1 of the part is the next of the whole tree */

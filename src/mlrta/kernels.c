@@ -4,7 +4,9 @@
  * serve calls with counters, too; avx2.c has kernels that do not.
  */
 #include "base/platform.h"
-/* Not before platform.h: there it would end forced inlining, which costs 3 % of the instructions and saves 800 bytes. */
+/*
+ * Not before platform.h: there it would end forced inlining, which costs 3 % of the instructions and saves 800 bytes.
+ */
 #define MLRT_COUNTING 1
 
 #if MLRT_HAVE_SSE

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray of a call of its own: see lone_ray.h. The paths of rays that miss the scene call no function and keep no
- * registers.
+ * Rays one by one: see lone_ray.h. The paths of rays that miss the scene call no function and keep no registers.
  */
 #include "run/lone_ray.h"
 
@@ -10,7 +9,7 @@
 #include "run/dispatch.h"
 #include "scene/tree.h"
 
-/* Likewise for triangle `number` or MLRT_NONE. */
+/* Sets the fields of a hit that the query writes, for triangle `number`, or for a miss if it is MLRT_NONE. */
 static void set_result(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
 {
     if (number == MLRT_NONE) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One ray of a call of its own, in structs of this version, and in the environment of the library. Fields of the hit
+ * Rays one by one, of calls of one ray or of a few, in the floating-point environment of the library. Fields of a hit
  * that the query does not write keep their values.
  */
 #ifndef MLRT_RUN_LONE_RAY_H
@@ -26,9 +26,9 @@ static inline void mlrt_set_miss(int any, mlrt_hit *hit)
 void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
 
 /*
- * Traces a ray through boxes; in double if float does not carry it. The caller has set its numbers as given, and kernels,
- * mask, `skip` and `any`, which are left as they are. Returns 1 if it raised no flag of <fenv.h> but inexact, or 0 if it
- * may have.
+ * Traces a ray through boxes; in double if float does not carry it. The caller has set its numbers as given, and
+ * kernels, mask, `skip` and `any`, which are left as they are. Returns 1 if it raised no flag of <fenv.h> but inexact,
+ * or 0 if it may have.
  */
 int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit);
 
@@ -39,10 +39,10 @@ void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, m
 struct mlrt_job;
 
 /*
- * Traces the rays of a job, which are at most MLRT_PACKET_RAYS of arrays, one by one through boxes, and writes the results
- * to the frame. All rays are read before a result is written, since arrays may overlap. Returns 0, and does nothing, if it
- * is faster to trace them together. *is_quiet is 1 if no flag of <fenv.h> but inexact was raised, or 0 if one may have
- * been.
+ * Traces the rays of a job, which are at most MLRT_PACKET_RAYS of arrays, one by one through boxes, and writes the
+ * results to the frame. All rays are read before a result is written, since arrays may overlap. Returns 0, and does
+ * nothing, if it is faster to trace them together. *is_quiet is 1 if no flag of <fenv.h> but inexact was raised, or 0
+ * if one may have been.
  */
 int mlrt_trace_few_rays(const struct mlrt_job *job, int *is_quiet);
 

@@ -191,8 +191,8 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
 }
 
 /*
- * Traces the rays one by one, without a worker, if that is faster. Returns 0 if not. A host that watches progress may end
- * the call, so it needs a worker.
+ * Traces the rays one by one, without a worker, if that is faster. Returns 0 if not. A host that watches progress may
+ * end the call, so it needs a worker.
  */
 static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {

@@ -183,7 +183,9 @@ static int32_t copy_chunk(void *work, uint32_t item, uint32_t worker)
     return mlrt_advance(copying->progress, count * MLRT_COPY_WORK) ? MLRT_ERROR_CANCELLED : MLRT_OK;
 }
 
-/* After an error of a worker, the chunks are copied once more in order: the message is the caller's then, and the same. */
+/*
+ * After an error of a worker, the chunks are copied once more in order: the message is the caller's then, and the same.
+ */
 static int32_t copy_triangles(struct copying *copying, mlrt_pool *pool)
 {
     const uint32_t count = copying->tree->triangle_count, chunk_count = count / CHUNK_SIZE + (count % CHUNK_SIZE != 0);

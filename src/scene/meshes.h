@@ -29,9 +29,9 @@ int32_t mlrt_copy_triangle(const mlrt_mesh *mesh, size_t i, size_t triangle, str
 #define MLRT_COPY_WORK 1.0
 
 /*
- * Copies meshes that were checked into a tree: its triangles, by the workers of the pool, and its tables of ids and masks.
- * tree->triangle_count is the count of mlrt_check_meshes. Returns a status. mlrt_free_meshes frees the arrays, also after
- * an error.
+ * Copies meshes that were checked into a tree: its triangles, by the workers of the pool, and its tables of ids and
+ * masks. tree->triangle_count is the count of mlrt_check_meshes. Returns a status. mlrt_free_meshes frees the arrays,
+ * also after an error.
  */
 int32_t mlrt_copy_meshes(const mlrt_mesh *meshes, size_t mesh_count, mlrt_pool *pool, struct mlrt_progress *progress,
                          struct mlrt_tree *tree);

@@ -217,7 +217,8 @@ struct mlrt_bundle_cache {
 };
 
 /*
- * What a worker keeps. Pairs are for closest hits and for any hit, since a picture's tiles and their shadows take turns.
+ * What a worker keeps. Pairs are for closest hits and for any hit, since a picture's tiles and their shadows take
+ * turns.
  */
 struct mlrt_bundles {
     uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets */

@@ -47,9 +47,9 @@ static const char *check(struct mlrt_tree *tree)
 }
 
 /*
- * A worker keeps set-ups of leaves for closest hits (any = 0) or any hits (1), in tables of their own, since a picture's
- * tiles and their shadows are traced in turns. Leaves come first, since they fill whole cache lines. For rays of which no
- * bundle is made it keeps nothing.
+ * A worker keeps set-ups of leaves for closest hits (any = 0) or any hits (1), in tables of their own, since a
+ * picture's tiles and their shadows are traced in turns. Leaves come first, since they fill whole cache lines. For rays
+ * of which no bundle is made it keeps nothing.
  */
 static size_t lay_out(const struct mlrt_job *job, unsigned char *memory, struct mlrt_worker *worker)
 {
