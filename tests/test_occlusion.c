@@ -464,6 +464,40 @@ static void squares_of_points(void **state)
     free_fixture(&fixture);
 }
 
+/*
+ * Before each square of 16x16 points, a chip far smaller than the gaps between points shades one of those at its edge.
+ * The hull of the square must have that ray, too.
+ */
+static void a_chip_before_the_edge_of_each_square(void **state)
+{
+    (void)state;
+    const float eyes[][3] = {{-1, -2, 3}, {0.5f, 0.25f, -4}, {40, 1, 0.5f}};
+    for (size_t e = 0; e < sizeof eyes / sizeof eyes[0]; e++) {
+        struct points points = points_of_wall(0);
+        struct soup soup = {0};
+        size_t square = e;
+        for (size_t y = 0; y + 16 <= 96; y += 16) {
+            for (size_t x = 0; x + 16 <= WALL_WIDTH; x += 16, square++) {
+                static const size_t edge[8][2] = {{0, 0}, {15, 15}, {15, 0}, {0, 15}, {0, 7}, {15, 8}, {7, 0}, {8, 15}};
+                const size_t i = (y + edge[square % 8][1]) * WALL_WIDTH + x + edge[square % 8][0];
+                float corners[3][3];
+                for (int c = 0; c < 3; c++) {
+                    for (int k = 0; k < 3; k++) {
+                        const float middle = 0.5f * (points.positions[3 * i + (size_t)k] + eyes[e][k]);
+                        corners[c][k] = middle + (c == k ? 0.0005f : -0.0005f);
+                    }
+                }
+                soup_add_triangle(&soup, corners[0], corners[1], corners[2]);
+            }
+        }
+        struct fixture fixture = fixture_of_soup("chips", 9, &soup);
+        const mlrt_light light = light_at(eyes[e][0], eyes[e][1], eyes[e][2]);
+        check_points(&fixture, points.positions, NULL, points.count, points.row_length, &light);
+        free_points(&points);
+        free_fixture(&fixture);
+    }
+}
+
 static void the_query_option_is_ignored(void **state)
 {
     (void)state;
@@ -505,6 +539,7 @@ int main(void)
         cmocka_unit_test(an_empty_tree_shades_nothing),
         cmocka_unit_test(strides_of_points_and_results),
         cmocka_unit_test(squares_of_points),
+        cmocka_unit_test(a_chip_before_the_edge_of_each_square),
         cmocka_unit_test(the_query_option_is_ignored),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
