@@ -135,7 +135,7 @@ static void the_words_mean_the_same(void **state)
 {
     (void)state;
     check_words(run_words_scalar);
-#if MLRT_HAVE_SSE
+#if MLRT_SSE_KERNELS
     check_words(run_words_sse);
     if (isa_is_supported(MLRT_ISA_AVX2)) check_words(run_words_avx2);
     if (isa_is_supported(MLRT_ISA_AVX512)) check_words(run_words_avx512);

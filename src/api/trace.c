@@ -188,7 +188,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options->counters;
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (job.kernels->trace_ray) {
+    if (job.kernels->trace_ray && !counters) {
         lone->kernels = job.kernels;
         (void)mlrt_trace_lone_ray(tree, lone, hit);
     } else {

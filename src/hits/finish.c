@@ -12,7 +12,6 @@
 void mlrt_trace_single_rays(const struct mlrt_job *job, uint32_t lanes, struct mlrt_packet *packet,
                             mlrt_counters *counters)
 {
-    if (!job->kernels->counts) counters = NULL;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = mlrt_lowest_bit(lanes);
         struct mlrt_ray_segment ray;
@@ -95,8 +94,7 @@ void mlrt_trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, 
     mlrt_trace_blocks(job, worker, tile, NULL, trace_block);
 }
 
-const struct mlrt_kernels mlrt_kernels_ray = {
-    .trace_tile = mlrt_trace_by_rays, .counts = 1, .picture = &mlrt_plain_picture};
+const struct mlrt_kernels mlrt_kernels_ray = {.trace_tile = mlrt_trace_by_rays, .picture = &mlrt_plain_picture};
 
 /* Writes the hits of one triangle in a block if t, u, v or facing are wanted: these need rays. */
 static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t number,

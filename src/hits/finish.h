@@ -43,7 +43,7 @@ void mlrt_end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uin
 void mlrt_trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
                        const struct entry_list *list, mlrt_trace_block *trace_block);
 
-/* trace_tile (job/job.h) of MLRT_METHOD_RAY: traces all rays of a tile one by one in double. It always counts. */
+/* trace_tile (job/job.h) of MLRT_METHOD_RAY: traces all rays of a tile one by one in double. It counts. */
 void mlrt_trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile);
 
 #endif

@@ -157,8 +157,6 @@ typedef void mlrt_trace_block(const struct mlrt_job *job, struct mlrt_worker *wo
 struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
     void (*trace_tile)(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area);
-    int counts; /* the functions add to the worker's counters */
-
     const struct mlrt_picture_kernels *picture;
 
     /* Traces a block from the nodes of a list. Only the kernels of the kd-tree: mlrta/block.h */
@@ -168,7 +166,7 @@ struct mlrt_kernels {
 
     /*
      * Traces one ray through a tree whose unit is 1. Returns the number of the triangle that it hits, whose corners are
-     * at *corners, or MLRT_NONE. Kernels that count have NULL. trace/single_ray.h
+     * at *corners, or MLRT_NONE. trace/single_ray.h
      */
     uint32_t (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, struct mlrt_corners *corners);
     /*
@@ -198,7 +196,7 @@ struct mlrt_kernels {
     /* Traces the packets `waiting` (bit per place) of a bundle's tile, whose rays are made. trace/tile.h */
     void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                          uint32_t waiting);
-    /* Makes the shadow rays of a packet's hits. Kernels that count have NULL. hits/shadow_packet.h */
+    /* Makes the shadow rays of a packet's hits. hits/shadow_packet.h */
     uint32_t (*make_shadow_packet)(const struct mlrt_job *job, const struct mlrt_packet *seen, uint32_t hit,
                                    struct mlrt_packet *packet);
 };
@@ -210,12 +208,11 @@ extern const struct mlrt_kernels mlrt_kernels_ray;
  * The Makefile says which of them are compiled; trace/structure.c and mlrta/structure.c have them by instruction set.
  */
 extern const struct mlrt_kernels mlrt_kernels_kdtree, mlrt_kernels_kdtree_avx2;
-extern const struct mlrt_kernels mlrt_kernels_scalar_counting;
 extern const struct mlrt_kernels mlrt_kernels_scalar, mlrt_kernels_sse, mlrt_kernels_avx2, mlrt_kernels_avx512;
 
 /*
- * mlrt_plain_picture is compiled with the kernels that every processor of this kind runs. Kernels that count, and
- * those of the kd-tree, use it too.
+ * mlrt_plain_picture is compiled with the kernels that every processor of this kind runs; those of the kd-tree use it
+ * too.
  */
 extern const struct mlrt_picture_kernels mlrt_plain_picture, mlrt_picture_avx2, mlrt_picture_avx512;
 

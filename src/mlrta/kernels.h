@@ -21,6 +21,6 @@
 extern const struct mlrt_picture_kernels PICTURE;
 
 const struct mlrt_kernels KERNELS = {
-    .trace_tile = mlrt_trace_kdtree_tile, .counts = MLRT_COUNTING, .picture = &PICTURE, .trace_block = trace_block};
+    .trace_tile = mlrt_trace_kdtree_tile, .picture = &PICTURE, .trace_block = trace_block};
 
 #endif

@@ -192,12 +192,14 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
 
 /*
  * Traces the rays one by one, without a worker, if that is faster. Returns 0 if not. A host that watches progress may
- * end the call, so it needs a worker.
+ * end the call, and counters are those of a worker.
  */
 static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
     int is_quiet = 1;
-    if (!mlrt_is_block(job) || !job->source.count || !job->kernels->trace_ray || options->host.progress) return 0;
+    if (!mlrt_is_block(job) || !job->source.count || !job->kernels->trace_ray || options->counters ||
+        options->host.progress)
+        return 0;
     const uint64_t environment = mlrt_enter_fp_environment();
     const int is_done = mlrt_trace_few_rays(job, &is_quiet);
     mlrt_leave_after(is_quiet, environment);

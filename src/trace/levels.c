@@ -174,6 +174,6 @@ static void trace_area(const struct mlrt_job *job, struct mlrt_worker *worker, c
 
 void mlrt_trace_levels(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *area)
 {
-    if (job->kernels->counts) worker->counters.ray_count += mlrt_count_rays(&job->source, area);
+    worker->counters.ray_count += mlrt_count_rays(&job->source, area);
     trace_area(job, worker, area);
 }

@@ -33,8 +33,7 @@ static uint32_t gather_lit_cells(const struct mlrt_job *job, const struct mlrt_b
 /* Can closed cells of the picture become cells of the light? Requires a pinhole camera, a point light and unit 1. */
 static int have_lit_cells(const struct mlrt_job *job, const struct mlrt_job *light)
 {
-    return job->tree->bvh.unit == 1 && !job->kernels->counts && mlrt_is_pinhole(&job->source) &&
-           light->source.kind == MLRT_SOURCE_POINT_LIGHT;
+    return job->tree->bvh.unit == 1 && mlrt_is_pinhole(&job->source) && light->source.kind == MLRT_SOURCE_POINT_LIGHT;
 }
 
 /* The closed cells that a triangle covers. */
@@ -85,17 +84,6 @@ uint32_t mlrt_shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker
     return all;
 }
 
-/* Finds the shadows of all lights, one ray at a time. For kernels that count, which are kept small and may be slow. */
-static void shade_rays(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *seen,
-                       uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS])
-{
-    for (uint32_t left = seen->blocks; left; left &= left - 1) {
-        const uint32_t place = mlrt_lowest_bit(left);
-        const uint32_t hit = mlrt_find_seen(job, seen, place);
-        mlrt_find_shadows(job, &seen->packets[place], hit, shadows[place], &worker->counters);
-    }
-}
-
 /* Finds the lanes of a tile's packets that a light does not reach. */
 static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *light, struct mlrt_worker *worker,
                           struct mlrt_ray_tile *seen, uint32_t dark_lanes[MLRT_CELL_COUNT])
@@ -123,6 +111,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
         if (!(made >> place & 1)) continue;
+        worker->counters.ray_count += mlrt_count_bits(mlrt_find_seen(job, seen, place) & ~tile.dark[place]);
         mlrt_finish_packet(light, worker, &tile.packets[place]);
         dark_lanes[place] = tile.dark[place] | mlrt_lanes_with_hit(&tile.packets[place]);
     }
@@ -133,8 +122,7 @@ void mlrt_shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, str
 {
     MLRT_ALIGNED(16) uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS];
     memset(shadows, known ? known->dark : 0, sizeof shadows);
-    if (job->kernels->counts) shade_rays(job, worker, tile, shadows);
-    for (uint32_t i = 0; i < job->light_count && !job->kernels->counts; ++i) {
+    for (uint32_t i = 0; i < job->light_count; ++i) {
         uint32_t dark_lanes[MLRT_CELL_COUNT];
         if (known && known->known >> i & 1) continue;
         shade_packets(job, &job->lights[i], worker, tile, dark_lanes);
