@@ -443,6 +443,12 @@ $(BUILD)/tests/close/%.o: tests/close/%.c
 
 $(BUILD)/tests/test_close_calls: $(ISAS:%=$(BUILD)/tests/close/%.o)
 
+$(BUILD)/tests/read/%.o: tests/read/%.c
+	@mkdir -p $(@D)
+	$(Q)$(COMPILE) $(ISA_FLAGS_$*) -c $< -o $@
+
+$(BUILD)/tests/test_packed_rays $(BUILD)/tests/test_read_arrays: $(patsubst %,$(BUILD)/tests/read/%.o,$(ISAS) readers)
+
 $(BUILD)/tests/test_%: $(BUILD)/tests/test_%.o $(TEST_COMMON) $(EXAMPLE_COMMON) $(BUILD)/libmlrt-internal.a
 	$(Q)$(LINK) $(WRAP) $^ $(EXAMPLE_LIBS) -lcmocka -lgmp -o $@
 

@@ -188,7 +188,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options->counters;
     const uint64_t environment = mlrt_enter_fp_environment();
-    if (job.kernels->trace_ray && !counters) {
+    if (job.method == MLRT_METHOD_TILE && !counters) {
         lone->kernels = job.kernels;
         (void)mlrt_trace_lone_ray(tree, lone, hit);
     } else {
@@ -243,11 +243,11 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     set_lone_ray(tree, ray, options, &lone);
     lone.t_min = ray->t_min;
     lone.t_max = resolve_t_max(ray);
-    int is_plain = tree->structure->tracer.has_lone_kernels && (!options || mlrt_are_plain(options));
+    int is_plain = tree->structure->tracer.method == MLRT_METHOD_TILE && (!options || mlrt_are_plain(options));
     if (is_plain && options && options->isa) {
         is_plain = (uint32_t)options->isa <= MLRT_ISA_AVX512;
         if (is_plain) lone.kernels = mlrt_select_kernels(tree->structure, options->isa, MLRT_METHOD_DEFAULT, 0);
-        is_plain &= lone.kernels && lone.kernels->trace_ray;
+        is_plain &= lone.kernels != NULL;
     }
     if (!is_plain) return trace_as_call(tree, ray, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();

@@ -16,7 +16,7 @@
 #else
 #define MLRT_COUNTING             0
 #define COUNT(counters, field, n) ((void)(counters))
-#define COUNTERS(worker)          NULL
+#define COUNTERS(worker)          ((void)(worker), (mlrt_counters *)NULL)
 #define CLEAR_COUNTS(worker)      ((void)(worker))
 #endif
 

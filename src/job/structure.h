@@ -86,7 +86,6 @@ struct mlrt_structure {
     struct {
         uint8_t method;           /* the default */
         uint8_t methods;          /* bit 1 << MLRT_METHOD_* for each that there is */
-        uint8_t has_lone_kernels; /* kernels have trace_ray and trace_scaled_ray */
         uint8_t filters_leaves;   /* kernels hide the triangles of leaves from rays with a common mask */
         /* Default sides of the tiles that threads claim: of cameras, rows of pixels in arrays, and lists. */
         uint16_t camera_side, row_side, list_side;

@@ -115,16 +115,20 @@ void mlrt_find_ids(const struct mlrt_tree *tree, uint32_t number, uint32_t *mesh
     *triangle = number - tree->meshes.first[position];
 }
 
-void mlrt_set_hit(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
+void mlrt_set_result(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, uint32_t number, mlrt_hit *hit)
 {
-    struct mlrt_hit_report report = {INFINITY, 0, 0, 0};
-    if (number != MLRT_NONE) {
-        struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
-        memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
-        memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
-        const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
-        mlrt_report_hit(&segment, &triangle, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
+    struct mlrt_hit_report report;
+    struct mlrt_ray_segment segment = {.t_max = INFINITY, .mask = MLRT_MASK_ALL};
+    if (number == MLRT_NONE) {
+        mlrt_set_miss(ray->any, hit);
+        return;
     }
+    hit->occluded = 1;
+    if (ray->any) return;
+    memcpy(segment.origin, ray->given_origin, sizeof segment.origin);
+    memcpy(segment.direction, ray->given_direction, sizeof segment.direction);
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
+    mlrt_report_hit(&segment, &triangle, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, &report);
     mlrt_find_ids(tree, number, &hit->mesh, &hit->triangle);
     hit->t = report.t;
     hit->u = report.u;

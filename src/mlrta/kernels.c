@@ -11,5 +11,4 @@
 #include "simd/scalar.h"
 #endif
 #define KERNELS mlrt_kernels_kdtree
-#define PICTURE mlrt_plain_picture
 #include "mlrta/kernels.h"

@@ -64,7 +64,6 @@ const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *stru
     const int32_t widest = widest_isa();
     if (isa == MLRT_ISA_AUTO) isa = widest;
     if (isa > widest || isa < MLRT_ISA_NARROWEST) return NULL;
-    if (method == MLRT_METHOD_RAY) return &mlrt_kernels_ray;
     /* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
     if (counting || method == MLRT_METHOD_PACKET2) return structure->tracer.kernels[MLRT_ISA_NARROWEST];
     while (!structure->tracer.kernels[isa]) --isa;

@@ -14,7 +14,7 @@
 const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *structure, int32_t isa, int32_t method,
                                                int counting);
 
-/* The kernels for the widest instruction set of this machine, of a structure that has lone kernels. */
+/* The kernels for the widest instruction set of this machine. */
 const struct mlrt_kernels *mlrt_widest_kernels(const struct mlrt_structure *structure);
 
 #endif

@@ -60,7 +60,7 @@ static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *
     mlrt_group_channels(&worker->tile);
     worker->tile.x = area->x;
     worker->tile.y = area->y;
-    run->job->kernels->trace_tile(run->job, worker, area);
+    run->job->kernels->trace_area(run->job, worker, area);
 }
 
 static int32_t run_item(void *work, uint32_t item, uint32_t number)
@@ -197,7 +197,7 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
 static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
     int is_quiet = 1;
-    if (!mlrt_is_block(job) || !job->source.count || !job->kernels->trace_ray || options->counters ||
+    if (!mlrt_is_block(job) || !job->source.count || job->method != MLRT_METHOD_TILE || options->counters ||
         options->host.progress)
         return 0;
     const uint64_t environment = mlrt_enter_fp_environment();

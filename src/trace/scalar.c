@@ -3,5 +3,4 @@
 #define MLRT_COUNTING 1
 #include "simd/scalar.h"
 #define KERNELS mlrt_kernels_scalar
-#define PICTURE mlrt_plain_picture
 #include "trace/kernels.h"

@@ -474,7 +474,7 @@ static uint32_t trace_lone_lane(const struct mlrt_job *job, const struct mlrt_lo
     return packet->triangle[0];
 }
 
-/* The function `trace_ray` of job/job.h. */
+/* Traces a ray through boxes whose unit is 1. Returns the number of the triangle that it hits, and sets *corners. */
 static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray,
                                struct mlrt_corners *corners)
 {
@@ -484,7 +484,10 @@ static uint32_t trace_lone_ray(const struct mlrt_tree *tree, const struct mlrt_l
     return trace_lone_lane(&job, ray, NULL, corners);
 }
 
-/* The function `trace_scaled_ray` of job/job.h. */
+/*
+ * Likewise for a ray that is brought into units. `skip` is the number of the triangle that the ray passes through.
+ * Returns 0, and leaves *number, if float does not carry the ray there.
+ */
 static int trace_scaled_ray(const struct mlrt_tree *tree, const struct mlrt_ray_segment *segment, int any,
                             uint32_t skip, uint32_t *number)
 {

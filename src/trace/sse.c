@@ -3,5 +3,4 @@
 #define MLRT_COUNTING 1
 #include "simd/sse.h"
 #define KERNELS mlrt_kernels_sse
-#define PICTURE mlrt_plain_picture
 #include "trace/kernels.h"

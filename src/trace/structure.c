@@ -97,7 +97,6 @@ const struct mlrt_structure mlrt_structure_bvh = {
              .check = check},
     .tracer = {.method = MLRT_METHOD_TILE,
                .methods = 1u << MLRT_METHOD_RAY | 1u << MLRT_METHOD_TILE,
-               .has_lone_kernels = 1,
                .filters_leaves = 1,
                .camera_side = 128,
                .row_side = 64,   /* a square of tiles */
