@@ -467,18 +467,6 @@ static MLRT_NOINLINE int32_t take_file(const struct header *header, const unsign
     return MLRT_OK;
 }
 
-static int32_t take_load_options(const mlrt_load_options *given, mlrt_load_options *options, struct mlrt_voice *voice)
-{
-    memset(voice, 0, sizeof *voice);
-    int32_t status = mlrt_copy_struct(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, given, options);
-    if (status != MLRT_OK) return status;
-    voice->message = options->message;
-    voice->message_size = options->message_size;
-    mlrt_begin_message(voice);
-    status = mlrt_take_host("options.host", options->host, &voice->host);
-    return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, options) : status;
-}
-
 /* Sets *tree, or frees what was made of it. For MLRT_ERROR_DATA, *wrong receives the reason. */
 static MLRT_NOINLINE int32_t load(const void *data, size_t size, const mlrt_load_options *options,
                                   const mlrt_host *host, mlrt_tree **tree, const char **wrong)
@@ -504,8 +492,11 @@ MLRT_API int32_t mlrt_load_tree(const void *data, size_t size, const mlrt_load_o
     if (tree) *tree = NULL;
     if (!data || !tree) return mlrt_fail_null("data tree", !data);
     mlrt_load_options own;
-    struct mlrt_voice voice;
-    int32_t status = take_load_options(options, &own, &voice);
+    struct mlrt_voice voice = {.message = NULL};
+    int32_t status = mlrt_copy_struct(MLRT_STRUCT_LOAD_OPTIONS, "options", 0, options, &own);
+    if (status == MLRT_OK) {
+        status = mlrt_begin_call(MLRT_STRUCT_LOAD_OPTIONS, &own, own.message, own.message_size, own.host, &voice);
+    }
     if (status == MLRT_OK) {
         const char *wrong = NULL;
         const uint64_t environment = mlrt_enter_fp_environment();

@@ -22,9 +22,14 @@ int32_t mlrt_take_host(const char *path, const mlrt_host *given, mlrt_host *own)
     return status;
 }
 
-void mlrt_begin_message(const struct mlrt_voice *voice)
+int32_t mlrt_begin_call(int form, const void *options, char *message, size_t message_size, const mlrt_host *host,
+                        struct mlrt_voice *voice)
 {
-    if (voice->message && voice->message_size) voice->message[0] = '\0';
+    voice->message = message;
+    voice->message_size = message_size;
+    if (message && message_size) message[0] = '\0';
+    const int32_t status = mlrt_take_host("options.host", host, &voice->host);
+    return status == MLRT_OK ? mlrt_check_fields(form, "options", 0, options) : status;
 }
 
 static void send(const struct mlrt_voice *voice, int32_t level, const char *line)
