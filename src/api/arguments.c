@@ -47,9 +47,8 @@ int32_t mlrt_log_failure(const struct mlrt_call *call, int32_t status)
 int32_t mlrt_check_options(const mlrt_trace_options *options)
 {
     const uint32_t split = options->split_factor;
-    if (options->lights || options->light_count) {
+    if (options->lights || options->light_count)
         return fail_argument("options.lights", "only mlrt_render_tiles takes lights");
-    }
     if (split == 0 || split == 4 || split == 16) return MLRT_OK;
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "options.split_factor: %lu is not 0, 4 or 16", (unsigned long)split);
 }
@@ -60,9 +59,8 @@ int32_t mlrt_take_lights(mlrt_trace_options *options, const mlrt_light **lights,
     *count = options->light_count;
     options->lights = NULL;
     options->light_count = 0;
-    if (*lights && options->query == MLRT_QUERY_ANY) {
+    if (*lights && options->query == MLRT_QUERY_ANY)
         return fail_argument("options.lights", "given, but query ANY takes no lights");
-    }
     return *lights || !*count ? MLRT_OK : fail_argument("options.lights", "NULL, but light_count is not 0");
 }
 
@@ -115,9 +113,8 @@ const mlrt_hits *mlrt_take_hits(const mlrt_hits *given, mlrt_hits *own, int32_t 
 const mlrt_points *mlrt_take_points(const mlrt_points *given, mlrt_points *own, int32_t *status)
 {
     const mlrt_points *points = mlrt_see_struct(MLRT_STRUCT_POINTS, "points", given, own, status);
-    if (points && points->count && !points->positions.data) {
+    if (points && points->count && !points->positions.data)
         *status = fail_argument("points.positions", "NULL, but count is not 0");
-    }
     return *status == MLRT_OK ? points : NULL;
 }
 

@@ -110,9 +110,7 @@ MLRT_API int32_t mlrt_trace_packet(const mlrt_tree *tree, const mlrt_rays *rays,
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) rays = mlrt_take_rays(rays, &own_rays, &status);
     if (status == MLRT_OK) hits = mlrt_take_hits(hits, &own_hits, &status);
-    if (status == MLRT_OK) {
-        status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
-    }
+    if (status == MLRT_OK) status = mlrt_check_hits("hits", hits, call.options, 0, !rays->count || call.run.counters);
     if (status != MLRT_OK) return mlrt_end_traced(&call, status);
     mlrt_make_ray_source(tree, rays, &job.source);
     if (!rays->row_length) mlrt_set_rows(mlrt_find_row_length(&job.source), &job.source);
@@ -168,9 +166,8 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     int32_t status = mlrt_take_options(options, &call);
     if (status == MLRT_OK) status = resolve_options(tree, call.options, &job);
     if (status != MLRT_OK) return status;
-    if (call.options->method != MLRT_METHOD_DEFAULT && call.options->method != MLRT_METHOD_RAY) {
+    if (call.options->method != MLRT_METHOD_DEFAULT && call.options->method != MLRT_METHOD_RAY)
         return trace_as_list(tree, ray, call.options, job.any, hit);
-    }
     mlrt_counters own = {.struct_size = 0};
     mlrt_counters *counters = call.options->counters;
     const uint64_t environment = mlrt_enter_fp_environment();
@@ -270,9 +267,8 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
 {
     struct mlrt_lone_ray lone;
     uint64_t environment;
-    if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment))) {
+    if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
-    }
     switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
     case MLRT_LONE_RAY_QUIET_MISS:
         mlrt_set_miss(options ? options->query : 0, hit);
@@ -389,12 +385,9 @@ static MLRT_NOINLINE int32_t write_camera_rays(const mlrt_camera *camera, const 
         for (uint32_t i = 0; i < view.width; ++i) {
             float p[3];
             mlrt_view_point(&view, i, j, p);
-            if (origins->data) {
-                memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
-            }
-            if (directions->data) {
+            if (origins->data) memcpy(vector_at(origins, view.width, i, j), view.parallel ? p : view.eye, sizeof p);
+            if (directions->data)
                 memcpy(vector_at(directions, view.width, i, j), view.parallel ? camera->direction : p, sizeof p);
-            }
         }
     }
     return MLRT_OK;
@@ -507,9 +500,8 @@ static MLRT_NOINLINE int32_t find_offset_point(const struct mlrt_triangle *trian
                                                float point[3])
 {
     if (mlrt_find_offset_point(triangle, u, v, side, point)) return MLRT_OK;
-    if (mlrt_triangle_is_finite(triangle) && mlrt_triangle_has_area(triangle)) {
+    if (mlrt_triangle_is_finite(triangle) && mlrt_triangle_has_area(triangle))
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "point: it would leave the range of float");
-    }
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "triangle: it is not finite, or has no area");
 }
 

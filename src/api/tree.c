@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The exported functions for trees: build, report, estimate memory, destroy.
- */
+/* The exported functions for trees: build, report, estimate memory, destroy. */
 #include <string.h>
 
 #include "api/save.h"

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The host's functions, and messages: see host.h.
- */
+/* The host's functions, and messages: see host.h. */
 #include "base/host.h"
 
 #include <stdarg.h>
@@ -15,9 +13,8 @@ int32_t mlrt_take_host(const char *path, const mlrt_host *given, mlrt_host *own)
     memset(own, 0, sizeof *own);
     if (!given) return MLRT_OK;
     int32_t status = mlrt_take_struct(MLRT_STRUCT_HOST, path, 0, given, own);
-    if (status == MLRT_OK && !own->allocate != !own->free) {
+    if (status == MLRT_OK && !own->allocate != !own->free)
         status = mlrt_fail(MLRT_ERROR_ARGUMENT, "%s: `allocate` without `free`, or `free` without `allocate`", path);
-    }
     if (status != MLRT_OK) memset(own, 0, sizeof *own);
     return status;
 }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The host: the functions that the program around the library provides, and the messages that a call gives it.
- */
+/* The host: the functions that the program around the library provides, and the messages that a call gives it. */
 #ifndef MLRT_BASE_HOST_H
 #define MLRT_BASE_HOST_H
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The last message of each thread: see message.h.
- */
+/* The last message of each thread: see message.h. */
 #include "base/message.h"
 
 #include <stdarg.h>

@@ -167,9 +167,7 @@ static void prefetch_triangle(const struct mlrt_tree *tree, uint32_t number)
         mlrt_prefetch(&tree->triangles[number]);
 }
 
-/*
- * Checks the places of a leaf. Adds to *placed_count the triangles that have their place here.
- */
+/* Checks the places of a leaf. Adds to *placed_count the triangles that have their place here. */
 static const char *check_leaf(const struct mlrt_tree *tree, uint32_t child, uint32_t *placed_count)
 {
     uint32_t place_count = 4 * mlrt_bvh_quad_count(child), count = leaf_count(&tree->bvh, child);

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Chooses and writes nodes of sixteen: see collapse.h.
- */
+/* Chooses and writes nodes of sixteen: see collapse.h. */
 #include "bvh/collapse.h"
 
 #include <math.h>

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * References to triangles on their way into leaves, sets of references, and the costs of nodes and leaves.
- */
+/* References to triangles on their way into leaves, sets of references, and the costs of nodes and leaves. */
 #ifndef MLRT_BVH_SET_H
 #define MLRT_BVH_SET_H
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Where to cut a set of references in two: see split.h.
- */
+/* Where to cut a set of references in two: see split.h. */
 #include "bvh/split.h"
 
 #include <float.h>

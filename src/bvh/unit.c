@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The unit of a hierarchy of boxes: see unit.h.
- */
+/* The unit of a hierarchy of boxes: see unit.h. */
 #include "bvh/unit.h"
 
 #include <string.h>
@@ -79,9 +77,8 @@ int mlrt_is_odd(const struct mlrt_tree *tree, uint32_t number)
 int mlrt_has_usual_triangles(const struct mlrt_tree *tree)
 {
     int is_usual = tree->bvh.unit == 1;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
         is_usual &= tree->bvh.whole.lo[k] >= -MLRT_SAFE_MAX && tree->bvh.whole.hi[k] <= MLRT_SAFE_MAX;
-    }
     return is_usual;
 }
 
@@ -92,9 +89,8 @@ void mlrt_set_bvh_unit(struct mlrt_tree *tree)
 
 static int is_within(const struct mlrt_box *box, float limit)
 {
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k)
         if (box->lo[k] < -limit || box->hi[k] > limit) return 0;
-    }
     return 1;
 }
 

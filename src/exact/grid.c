@@ -141,9 +141,8 @@ static int sign_of_difference(const struct determinant *a, const struct determin
     uint64_t first[6], second[6];
     multiply_magnitudes(a, b, first);
     multiply_magnitudes(c, d, second);
-    for (int i = 5; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i)
         if (first[i] != second[i]) return first[i] > second[i] ? plus : -plus;
-    }
     return 0;
 }
 

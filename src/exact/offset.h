@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Points just off a triangle, on a given side.
- */
+/* Points just off a triangle, on a given side. */
 #ifndef MLRT_EXACT_OFFSET_H
 #define MLRT_EXACT_OFFSET_H
 

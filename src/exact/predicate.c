@@ -467,9 +467,8 @@ int mlrt_hits_triangle(const struct mlrt_ray_segment *ray, const struct mlrt_tri
     struct operands operands = load_operands(ray->origin, ray->direction, triangle);
     struct crossing crossing = measure_crossing(&operands);
     /* First, since many rays that are judged start beside a surface and leave it. */
-    if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0) {
+    if (certain_sign(crossing.d, SIGN_ERROR) * certain_sign(measure_beyond(&crossing, ray->t_min), SIGN_ERROR) < 0)
         return 0;
-    }
     struct two_edges edges = measure_edges(&operands);
     int sign_ab = certain_sign(edges.ab, SIGN_ERROR);
     int sign_ca = certain_sign(edges.ca, SIGN_ERROR);
@@ -510,9 +509,8 @@ static MLRT_NOINLINE int crosses_exactly(const struct mlrt_ray_segment *ray, con
     int sign[3] = {0, 0, 0};
     exact_edge_signs(ray, triangle, sign);
     const int facing = sign[0] ? sign[0] : sign[1] ? sign[1] : sign[2];
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
         if (sign[i] == 0 && perturbed_edge_sign(ray, triangle->v[i], triangle->v[(i + 1) % 3]) != facing) return 0;
-    }
     return 1;
 }
 
@@ -619,13 +617,11 @@ int mlrt_order_of_triangles(const float from[3], const struct mlrt_triangle *fir
 
 int mlrt_share_plane(const struct mlrt_triangle *first, const struct mlrt_triangle *second)
 {
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int axis = 0; axis < 3; ++axis)
         if (is_across(first, axis) && is_across(second, axis)) return first->v[0][axis] == second->v[0][axis];
-    }
     if (same_vertices(first, second)) return 1;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; ++i)
         if (mlrt_side_of_plane(first, second->v[i]) != 0) return 0;
-    }
     return 1;
 }
 

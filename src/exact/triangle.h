@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Triangles and boxes of floats, and the range of floats that the filters of traversal can compute with.
- */
+/* Triangles and boxes of floats, and the range of floats that the filters of traversal can compute with. */
 #ifndef MLRT_EXACT_TRIANGLE_H
 #define MLRT_EXACT_TRIANGLE_H
 

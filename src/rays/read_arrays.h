@@ -86,9 +86,8 @@ static MLRT_NOINLINE void read_vectors(const struct mlrt_array_layout *layout, c
 static MLRT_NOINLINE void read_floats_of(const struct mlrt_array_layout *layout, size_t element, float *row)
 {
     const unsigned char *first = layout->data + element * layout->stride;
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW)
         v_store(row + v, v_floats_at(first + offset_of_lane(layout, v), layout->step, layout->row_step));
-    }
 }
 
 /* Reads a number of each lane; `standard` if there is no array. */

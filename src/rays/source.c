@@ -300,9 +300,8 @@ MLRT_INLINE struct row row_of_block(const mlrt_const_array *array, const struct 
                                     uint32_t row, uint32_t word_count, float room[4][4])
 {
     const uint32_t lanes = lanes_of_row[row];
-    if (MLRT_UNLIKELY((block->lanes & lanes) != lanes || group % 4 > (group == 1))) {
+    if (MLRT_UNLIKELY((block->lanes & lanes) != lanes || group % 4 > (group == 1)))
         return row_of_odd_block(array, block, group, row, word_count, room);
-    }
     const uint32_t element = element_of_ray(block->first + row * block->row_length, group);
     return (struct row){(const unsigned char *)float_at(array, element), group == 1 ? array->stride : 0};
 }
@@ -403,9 +402,8 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
     for (int k = 0; k < 3; ++k) {
         const f4 light = f4_set1(source->light[k]);
         float *direction = packet->direction[k];
-        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4) {
+        for (int lane = 0; lane < MLRT_PACKET_RAYS; lane += 4)
             f4_store(direction + lane, is_point ? f4_sub(f4_load(direction + lane), light) : light);
-        }
     }
     fill(0, packet->t_min);
     fill(is_point ? 1 : INFINITY, packet->t_max);
@@ -417,9 +415,8 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
 static void fetch_masks(const struct mlrt_source *source, const struct block *block, struct mlrt_packet *packet)
 {
     mlrt_set_common_mask(source, packet);
-    for (uint32_t lane = 0; source->arrays.mask.data && lane < MLRT_PACKET_RAYS; ++lane) {
+    for (uint32_t lane = 0; source->arrays.mask.data && lane < MLRT_PACKET_RAYS; ++lane)
         packet->mask[lane] = mask_at(source, element_of_lane(block, lane));
-    }
 }
 
 void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet)

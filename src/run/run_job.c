@@ -54,9 +54,8 @@ static void describe_tile(const struct mlrt_job *job, const struct mlrt_worker *
 static MLRT_NOINLINE void trace_item(const struct run *run, struct mlrt_worker *worker,
                                      const struct mlrt_rectangle *area)
 {
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c)
         worker->tile.channel[c].row_stride = area->width * worker->tile.channel[c].stride;
-    }
     mlrt_group_channels(&worker->tile);
     worker->tile.x = area->x;
     worker->tile.y = area->y;
@@ -102,9 +101,8 @@ static size_t tile_buffer_size(const struct mlrt_job *job)
 {
     const size_t pixel_count = (size_t)job->initial_tile_size * job->initial_tile_size;
     size_t size = 0;
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c)
         if (wants_channel(job, (enum mlrt_channel)c)) size += pixel_count * mlrt_channel_size((enum mlrt_channel)c);
-    }
     return size;
 }
 
@@ -170,9 +168,8 @@ static int32_t run_items(const struct mlrt_run_options *options, uint32_t item_c
     for (uint32_t w = 0; options->host.progress && w < worker_count; ++w)
         run->workers[w].watch.progress = &run->progress;
     const int32_t answer = mlrt_run_items(options->pool, item_count, run_item, run);
-    for (uint32_t w = 0; options->counters && w < worker_count; ++w) {
+    for (uint32_t w = 0; options->counters && w < worker_count; ++w)
         mlrt_add_counters(options->counters, &run->workers[w].counters);
-    }
     return mlrt_end_progress(&run->progress, answer ? MLRT_ERROR_CANCELLED : MLRT_OK);
 }
 

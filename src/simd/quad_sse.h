@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Four floats in SSE2. quad_scalar.h says what each word means.
- */
+/* Four floats in SSE2. quad_scalar.h says what each word means. */
 #ifndef MLRT_QUAD_SSE_H
 #define MLRT_QUAD_SSE_H
 
