@@ -38,8 +38,9 @@ int32_t mlrt_take_options(const mlrt_trace_options *given, struct mlrt_call *cal
     return status == MLRT_OK ? mlrt_check_fields(MLRT_STRUCT_COUNTERS, "options.counters", 0, counters) : status;
 }
 
-int32_t mlrt_log_failure(const struct mlrt_call *call, int32_t status)
+int32_t mlrt_end_traced(const struct mlrt_call *call, int32_t status)
 {
+    if (status == MLRT_OK) return status;
     const struct mlrt_voice voice = {.host = call->run.host};
     return mlrt_end_call(&voice, status);
 }

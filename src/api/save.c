@@ -374,21 +374,11 @@ static const char *check_meshes(const struct mlrt_tree *tree)
     return last == tree->triangle_count && last >= first ? NULL : "meshes have not as many triangles as the tree";
 }
 
-static void extend_box(struct mlrt_box *box, const struct mlrt_triangle *triangle)
-{
-    const float *coordinate = triangle->v[0];
-    for (int i = 0; i < 9; ++i) {
-        const int k = i % 3;
-        if (coordinate[i] < box->lo[k]) box->lo[k] = coordinate[i];
-        if (coordinate[i] > box->hi[k]) box->hi[k] = coordinate[i];
-    }
-}
-
 /* Computes bounds and numbers of triangles left out, compares them with the report, and sets the tree's bounds. */
 static const char *check_report(struct mlrt_tree *tree)
 {
     uint64_t non_finite_count = 0, zero_area_count = 0;
-    struct mlrt_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct mlrt_box box = MLRT_NO_BOX;
     for (uint32_t i = 0; i < tree->triangle_count; ++i) {
         const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, i);
         if (!mlrt_triangle_is_finite(&triangle)) {
@@ -396,7 +386,7 @@ static const char *check_report(struct mlrt_tree *tree)
         } else if (!mlrt_triangle_has_area(&triangle)) {
             ++zero_area_count;
         } else {
-            extend_box(&box, &triangle);
+            for (int corner = 0; corner < 3; ++corner) mlrt_extend_box(triangle.v[corner], triangle.v[corner], &box);
         }
     }
     const int is_empty = non_finite_count + zero_area_count == tree->triangle_count;

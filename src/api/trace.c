@@ -499,7 +499,7 @@ MLRT_API int32_t mlrt_shadow_ray(const mlrt_tree *tree, const mlrt_ray *ray, con
 static MLRT_NOINLINE int32_t find_offset_point(const struct mlrt_triangle *triangle, float u, float v, int32_t side,
                                                float point[3])
 {
-    if (mlrt_find_offset_point(triangle, u, v, side, point)) return MLRT_OK;
+    if (mlrt_find_offset_point(triangle, u, v, side, NULL, point)) return MLRT_OK;
     if (mlrt_triangle_is_finite(triangle) && mlrt_triangle_has_area(triangle))
         return mlrt_fail(MLRT_ERROR_ARGUMENT, "point: it would leave the range of float");
     return mlrt_fail(MLRT_ERROR_ARGUMENT, "triangle: it is not finite, or has no area");

@@ -86,7 +86,7 @@ const char *mlrt_meaning_of(int32_t status)
     return text;
 }
 
-int32_t mlrt_fail_plainly(int32_t status)
+int32_t mlrt_note_status(int32_t status)
 {
-    return mlrt_fail(status, "%s", mlrt_meaning_of(status));
+    return status == MLRT_OK ? status : mlrt_fail(status, "%s", mlrt_meaning_of(status));
 }

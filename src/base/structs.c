@@ -62,9 +62,13 @@ static MLRT_NOINLINE int32_t convert(const struct mlrt_form *form, const char *p
     return MLRT_OK;
 }
 
-MLRT_INLINE int32_t copy_struct(const struct mlrt_form *form, const char *path, size_t index, const void *given,
-                                void *own)
+int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void *given, void *own)
 {
+    const struct mlrt_form *form = &mlrt_forms[number];
+    if (!given) {
+        memset(own, 0, form->own_size);
+        return MLRT_OK;
+    }
     const size_t size = size_of(given);
     const int32_t status = check_size(form, path, index, size);
     if (MLRT_UNLIKELY(status != MLRT_OK)) return status;
@@ -73,19 +77,10 @@ MLRT_INLINE int32_t copy_struct(const struct mlrt_form *form, const char *path, 
     return MLRT_OK;
 }
 
-int32_t mlrt_copy_struct(int number, const char *path, size_t index, const void *given, void *own)
-{
-    const struct mlrt_form *form = &mlrt_forms[number];
-    if (given) return copy_struct(form, path, index, given, own);
-    memset(own, 0, form->own_size);
-    return MLRT_OK;
-}
-
 int32_t mlrt_take_struct(int number, const char *path, size_t index, const void *given, void *own)
 {
-    if (!given) return mlrt_copy_struct(number, path, index, given, own);
-    const int32_t status = copy_struct(&mlrt_forms[number], path, index, given, own);
-    return status == MLRT_OK ? mlrt_check_fields(number, path, index, own) : status;
+    const int32_t status = mlrt_copy_struct(number, path, index, given, own);
+    return status == MLRT_OK && given ? mlrt_check_fields(number, path, index, own) : status;
 }
 
 const void *mlrt_see_struct(int number, const char *path, const void *given, void *own, int32_t *status)

@@ -33,6 +33,7 @@
 #include "base/progress.h"
 #include "base/scheduler.h"
 #include "base/tuning.h"
+#include "bvh/box.h"
 #include "bvh/check.h"
 #include "bvh/collapse.h"
 #include "bvh/places.h"
@@ -205,7 +206,7 @@ static int32_t run_step(struct build *build, uint32_t count, double (*run)(struc
 /* The area of a box relative to the scene's, at most 1. */
 static float relative_area(const struct build *build, const struct mlrt_quad_box *box)
 {
-    const double area = mlrt_quad_box_area(box);
+    const double area = area_of(box);
     return area < build->scene_area ? (float)(area / build->scene_area) : 1;
 }
 
@@ -248,9 +249,8 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
     struct chunk *chunk = &build->chunks[number];
     uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
     uint32_t last = first + (left < CHUNK_SIZE ? left : CHUNK_SIZE);
-    const struct mlrt_box no_bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     (void)worker;
-    *chunk = (struct chunk){.bounds = no_bounds};
+    *chunk = (struct chunk){.bounds = MLRT_NO_BOX};
     for (uint32_t i = first; i < last; i++) {
         const struct mlrt_triangle *triangle = &build->tree->triangles[i];
         if (!mlrt_triangle_is_finite(triangle))
@@ -274,18 +274,10 @@ static double make_chunk_references(struct build *build, uint32_t number, uint32
     return CHUNK_SIZE * FIRST_WORK;
 }
 
-static void extend_bounds(const struct mlrt_box *bounds, struct mlrt_box *all)
-{
-    for (int k = 0; k < 3; k++) {
-        if (bounds->lo[k] < all->lo[k]) all->lo[k] = bounds->lo[k];
-        if (bounds->hi[k] > all->hi[k]) all->hi[k] = bounds->hi[k];
-    }
-}
-
 /* Makes the references of all triangles, without gaps, and sets the bounds and the counts of triangles left out. */
 static int32_t make_references(struct build *build)
 {
-    struct mlrt_box bounds = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct mlrt_box bounds = MLRT_NO_BOX;
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
     build->reference_count = 0;
@@ -296,7 +288,7 @@ static int32_t make_references(struct build *build)
             memmove(&build->references[build->reference_count], &build->references[i * CHUNK_SIZE],
                     chunk->count * sizeof *build->references);
         build->reference_count += chunk->count;
-        extend_bounds(&chunk->bounds, &bounds);
+        mlrt_extend_box(chunk->bounds.lo, chunk->bounds.hi, &bounds);
         info->non_finite_count += chunk->non_finite_count;
         info->zero_area_count += chunk->zero_area_count;
     }
@@ -460,7 +452,7 @@ static int overlaps(const struct build *build, const struct mlrt_bvh_split *spli
         common.hi[k] = a->hi[k] < b->hi[k] ? a->hi[k] : b->hi[k];
         if (common.lo[k] > common.hi[k]) return 0;
     }
-    return mlrt_quad_box_area(&common) > build->preset->overlap_limit * build->scene_area;
+    return area_of(&common) > build->preset->overlap_limit * build->scene_area;
 }
 
 /* 1 if the box's coordinates are small enough for the float arithmetic of spatial_split.c. */
@@ -490,7 +482,7 @@ static void choose(struct build *build, struct portion *portion, struct choice *
 static int split_pays(const struct build *build, const struct mlrt_bvh_set *set, const struct mlrt_bvh_split *split)
 {
     const struct mlrt_bvh_costs *costs = &build->costs;
-    double area = mlrt_quad_box_area(&set->box);
+    double area = area_of(&set->box);
     return split->cost + area * (costs->node / MLRT_BVH_WIDTH) < area * mlrt_bvh_leaf_cost(costs, set->count);
 }
 
@@ -835,7 +827,7 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
         if (core->lo[k] > part.lo[k]) part.lo[k] = core->lo[k];
         if (core->hi[k] < part.hi[k]) part.hi[k] = core->hi[k];
     }
-    build->scene_area = mlrt_quad_box_area(&part);
+    build->scene_area = area_of(&part);
 }
 
 /* Builds the binary hierarchy, and sets *size to that of the result. Returns a status. */

@@ -53,6 +53,12 @@ struct mlrt_bvh_costs {
     float triangle; /* of each triangle of a leaf */
 };
 
+/* The cost of a leaf of `count` triangles, not yet times its area. */
+static inline float mlrt_bvh_leaf_cost(const struct mlrt_bvh_costs *costs, uint32_t count)
+{
+    return costs->leaf + costs->triangle * (float)count;
+}
+
 /* A set of references: `count` of them from `first` on. */
 struct mlrt_bvh_set {
     struct mlrt_quad_box box;     /* of all boxes */
