@@ -52,8 +52,7 @@ static const char *const names[WORD_COUNT] = {"v_set1",        "v_add",
                                               "f4_same_words", "f4_and_same",
                                               "f4_signs",      "f4_low",
                                               "f4_high",       "f4_evens",
-                                              "f4_odds",       "f4_store_low and f4_store_high",
-                                              "f4_triples",    "f4_gather_triples"};
+                                              "f4_odds",       "f4_store_low and f4_store_high"};
 
 static const float special[] = {0,
                                 -0.0f,

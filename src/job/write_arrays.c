@@ -100,9 +100,8 @@ void mlrt_make_sink(const mlrt_hits *hits, uint32_t width, int packed_rows, stru
 
 int mlrt_sink_is_empty(const struct mlrt_sink *sink)
 {
-    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c) {
+    for (int c = 0; c < MLRT_CHANNEL_COUNT; ++c)
         if (sink->channel[c].data) return 0;
-    }
     return 1;
 }
 
@@ -394,9 +393,8 @@ static void prefetch_image(const struct mlrt_sink *sink, const struct mlrt_image
 
 void mlrt_prefetch_sink(const struct mlrt_rectangle *area, const struct mlrt_sink *sink)
 {
-    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group) {
+    for (const struct mlrt_sink_group *group = sink->groups; group < sink->groups + sink->group_count; ++group)
         if (!group->is_same_struct) prefetch_image(sink, &group->image, area);
-    }
     prefetch_image(sink, &sink->channel[MLRT_CHANNEL_OCCLUDED], area);
 }
 
@@ -405,9 +403,8 @@ MLRT_INLINE void fill_quads(uint32_t value, uint32_t quads, uint32_t height, siz
 {
     const uint32_t words[4] = {value, value, value, value};
     const f4 quad = f4_load_any(words);
-    for (; height; --height, row += row_stride) {
+    for (; height; --height, row += row_stride)
         for (uint32_t i = 0; i < quads; ++i) f4_store_any(row + 16 * (size_t)i, quad);
-    }
 }
 
 /* Writes the same words to all structs of a rectangle. */

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * One ray of a call of its own, with numbers that float carries.
- */
+/* One ray of a call of its own, with numbers that float carries. */
 #ifndef MLRT_RAYS_LONE_RAY_H
 #define MLRT_RAYS_LONE_RAY_H
 

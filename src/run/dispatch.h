@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which processor gets which kernels.
- */
+/* Which processor gets which kernels. */
 #ifndef MLRT_RUN_DISPATCH_H
 #define MLRT_RUN_DISPATCH_H
 
