@@ -23,7 +23,7 @@ MLRT_INLINE void get_packet(const struct mlrt_job *job, const struct mlrt_rectan
 
 /* Traces the single rays of a packet, and writes the results of all, and their shadows. */
 static void end_packet(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t lanes,
-                     const struct mlrt_rectangle *block, struct mlrt_packet *packet)
+                       const struct mlrt_rectangle *block, struct mlrt_packet *packet)
 {
     if (packet->single) mlrt_trace_single_rays(job, packet->single, packet, COUNTERS(worker));
     write_packet(job, worker, packet, lanes, block);
@@ -39,9 +39,8 @@ typedef void block_function(const struct mlrt_job *job, struct mlrt_worker *work
                             const struct entry_list *list);
 
 /* Traces the blocks of a tile. */
-MLRT_INLINE void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
-                              const struct mlrt_rectangle *tile, const struct entry_list *list,
-                              block_function *trace_each)
+MLRT_INLINE void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile,
+                              const struct entry_list *list, block_function *trace_each)
 {
     for (uint32_t j = 0; j < tile->height; j += 4) {
         for (uint32_t i = 0; i < tile->width; i += 4) {
@@ -51,8 +50,8 @@ MLRT_INLINE void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *wo
     }
 }
 
-static void trace_block_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *block,
-                        const struct entry_list *list)
+static void trace_block_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                const struct mlrt_rectangle *block, const struct entry_list *list)
 {
     const uint32_t lanes = mlrt_existing_lanes(&job->source, block);
     struct mlrt_packet packet;
@@ -63,7 +62,8 @@ static void trace_block_by_rays(const struct mlrt_job *job, struct mlrt_worker *
 }
 
 /* Method ray: traces all rays of a tile one by one in double. */
-static MLRT_NOINLINE void trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_rectangle *tile)
+static MLRT_NOINLINE void trace_by_rays(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                        const struct mlrt_rectangle *tile)
 {
     COUNT(&worker->counters, ray_count, mlrt_count_rays(&job->source, tile));
     trace_blocks(job, worker, tile, NULL, trace_block_by_rays);
@@ -86,7 +86,7 @@ static void write_cover_numbers(const struct mlrt_job *job, struct mlrt_worker *
  * same ids.
  */
 static MLRT_NOINLINE void write_closed(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t cover,
-                       const struct mlrt_rectangle *tile)
+                                       const struct mlrt_rectangle *tile)
 {
     if (cover == MLRT_NONE) {
         mlrt_write_picture_misses(job, worker, tile);

@@ -15,7 +15,7 @@
 const struct mlrt_kernels BOX_KERNELS = {.trace_area = trace_area,
                                          .trace_ray = trace_one_ray,
 #if VW == 8
-                                         .report_ray = report_one_ray
+                                         .report_ray = report_for_others
 #endif
 };
 

@@ -223,7 +223,7 @@ struct mlrt_bundle_cache {
 struct mlrt_bundles {
     uint32_t open_bundles[2]; /* how many of the next tiles begin with open packets */
     uint32_t lane_tiles[2];   /* how many of the next tiles go lane by lane */
-    uint32_t open_tiles;      /* how many of the next tiles begin with open cells (levels.c) */
+    uint32_t open_tiles;      /* how many of the next tiles begin with open cells (levels.h) */
     uint32_t open_squares;    /* how many of the next squares are traced tile by tile */
     struct mlrt_bundle_cache caches[2];
 };

@@ -10,6 +10,15 @@
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
 
+#if VW == 8
+/* The function `report_ray` of job/job.h. */
+static MLRT_NOINLINE int report_for_others(const struct mlrt_corners *corners, const float origin[3],
+                                           const float direction[3], struct mlrt_hit_report *report)
+{
+    return report_one_ray(corners, origin, direction, report);
+}
+#endif
+
 /*
  * Sets t, u, v and facing of a hit. Returns 0 and sets nothing if the judge has to compute them: in four lanes or one it
  * is as fast. One ray needs no vectors of eight doubles: AVX2 takes a third less time than AVX-512.

@@ -69,8 +69,8 @@ static uint32_t trace_lit_cells(const struct mlrt_job *light, struct mlrt_worker
 }
 
 /* Decides lights for the closed cells of a square, into `known`. Returns the cells for which all lights are decided. */
-static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker, const struct mlrt_bundle *seen,
-                          struct known_lights known[MLRT_CELL_COUNT])
+static MLRT_NOINLINE uint32_t shade_cells(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          const struct mlrt_bundle *seen, struct known_lights known[MLRT_CELL_COUNT])
 {
     const uint32_t covered = covered_cells(seen);
     uint32_t all = seen->closed;
@@ -133,7 +133,7 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
  * NULL.
  */
 static MLRT_NOINLINE void shade_tile(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_ray_tile *tile,
-                     const struct known_lights *known)
+                                     const struct known_lights *known)
 {
     MLRT_ALIGNED(16) uint8_t shadows[MLRT_CELL_COUNT][MLRT_PACKET_RAYS];
     memset(shadows, known ? known->dark : 0, sizeof shadows);
