@@ -168,7 +168,7 @@ test_java() {
         if [ -x "$home/bin/javac" ] && [ "${version:-0}" -gt "$newest" ]; then newest=$version kit=$home; fi
     done
     [ "$newest" -ge 22 ] || skip "no JDK 22 or later"
-    rm -rf "$work/java"
+    rm -rf "$work/java" "$work/java-test"
     "$kit/bin/javac" -Xlint:all,-restricted -Werror -d "$work/java" $(find "$source/java/src" -name '*.java')
     run="$kit/bin/java --enable-native-access=ALL-UNNAMED"
     $run -Dmlrt.path="$MLRT_LIBRARY" -cp "$work/java" mlrt.Test
