@@ -675,10 +675,21 @@ MLRT_INLINE void keep_plane(const struct plane_of_rays *plane, uint32_t number, 
 }
 
 /*
+ * Finds the rays that surely meet a plane behind the nearest hits, and those that surely meet it before them, if D has a
+ * certain sign. Quotients of bounds are compared as products (L8): rounding is monotone, so if one rounded product is
+ * less than the other, so is the exact one.
+ */
+MLRT_INLINE void compare_planes(const struct plane_of_rays *plane, const struct nearest_hits *nearest, vm *farther,
+                                vm *nearer)
+{
+    *farther = v_gt(v_mul(plane->least_n, nearest->least_d), v_mul(nearest->greatest_n, plane->greatest_d));
+    *nearer = v_lt(v_mul(plane->greatest_n, nearest->greatest_d), v_mul(nearest->least_n, plane->least_d));
+}
+
+/*
  * Compares the distances of a triangle with those of the nearest hits, for a vector of rays of which `candidates` may
  * be inside the edges and `inside` surely are. Makes it the nearest hit where that is certain. Returns the lanes that
- * are undecided. Quotients of bounds are compared as products (L8): rounding is monotone, so if one rounded product
- * is less than the other, so is the exact one.
+ * are undecided.
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
                                     const struct plane_bounds *bounds, const float *begin, int has_places,
@@ -697,9 +708,8 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     plane->greatest_n = v_add(distance, v_set1(error));
     plane->certain = m_and(candidates, v_gt(plane->least_d, width));
     plane->backward = v_lt(d, v_set1(0));
-    vm farther = v_gt(v_mul(plane->least_n, of->nearest.least_d), v_mul(of->nearest.greatest_n, plane->greatest_d));
-    const vm nearer =
-        v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
+    vm farther, nearer;
+    compare_planes(plane, &of->nearest, &farther, &nearer);
     if (MLRT_UNLIKELY(bounds->has_begins)) {
         const vf from = v_load(begin);
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
@@ -755,7 +765,7 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
  * Decides lanes of a vector where distances do not tell whether a triangle or the nearest hit so far comes first, by
  * the line of their planes (L15), as settle_covers in cover.h does. Returns the lanes that remain undecided.
  */
-static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
+MLRT_INLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
                                            struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
                                            vm inside, const struct plane_of_rays *plane, int v,
                                            struct nearest_hits *hits)
@@ -763,7 +773,6 @@ static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct ml
     MLRT_ALIGNED(64) uint32_t nearest_of[VW];
     const vi found = hits->triangle;
     uint32_t left = lanes;
-    if (mlrt_is_stopped_in_step(worker)) return 0;
     i_store(nearest_of, found);
     while (lanes) {
         const uint32_t nearest = nearest_of[mlrt_lowest_bit(lanes)];
@@ -818,6 +827,51 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     return changed | hit;
 }
 
+/* A triangle of a leaf that a vector of rays leaves undecided. */
+struct close_triangle_of_leaf {
+    struct plane_of_rays plane;
+    vm inside;
+    uint32_t lanes; /* that are undecided */
+    uint32_t triangle;
+};
+
+/*
+ * Decides the triangles that a vector of rays left undecided when it was tested against a leaf. The other triangles of
+ * the leaf have been tested: where one of them is surely nearer, or is any hit, nothing is left to decide. Returns the
+ * lanes whose nearest hit is not the one that the packet had before.
+ */
+static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                          uint32_t place, struct close_triangle_of_leaf *close, uint32_t count, int v,
+                                          struct nearest_hits *nearest)
+{
+    uint32_t decided = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        struct plane_of_rays *plane = &close[i].plane;
+        const uint32_t number = leaf->numbers[close[i].triangle];
+        uint32_t left = close[i].lanes;
+        if (mlrt_is_stopped_in_step(worker)) return decided;
+        if (job->any) {
+            left &= m_bits(i_eq(nearest->triangle, i_set1(MLRT_NONE)));
+        } else {
+            vm farther, nearer;
+            compare_planes(plane, nearest, &farther, &nearer);
+            const vm certain = m_and(m_from_bits(left), plane->certain);
+            const vm hit = m_and(m_and(certain, nearer), m_and(close[i].inside, plane->begun));
+            keep_plane(plane, number, hit, nearest);
+            left &= ~m_bits(m_or(hit, m_and(certain, farther)));
+            if (leaf->flipped >> close[i].triangle & 1) {
+                plane->backward = m_andnot(m_from_bits(ALL_LANES), plane->backward);
+            }
+            if (left) left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
+        }
+        if (left) {
+            decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, close[i].inside, v, nearest);
+        }
+    }
+    return decided;
+}
+
 /* Tests a vector of a packet's rays against triangles, given their edge values. Returns the lanes with a new hit. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
@@ -829,9 +883,10 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
                                         bundle->has_begins};
     const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
-    uint32_t decided = 0;
+    uint32_t decided = 0, close_count = 0;
     vf bound = v_set1(edges->bound[0]);
     struct bundle_vector of;
+    struct close_triangle_of_leaf close[MLRT_BVH_LEAF_LIMIT];
     load_bundle_vector(rays, packet, has_places, v, &of);
     for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
@@ -849,16 +904,19 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         if (MLRT_UNLIKELY(packet->has_masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
         }
+        /* Stored whether it is needed or not: a branch would be mispredicted often. */
+        struct close_triangle_of_leaf *call = &close[close_count];
         struct plane_of_rays plane;
-        const uint32_t undecided =
+        call->lanes =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
-        if (MLRT_LIKELY(!undecided)) continue;
-        struct plane_of_rays where = plane; /* copies, so that the originals can stay in registers */
-        struct nearest_hits now = of.nearest;
-        if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
-        uint32_t left = undecided;
-        if (!job->any) left = settle_lanes(job, worker, bundle, place, number, left, inside, &where, v, &now);
-        if (left) decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, inside, v, &now);
+        call->plane = plane;
+        call->inside = inside;
+        call->triangle = triangle;
+        close_count += call->lanes != 0;
+    }
+    if (close_count) {
+        struct nearest_hits now = of.nearest; /* a copy, so that the original can stay in registers */
+        decided = settle_leaf(job, worker, bundle, leaf, place, close, close_count, v, &now);
         of.nearest = now;
     }
     return decided | store_nearest_hits(&of.nearest, v, rays, packet);
