@@ -48,6 +48,12 @@
  * the judge determines the sign of N. With the waist's sign +1 this is the opposite of the sign of the side of the
  * plane on which the waist lies (mlrt_side_of_plane). With -1 it is the sign of that side, since the triangle is
  * mirrored. With N > 0, a hit has D > 0 and no negative edge function.
+ *
+ * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. If D has one certain sign, say +1, a ray does not hit
+ * the triangle if N < 0, as then t < 0, or if N > t_max D. Both are decided in double, with the determinants and sizes
+ * of close_calls.h. N - t_max D has no more than 9 roundings: 8 of N, or 7 of D and 1 of the product, and 1 of the
+ * difference. So it is off by 9.001 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite, the
+ * latter is not decided: no comparison is true.
  */
 #ifndef MLRT_TRACE_LEAF_H
 #define MLRT_TRACE_LEAF_H
@@ -827,6 +833,101 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     return changed | hit;
 }
 
+/* A number of DW lanes, and the size that its error is relative to. */
+struct measured_lanes {
+    vd value;
+    vd size;
+};
+
+/* Sets N of a plane. */
+MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                           struct measured_lanes *n)
+{
+    n->value = n->size = d_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        const vd to = d_sub(d_set1(plane->point[k]), origin);
+        n->value = d_mul_add(to, d_set1(plane->normal[k]), n->value);
+        n->size = d_mul_add(d_abs(to), d_set1(plane->size[k]), n->size);
+    }
+}
+
+/* Sets N - t D of a plane. */
+MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet, const float *t,
+                             uint32_t lane, const struct measured_lanes *n, struct measured_lanes *height)
+{
+    const vd end = d_load(t + lane);
+    vd d = d_set1(0), d_size = d;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd direction = d_load(packet->direction[k] + lane);
+        d = d_mul_add(direction, d_set1(plane->normal[k]), d);
+        d_size = d_mul_add(d_abs(direction), d_set1(plane->size[k]), d_size);
+    }
+    height->value = d_sub(n->value, d_mul(end, d));
+    height->size = d_mul_add(end, d_size, n->size);
+}
+
+/* The side of a plane on which the rays of a packet are, at one t each. */
+struct sides_of_plane {
+    uint32_t before; /* surely before they meet it: N / D > t */
+    uint32_t behind; /* surely after that: N / D < t */
+};
+
+/*
+ * Finds by the sign of N - t D in double where the rays of a packet are. `sign` is that of D. t NULL: t is 0. If the
+ * packet has an apex, `n` is N from there.
+ */
+MLRT_INLINE struct sides_of_plane find_sides_of_plane(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
+                                                      const float *t, double sign, struct measured_lanes *n)
+{
+    const vd error = d_set1(CLOSE_ERROR), signs = d_set1(sign);
+    struct sides_of_plane sides = {0, 0};
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        if (!packet->has_apex) measure_n(plane, packet, lane, n);
+        struct measured_lanes height = *n;
+        if (t) measure_end(plane, packet, t, lane, n, &height);
+        const vd value = d_flip(height.value, signs), bound = d_mul(height.size, error);
+        sides.before |= d_gt(value, bound) << lane;
+        sides.behind |= d_gt(d_sub(d_set1(0), value), bound) << lane;
+    }
+    return sides;
+}
+
+/*
+ * Where any hit will do: decides lanes that may meet a triangle where they begin, or else where they end. Only lanes
+ * are decided in which D has the same sign as in the first of them, at the same end. Returns the lanes that remain
+ * undecided.
+ */
+static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const struct mlrt_bundle *bundle, uint32_t place,
+                                          uint32_t number, uint32_t lanes, vm inside, const struct plane_of_rays *of,
+                                          int v, struct nearest_hits *hits)
+{
+    const struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const uint32_t begun = m_bits(of->begun), backward = m_bits(of->backward);
+    uint32_t those = lanes & m_bits(of->certain);
+    if (!those) return lanes;
+    const uint32_t first = mlrt_lowest_bit(those);
+    const int at_end = begun >> first & 1, is_backward = backward >> first & 1;
+    those &= (at_end ? begun : ~begun) & (is_backward ? backward : ~backward);
+    struct mlrt_plane plane;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
+    mlrt_set_plane(&triangle, &plane);
+    const float *t = at_end ? packet->t_max : bundle->has_begins ? packet->t_min : NULL;
+    struct measured_lanes n;
+    measure_n(&plane, packet, 0, &n);
+    const struct sides_of_plane sides =
+        find_sides_of_plane(&plane, packet, t, is_backward ? -bundle->waist.sign : bundle->waist.sign, &n);
+    vm farther, nearer;
+    compare_planes(of, hits, &farther, &nearer);
+    const uint32_t missed = (at_end ? sides.before : sides.behind) >> v & those;
+    const uint32_t within = at_end ? sides.behind >> v : sides.before >> v & m_bits(nearer);
+    const uint32_t hit = those & within & m_bits(inside);
+    hits->triangle = i_select(m_from_bits(hit), i_set1(number), hits->triangle);
+    return lanes & ~(missed | hit);
+}
+
 /* A triangle of a leaf that a vector of rays leaves undecided. */
 struct close_triangle_of_leaf {
     struct plane_of_rays plane;
@@ -851,18 +952,13 @@ static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlr
         const uint32_t number = leaf->numbers[close[i].triangle];
         uint32_t left = close[i].lanes;
         if (mlrt_is_stopped_in_step(worker)) return decided;
+        if (leaf->flipped >> close[i].triangle & 1) {
+            plane->backward = m_andnot(m_from_bits(ALL_LANES), plane->backward);
+        }
         if (job->any) {
             left &= m_bits(i_eq(nearest->triangle, i_set1(MLRT_NONE)));
+            if (left) left = settle_ends(job, bundle, place, number, left, close[i].inside, plane, v, nearest);
         } else {
-            vm farther, nearer;
-            compare_planes(plane, nearest, &farther, &nearer);
-            const vm certain = m_and(m_from_bits(left), plane->certain);
-            const vm hit = m_and(m_and(certain, nearer), m_and(close[i].inside, plane->begun));
-            keep_plane(plane, number, hit, nearest);
-            left &= ~m_bits(m_or(hit, m_and(certain, farther)));
-            if (leaf->flipped >> close[i].triangle & 1) {
-                plane->backward = m_andnot(m_from_bits(ALL_LANES), plane->backward);
-            }
             if (left) left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
         }
         if (left) {
