@@ -23,28 +23,27 @@ import sys
 SOURCE = os.path.dirname(os.path.abspath(__file__))
 INCLUDE = os.path.join(os.path.dirname(SOURCE), "include")
 
-Kernel = collections.namedtuple("Kernel", "name file condition target counting")
+Kernel = collections.namedtuple("Kernel", "name file condition target")
 
 LAYERS = ["base", "simd", "exact", "scene", "rays", "bvh", "job", "hits", "mlrta", "trace", "run", "api"]
 
-# As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
+# As in the Makefile: KERNELS and ISA_FLAGS_...
 KDTREES = [
-    Kernel("kdtree", "mlrta/kernels.c", None, None, False),
-    Kernel("kdtree_avx2", "mlrta/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
+    Kernel("kdtree", "mlrta/kernels.c", None, None),
+    Kernel("kdtree_avx2", "mlrta/avx2.c", "MLRT_SSE_KERNELS", "avx2,fma"),
 ]
 KERNELS = [
-    Kernel("counting", "trace/scalar.c", None, None, True),
-    Kernel("scalar", "trace/scalar.c", "!MLRT_HAVE_SSE", None, False),
-    Kernel("sse", "trace/sse.c", "MLRT_HAVE_SSE", None, False),
-    Kernel("avx2", "trace/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
-    Kernel("avx512", "trace/avx512.c", "MLRT_HAVE_SSE", "avx512f,avx512dq", False),
+    Kernel("scalar", "trace/scalar.c", "!MLRT_SSE_KERNELS", None),
+    Kernel("sse", "trace/sse.c", "MLRT_SSE_KERNELS", None),
+    Kernel("avx2", "trace/avx2.c", "MLRT_SSE_KERNELS", "avx2,fma"),
+    Kernel("avx512", "trace/avx512.c", "MLRT_SSE_KERNELS", "avx512f,avx512dq"),
 ]
 KERNEL_TEXT = "trace/kernels.h"
 
 CHOSEN = "simd/simd.h"  # the vocabulary that a kernel's unit includes first
 
 COUNTING = "counters.h"  # its macros differ between kernels that count and those that do not
-COUNTING_MACROS = ["COUNT", "COUNTERS", "MLRT_COUNTING"]
+COUNTING_MACROS = ["COUNT", "COUNTERS", "CLEAR_COUNTS", "MLRT_COUNTING"]
 
 # System headers that not every system has. The intrinsics come as one.
 CONDITIONS = {
@@ -394,8 +393,6 @@ def system_includes(names):
 
 def kernel_section(kernel, text):
     before = [f"#undef {macro}\n" for macro in COUNTING_MACROS]
-    if kernel.counting:
-        before.append("#define MLRT_COUNTING 1\n")
     gcc, clang, clang_end = "", "", ""
     if kernel.target:
         gcc = f'#pragma GCC target("{kernel.target}")\n'

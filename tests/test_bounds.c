@@ -48,9 +48,7 @@ static f4 remembering_divide_four(f4 a, f4 b)
 #define v_div   remembering_divide
 #define f4_div  remembering_divide_four
 #define KERNELS bounds_kernels_kdtree
-#define PICTURE mlrt_plain_picture
 #include "mlrta/kernels.h"
-#undef PICTURE
 #undef KERNELS
 #define KERNELS   bounds_kernels
 #define axis_code bundle_axis_code /* ray_group.h has one too */

@@ -41,7 +41,6 @@ static float remembering_divide(float a, float b)
 #define v_mul_sub multiply_subtract
 #define v_div     remembering_divide
 #define KERNELS   bundle_bounds_kernels
-#define PICTURE   bundle_bounds_picture
 #include "trace/kernels.h"
 #undef v_mul_add
 #undef v_mul_sub

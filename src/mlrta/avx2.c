@@ -5,5 +5,4 @@
  */
 #include "simd/avx2.h"
 #define KERNELS mlrt_kernels_kdtree_avx2
-#define PICTURE mlrt_picture_avx2
 #include "mlrta/kernels.h"

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The rays of a block, of any source.
- */
+/* The rays of a block, of any source. */
 #ifndef MLRT_RAYS_FETCH_BLOCK_H
 #define MLRT_RAYS_FETCH_BLOCK_H
 

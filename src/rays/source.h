@@ -120,10 +120,6 @@ static inline int mlrt_is_pinhole(const struct mlrt_source *source)
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
                        struct mlrt_packet *packet);
 
-/* Reads has_skip, skip_mesh and skip alone. */
-void mlrt_fetch_skips(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
-                      struct mlrt_packet *packet);
-
 /* Turns the pairs skip_mesh and skip, as read, into triangle numbers in skip. */
 void mlrt_number_skips(const struct mlrt_tree *tree, struct mlrt_packet *packet);
 

@@ -4,8 +4,5 @@
  * processors that have both.
  */
 #include "simd/avx2.h"
-#define KERNELS    mlrt_kernels_avx2
-#define PICTURE    mlrt_picture_avx2
-#define REPORTS    (&mlrt_kernels_avx2)
-#define REPORT_RAY report_one_ray
+#define KERNELS mlrt_kernels_avx2
 #include "trace/kernels.h"

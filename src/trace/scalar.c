@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The kernels in plain C, for any processor. */
+/* The kernels in plain C, for processors without SSE2. They count. */
+#define MLRT_COUNTING 1
 #include "simd/scalar.h"
-#define KERNELS          mlrt_kernels_scalar
-#define KERNELS_COUNTING mlrt_kernels_scalar_counting
-#define PICTURE          mlrt_plain_picture
+#define KERNELS mlrt_kernels_scalar
 #include "trace/kernels.h"
