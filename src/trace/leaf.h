@@ -771,10 +771,9 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
  * Decides lanes of a vector where distances do not tell whether a triangle or the nearest hit so far comes first, by
  * the line of their planes (L15), as settle_covers in cover.h does. Returns the lanes that remain undecided.
  */
-MLRT_INLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                           struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
-                                           vm inside, const struct plane_of_rays *plane, int v,
-                                           struct nearest_hits *hits)
+MLRT_INLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
+                                  uint32_t place, uint32_t number, uint32_t lanes, vm inside,
+                                  const struct plane_of_rays *plane, int v, struct nearest_hits *hits)
 {
     MLRT_ALIGNED(64) uint32_t nearest_of[VW];
     const vi found = hits->triangle;
@@ -938,8 +937,8 @@ struct close_triangle_of_leaf {
 
 /*
  * Decides the triangles that a vector of rays left undecided when it was tested against a leaf. The other triangles of
- * the leaf have been tested: where one of them is surely nearer, or is any hit, nothing is left to decide. Returns the
- * lanes whose nearest hit is not the one that the packet had before.
+ * the leaf have been tested: where any hit will do and one of them is hit, nothing is left to decide. Returns the lanes
+ * whose nearest hit is not the one that the packet had before.
  */
 static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlrt_worker *worker,
                                           struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
@@ -1000,17 +999,13 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         if (MLRT_UNLIKELY(packet->has_masks)) {
             may = m_from_bits(mlrt_seeing_lanes(job->tree, number, packet->mask, m_bits(may) << v) >> v);
         }
-        /* Stored whether it is needed or not: a branch would be mispredicted often. */
-        struct close_triangle_of_leaf *call = &close[close_count];
         struct plane_of_rays plane;
-        call->lanes =
+        const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
-        call->plane = plane;
-        call->inside = inside;
-        call->triangle = triangle;
-        close_count += call->lanes != 0;
+        if (MLRT_LIKELY(!undecided)) continue;
+        close[close_count++] = (struct close_triangle_of_leaf){plane, inside, undecided, triangle};
     }
-    if (close_count) {
+    if (MLRT_UNLIKELY(close_count != 0)) {
         struct nearest_hits now = of.nearest; /* a copy, so that the original can stay in registers */
         decided = settle_leaf(job, worker, bundle, leaf, place, close, close_count, v, &now);
         of.nearest = now;
