@@ -112,8 +112,8 @@ ISA_FLAGS_avx512 += $(filter -Wa%,$(ISA_FLAGS_avx2))
 endif
 SOURCES := $(wildcard src/*/*.c)
 # The order is that of CMake and Meson (src/packaging), so that libraries are the same, byte for byte.
-LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out $(ALL_ISAS:%=src/trace/%.c) src/mlrta/avx2.c,$(SOURCES))) \
-                   $(KERNELS:%=$(BUILD)/obj/trace/%.o) $(if $(filter avx2,$(KERNELS)),$(BUILD)/obj/mlrta/avx2.o)
+LIBRARY_OBJECTS := $(patsubst src/%.c,$(BUILD)/obj/%.o,$(filter-out src/isa/%,$(SOURCES))) \
+                   $(KERNELS:%=$(BUILD)/obj/isa/%.o)
 
 # Packages are looked up when they are needed, so that `make deps demo` works in one call.
 pkg = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -165,13 +165,9 @@ library: $(BUILD)/libmlrt.a $(BUILD)/libmlrt.so
 # caller's program, are in builds with SAN only.
 INSIDE := -fPIC -fvisibility=hidden -ffunction-sections $(if $(SAN),,-DNDEBUG)
 
-$(BUILD)/obj/trace/%.o: src/trace/%.c
+$(BUILD)/obj/isa/%.o: src/isa/%.c
 	@mkdir -p $(@D)
 	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_$*) -c $< -o $@
-
-$(BUILD)/obj/mlrta/avx2.o: src/mlrta/avx2.c
-	@mkdir -p $(@D)
-	$(Q)$(COMPILE) $(INSIDE) $(ISA_FLAGS_avx2) -c $< -o $@
 
 $(BUILD)/obj/%.o: src/%.c
 	@mkdir -p $(@D)

@@ -41,12 +41,12 @@ typedef void block_function(const struct mlrt_job *job, struct mlrt_worker *work
 /* Traces the blocks of a tile. */
 MLRT_INLINE void trace_blocks(const struct mlrt_job *job, struct mlrt_worker *worker,
                               const struct mlrt_rectangle *tile, const struct entry_list *list,
-                              block_function *trace)
+                              block_function *trace_each)
 {
     for (uint32_t j = 0; j < tile->height; j += 4) {
         for (uint32_t i = 0; i < tile->width; i += 4) {
             const struct mlrt_rectangle block = mlrt_cut_piece(tile, i, j, 4);
-            trace(job, worker, &block, list);
+            trace_each(job, worker, &block, list);
         }
     }
 }

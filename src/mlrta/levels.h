@@ -36,10 +36,10 @@ static void enter_tile(const struct mlrt_job *job, struct mlrt_worker *worker, c
 }
 
 /* Sets the outlines of a list's entries, if the beam has an apex. */
-static void set_outlines(const struct mlrt_beam *beam, struct entry_list *list)
+static void set_entry_outlines(const struct mlrt_beam *beam, struct entry_list *list)
 {
     if (!beam->has_apex) return;
-    list->axis_code = axis_code(beam->main_axis, beam->negative[beam->main_axis]);
+    list->axis_code = cell_axis_code(beam->main_axis, beam->negative[beam->main_axis]);
     for (uint32_t i = 0; i < list->count; ++i) {
         set_box_outline(&list->entries[i].box, list->axis_code, beam->origin_lo, &list->outlines[i]);
     }
@@ -63,7 +63,7 @@ static void trace_last_level(const struct mlrt_job *job, struct mlrt_worker *wor
             finish_tile(job, worker, found, cover, tile);
             return;
         }
-        if (job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) set_outlines(&beam, &list);
+        if (job->multilevel.shortcuts & MLRT_SHORTCUT_ENTRY_LISTS) set_entry_outlines(&beam, &list);
     }
     enter_tile(job, worker, &list, tile);
 }

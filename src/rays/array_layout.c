@@ -36,7 +36,6 @@ int mlrt_begin_reading(const struct mlrt_source *source, struct mlrt_array_reade
     lay_out_array(is_rays ? &source->arrays.t_min : &none, group, source->width, &reader->t_min);
     lay_out_array(is_rays ? &source->arrays.directions : &light, 1, source->width, &reader->directions);
     lay_out_array(is_rays ? &source->arrays.t_max : &none, 1, source->width, &reader->t_max);
-    lay_out_array(&source->arrays.mask, 1, source->width, &reader->mask);
     reader->points_have_t_min = is_followed_by(&reader->points, &reader->t_min);
     reader->directions_have_t_max = is_followed_by(&reader->directions, &reader->t_max);
     reader->points.has_word = reader->points_have_t_min || is_followed_by(&reader->points, &reader->t_max) ||

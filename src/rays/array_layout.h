@@ -23,7 +23,6 @@ struct mlrt_array_reader {
     struct mlrt_array_layout t_min;
     struct mlrt_array_layout t_max;
     struct mlrt_array_layout skip;
-    struct mlrt_array_layout mask;
     int points_have_t_min;     /* the word behind each point is its t_min */
     int directions_have_t_max; /* the word behind each direction is its t_max */
     int are_structs;           /* each direction follows the word behind its point */

@@ -126,19 +126,6 @@ static void read_skips(const struct mlrt_array_layout *skip, size_t element, con
     if (MLRT_UNLIKELY(others)) mlrt_number_skips(tree, packet);
 }
 
-/* Reads the masks of a block; 0 stands for all bits. */
-static MLRT_NOINLINE void read_masks(const struct mlrt_array_layout *mask, size_t element, struct mlrt_packet *packet)
-{
-    const vi all = i_set1(MLRT_MASK_ALL);
-    MLRT_ALIGNED(64) float masks[MLRT_PACKET_RAYS];
-    read_floats_of(mask, element, masks);
-    memcpy(packet->mask, masks, sizeof masks);
-    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
-        const vi given = i_load(packet->mask + v);
-        i_store(packet->mask + v, i_select(i_eq(given, i_set1(0)), all, given));
-    }
-}
-
 /* Reads the rays of a whole block. */
 static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x, uint32_t y, struct known_mesh *known,
                              struct mlrt_packet *packet)
@@ -164,8 +151,7 @@ static void read_whole_block(const struct mlrt_array_reader *reader, uint32_t x,
     if (!t_max) read_floats(&reader->t_max, ray, packet->has_apex ? 1 : INFINITY, packet->t_max);
     packet->has_limits = reader->t_min.data || reader->t_max.data;
     packet->has_masks = 0;
-    if (MLRT_UNLIKELY(source->has_masks)) mlrt_set_common_mask(source, packet);
-    if (reader->mask.data) read_masks(&reader->mask, ray, packet);
+    if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, 0xFFFF, packet);
     packet->has_skip = reader->skip.data != NULL;
     if (packet->has_skip) read_skips(&reader->skip, origin, source->tree, known, packet);
 }

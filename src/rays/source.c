@@ -324,10 +324,14 @@ static void fetch_light_rays(const struct mlrt_source *source, const struct bloc
     memcpy(packet->apex, source->light, sizeof packet->apex);
 }
 
-void mlrt_set_common_mask(const struct mlrt_source *source, struct mlrt_packet *packet)
+void mlrt_fetch_masks(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
+                      struct mlrt_packet *packet)
 {
+    struct block block;
+    if (source->arrays.mask.data) find_elements(source, x, y, lanes, &block);
     packet->has_masks = 1;
-    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane) packet->mask[lane] = source->common_mask;
+    for (int lane = 0; lane < MLRT_PACKET_RAYS; ++lane)
+        packet->mask[lane] = source->arrays.mask.data ? mask_at(source, block.of_ray[lane]) : source->common_mask;
 }
 
 void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y, uint32_t lanes,
@@ -335,7 +339,7 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
 {
     packet->has_apex = packet->has_skip = packet->has_limits = 0;
     packet->has_masks = 0;
-    if (MLRT_UNLIKELY(source->has_masks)) mlrt_set_common_mask(source, packet);
+    if (MLRT_UNLIKELY(source->has_masks)) mlrt_fetch_masks(source, x, y, lanes, packet);
     if (source->kind == MLRT_SOURCE_CAMERA) {
         packet->has_limits = source->view.t_min > 0;
         fetch_camera_rays(&source->view, x, y, packet);
@@ -343,8 +347,6 @@ void mlrt_fetch_packet(const struct mlrt_source *source, uint32_t x, uint32_t y,
     }
     struct block block;
     find_elements(source, x, y, lanes, &block);
-    for (int lane = 0; source->arrays.mask.data && lane < MLRT_PACKET_RAYS; ++lane)
-        packet->mask[lane] = mask_at(source, block.of_ray[lane]);
     if (source->kind == MLRT_SOURCE_RAYS) {
         packet->has_limits = source->arrays.t_min.data || source->arrays.t_max.data;
         fetch_vectors(&source->arrays.points, block.of_origin, packet->origin);

@@ -2,5 +2,6 @@
 /* The kernels in plain C, for processors without SSE2. They count. */
 #define MLRT_COUNTING 1
 #include "simd/scalar.h"
-#define KERNELS mlrt_kernels_scalar
-#include "trace/kernels.h"
+#define BOX_KERNELS    mlrt_kernels_scalar
+#define KDTREE_KERNELS mlrt_kernels_kdtree_scalar
+#include "isa/kernels.h"
