@@ -1044,7 +1044,7 @@ static void turn_back(double sign)
     if ((bundle.waist.sign < 0) != (sign < 0)) mpf_neg(truth, truth);
 }
 
-/* N, and N - t_max D, of a plane (bundle_cover.h: find_apart), over their bounds. */
+/* N, and N - t_max D, of a plane (leaf.h: find_sides_of_plane), over their bounds. */
 static double attack_apart(const float *input)
 {
     struct mlrt_plane plane;
@@ -1056,7 +1056,7 @@ static double attack_apart(const float *input)
         struct measured_lanes n, height;
         measure_n(&plane, &tile.packets[0], 0, &n);
         height = n;
-        if (at_end) measure_end(&plane, &tile.packets[0], 0, &n, &height);
+        if (at_end) measure_end(&plane, &tile.packets[0], tile.packets[0].t_max, 0, &n, &height);
         find_d(0);
         mpf_set_d(other, at_end ? tile.packets[0].t_max[0] : 0);
         mpf_mul(other, other, truth);
@@ -1065,8 +1065,10 @@ static double attack_apart(const float *input)
         turn_back(1);
         worst = fmax(worst, fabs(error_over(height.value, CLOSE_ERROR * height.size)));
         for (int sign = -1; sign < 2; sign += 2) {
-            const int apart = (int)find_apart(&plane, &tile.packets[0], at_end, sign) & 1;
-            if (apart && mpf_sgn(truth) * sign * (at_end ? 1 : -1) <= 0) return INFINITY;
+            const float *t = at_end ? tile.packets[0].t_max : NULL;
+            const struct sides_of_plane sides = find_sides_of_plane(&plane, &tile.packets[0], t, sign, &n);
+            if (sides.before & 1 && mpf_sgn(truth) * sign <= 0) return INFINITY;
+            if (sides.behind & 1 && mpf_sgn(truth) * sign >= 0) return INFINITY;
         }
     }
     return worst;

@@ -121,13 +121,11 @@ int mlrt_decide_triangles(const struct mlrt_job *job, const uint32_t *numbers, u
             continue;
         }
         const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
-        int nearer =
-            mlrt_offer_in_double(&ray, &triangle, known_inside != 0, NULL, &packet->lo[lane], &packet->hi[lane]);
-        if (nearer < 0 && nearest != MLRT_NONE) { // few tests need the other triangle
-            const struct mlrt_triangle other = mlrt_triangle_at(&job->tree->by_number, nearest);
-            nearer =
-                mlrt_offer_in_double(&ray, &triangle, known_inside != 0, &other, &packet->lo[lane], &packet->hi[lane]);
-        }
+        struct mlrt_triangle other;
+        if (nearest != MLRT_NONE) other = mlrt_triangle_at(&job->tree->by_number, nearest);
+        const int nearer =
+            mlrt_offer_in_double(&ray, &triangle, known_inside != 0, nearest == MLRT_NONE ? NULL : &other,
+                                 &packet->lo[lane], &packet->hi[lane]);
         if (nearer >= 0) {
             if (counters) {
                 ++counters->undecided_test_count;

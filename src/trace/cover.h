@@ -24,11 +24,8 @@
  * first, the line of their planes does (plane_order.c). It is an edge function, and is bounded over the hull as those of
  * leaf.h are, with its own error in place of EDGE_ERROR. So walls that are drawn twice leave packets closed.
  *
- * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. If D has one certain sign over the hull, say +1, a
- * ray does not hit the triangle if N < 0, as then t < 0, or if N > t_max D. Both are decided in double, lane by lane,
- * with the determinants and sizes of close_calls.h. N - t_max D has no more than 9 roundings: 8 of N, or 7 of D and 1
- * of the product, and 1 of the difference. So it is off by 9.001 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR
- * is 12. If t_max is infinite, the latter is not decided: no comparison is true.
+ * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. Whether they reach a triangle there is decided in
+ * double, lane by lane, as in leaf.h.
  *
  * CELLS OF A LIGHT (L20). The rays of such a packet skip a triangle S, and end before its plane, on the light's side
  * (shadow_ray.h). The hull contains the direction to a point of S, and D of S has one sign over it (find_order). So all
@@ -324,61 +321,6 @@ static MLRT_NOINLINE uint32_t settle_covers(const struct mlrt_job *job, struct m
     return settled;
 }
 
-/* A number of DW lanes, and the size that its error is relative to. */
-struct measured_lanes {
-    vd value;
-    vd size;
-};
-
-/* Sets N of a plane. */
-MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
-                           struct measured_lanes *n)
-{
-    n->value = n->size = d_set1(0);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
-        const vd to = d_sub(d_set1(plane->point[k]), origin);
-        n->value = d_add(n->value, d_mul(to, d_set1(plane->normal[k])));
-        n->size = d_add(n->size, d_mul(d_abs(to), d_set1(plane->size[k])));
-    }
-}
-
-/* Sets N - t_max D of a plane. */
-MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
-                             const struct measured_lanes *n, struct measured_lanes *height)
-{
-    const vd t_max = d_load(packet->t_max + lane);
-    vd d = d_set1(0), d_size = d;
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const vd direction = d_load(packet->direction[k] + lane);
-        d = d_add(d, d_mul(direction, d_set1(plane->normal[k])));
-        d_size = d_add(d_size, d_mul(d_abs(direction), d_set1(plane->size[k])));
-    }
-    height->value = d_sub(n->value, d_mul(t_max, d));
-    height->size = d_add(n->size, d_mul(t_max, d_size));
-}
-
-/*
- * Returns the rays of a packet that surely do not reach a plane, by the sign of N - t D in double: at their end
- * (t = t_max) if `at_end`, else at their origin (t = 0). `sign` is that of D.
- */
-MLRT_INLINE uint32_t find_apart(const struct mlrt_plane *plane, const struct mlrt_packet *packet, int at_end,
-                                double sign)
-{
-    const vd error = d_set1(CLOSE_ERROR), signs = d_set1(at_end ? sign : -sign);
-    struct measured_lanes n;
-    uint32_t apart = 0;
-    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
-        if (lane == 0 || !packet->has_apex) measure_n(plane, packet, lane, &n);
-        struct measured_lanes height = n;
-        if (at_end) measure_end(plane, packet, lane, &n, &height);
-        apart |= d_gt(d_flip(height.value, signs), d_mul(height.size, error)) << lane;
-    }
-    return apart;
-}
-
 /*
  * Of closed packets that meet a triangle near their begins or ends, returns those none of whose rays reaches it: most
  * rays start on the surface that it is part of, or end before it. D has one sign for all rays of a packet. `backward`
@@ -388,6 +330,8 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
                                                  uint32_t number, uint32_t places, uint32_t at_end, uint32_t backward)
 {
     struct mlrt_plane plane;
+    struct measured_lanes n = {d_set1(0), d_set1(0)};
+    const float *apex = NULL; /* of `n` */
     uint32_t apart = 0;
     const struct mlrt_triangle triangle = mlrt_triangle_at(&tree->by_number, number);
     mlrt_set_plane(&triangle, &plane);
@@ -396,9 +340,14 @@ static MLRT_NOINLINE uint32_t find_packets_apart(const struct mlrt_tree *tree, c
         const uint32_t place = mlrt_lowest_bit(places);
         const struct mlrt_packet *packet = &bundle->tile->packets[place];
         const uint32_t lanes = packet->active & ~skipping_lanes(bundle, place, number);
-        if (!lanes || !(lanes & ~find_apart(&plane, packet, at_end >> place & 1, backward >> place & 1 ? -1 : 1))) {
-            apart |= places & (0u - places);
+        const int is_end = at_end >> place & 1;
+        if (packet->has_apex && (!apex || memcmp(apex, packet->apex, sizeof packet->apex) != 0)) {
+            apex = packet->apex;
+            measure_n(&plane, packet, 0, &n);
         }
+        const struct sides_of_plane sides =
+            find_sides_of_plane(&plane, packet, is_end ? packet->t_max : NULL, backward >> place & 1 ? -1 : 1, &n);
+        if (!(lanes & ~(is_end ? sides.before : sides.behind))) apart |= places & (0u - places);
     }
     return apart;
 }

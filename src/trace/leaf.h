@@ -48,6 +48,12 @@
  * the judge determines the sign of N. With the waist's sign +1 this is the opposite of the sign of the side of the
  * plane on which the waist lies (mlrt_side_of_plane). With -1 it is the sign of that side, since the triangle is
  * mirrored. With N > 0, a hit has D > 0 and no negative edge function.
+ *
+ * BEGINS AND ENDS (L15). Rays begin on surfaces, and end on them. If D has one certain sign, say +1, a ray does not hit
+ * the triangle if N < 0, as then t < 0, or if N > t_max D. Both are decided in double, with the determinants and sizes
+ * of close_calls.h. N - t_max D has no more than 9 roundings: 8 of N, or 7 of D and 1 of the product, and 1 of the
+ * difference. So it is off by 9.001 * 2^-53 of s(N) + t_max s(D), of which CLOSE_ERROR is 12. If t_max is infinite, the
+ * latter is not decided: no comparison is true.
  */
 #ifndef MLRT_TRACE_LEAF_H
 #define MLRT_TRACE_LEAF_H
@@ -675,10 +681,21 @@ MLRT_INLINE void keep_plane(const struct plane_of_rays *plane, uint32_t number, 
 }
 
 /*
+ * Finds the rays that surely meet a plane behind the nearest hits, and those that surely meet it before them, if D has a
+ * certain sign. Quotients of bounds are compared as products (L8): rounding is monotone, so if one rounded product is
+ * less than the other, so is the exact one.
+ */
+MLRT_INLINE void compare_planes(const struct plane_of_rays *plane, const struct nearest_hits *nearest, vm *farther,
+                                vm *nearer)
+{
+    *farther = v_gt(v_mul(plane->least_n, nearest->least_d), v_mul(nearest->greatest_n, plane->greatest_d));
+    *nearer = v_lt(v_mul(plane->greatest_n, nearest->greatest_d), v_mul(nearest->least_n, plane->least_d));
+}
+
+/*
  * Compares the distances of a triangle with those of the nearest hits, for a vector of rays of which `candidates` may
  * be inside the edges and `inside` surely are. Makes it the nearest hit where that is certain. Returns the lanes that
- * are undecided. Quotients of bounds are compared as products (L8): rounding is monotone, so if one rounded product
- * is less than the other, so is the exact one.
+ * are undecided.
  */
 MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_t triangle,
                                     const struct plane_bounds *bounds, const float *begin, int has_places,
@@ -697,9 +714,8 @@ MLRT_INLINE uint32_t test_distances(const struct mlrt_bundle_leaf *leaf, uint32_
     plane->greatest_n = v_add(distance, v_set1(error));
     plane->certain = m_and(candidates, v_gt(plane->least_d, width));
     plane->backward = v_lt(d, v_set1(0));
-    vm farther = v_gt(v_mul(plane->least_n, of->nearest.least_d), v_mul(of->nearest.greatest_n, plane->greatest_d));
-    const vm nearer =
-        v_lt(v_mul(plane->greatest_n, of->nearest.greatest_d), v_mul(of->nearest.least_n, plane->least_d));
+    vm farther, nearer;
+    compare_planes(plane, &of->nearest, &farther, &nearer);
     if (MLRT_UNLIKELY(bounds->has_begins)) {
         const vf from = v_load(begin);
         farther = m_or(farther, v_lt(plane->greatest_n, v_mul(v_mul(from, v_set1(1 - SLOPE_SLACK)), plane->least_d)));
@@ -755,15 +771,13 @@ MLRT_INLINE void find_line_sides(const struct mlrt_pair_line *line, const struct
  * Decides lanes of a vector where distances do not tell whether a triangle or the nearest hit so far comes first, by
  * the line of their planes (L15), as settle_covers in cover.h does. Returns the lanes that remain undecided.
  */
-static MLRT_NOINLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker,
-                                           struct mlrt_bundle *bundle, uint32_t place, uint32_t number, uint32_t lanes,
-                                           vm inside, const struct plane_of_rays *plane, int v,
-                                           struct nearest_hits *hits)
+MLRT_INLINE uint32_t settle_lanes(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
+                                  uint32_t place, uint32_t number, uint32_t lanes, vm inside,
+                                  const struct plane_of_rays *plane, int v, struct nearest_hits *hits)
 {
     MLRT_ALIGNED(64) uint32_t nearest_of[VW];
     const vi found = hits->triangle;
     uint32_t left = lanes;
-    if (mlrt_is_stopped_in_step(worker)) return 0;
     i_store(nearest_of, found);
     while (lanes) {
         const uint32_t nearest = nearest_of[mlrt_lowest_bit(lanes)];
@@ -818,6 +832,141 @@ static MLRT_NOINLINE uint32_t decide_bundle_lanes(const struct mlrt_job *job, st
     return changed | hit;
 }
 
+/* A number of DW lanes, and the size that its error is relative to. */
+struct measured_lanes {
+    vd value;
+    vd size;
+};
+
+/* Sets N of a plane. */
+MLRT_INLINE void measure_n(const struct mlrt_plane *plane, const struct mlrt_packet *packet, uint32_t lane,
+                           struct measured_lanes *n)
+{
+    n->value = n->size = d_set1(0);
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd origin = packet->has_apex ? d_set1(packet->apex[k]) : d_load(packet->origin[k] + lane);
+        const vd to = d_sub(d_set1(plane->point[k]), origin);
+        n->value = d_mul_add(to, d_set1(plane->normal[k]), n->value);
+        n->size = d_mul_add(d_abs(to), d_set1(plane->size[k]), n->size);
+    }
+}
+
+/* Sets N - t D of a plane. */
+MLRT_INLINE void measure_end(const struct mlrt_plane *plane, const struct mlrt_packet *packet, const float *t,
+                             uint32_t lane, const struct measured_lanes *n, struct measured_lanes *height)
+{
+    const vd end = d_load(t + lane);
+    vd d = d_set1(0), d_size = d;
+    MLRT_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const vd direction = d_load(packet->direction[k] + lane);
+        d = d_mul_add(direction, d_set1(plane->normal[k]), d);
+        d_size = d_mul_add(d_abs(direction), d_set1(plane->size[k]), d_size);
+    }
+    height->value = d_sub(n->value, d_mul(end, d));
+    height->size = d_mul_add(end, d_size, n->size);
+}
+
+/* The side of a plane on which the rays of a packet are, at one t each. */
+struct sides_of_plane {
+    uint32_t before; /* surely before they meet it: N / D > t */
+    uint32_t behind; /* surely after that: N / D < t */
+};
+
+/*
+ * Finds by the sign of N - t D in double where the rays of a packet are. `sign` is that of D. t NULL: t is 0. If the
+ * packet has an apex, `n` is N from there.
+ */
+MLRT_INLINE struct sides_of_plane find_sides_of_plane(const struct mlrt_plane *plane, const struct mlrt_packet *packet,
+                                                      const float *t, double sign, struct measured_lanes *n)
+{
+    const vd error = d_set1(CLOSE_ERROR), signs = d_set1(sign);
+    struct sides_of_plane sides = {0, 0};
+    for (uint32_t lane = 0; lane < MLRT_PACKET_RAYS; lane += DW) {
+        if (!packet->has_apex) measure_n(plane, packet, lane, n);
+        struct measured_lanes height = *n;
+        if (t) measure_end(plane, packet, t, lane, n, &height);
+        const vd value = d_flip(height.value, signs), bound = d_mul(height.size, error);
+        sides.before |= d_gt(value, bound) << lane;
+        sides.behind |= d_gt(d_sub(d_set1(0), value), bound) << lane;
+    }
+    return sides;
+}
+
+/*
+ * Where any hit will do: decides lanes that may meet a triangle where they begin, or else where they end. Only lanes
+ * are decided in which D has the same sign as in the first of them, at the same end. Returns the lanes that remain
+ * undecided.
+ */
+static MLRT_NOINLINE uint32_t settle_ends(const struct mlrt_job *job, const struct mlrt_bundle *bundle, uint32_t place,
+                                          uint32_t number, uint32_t lanes, vm inside, const struct plane_of_rays *of,
+                                          int v, struct nearest_hits *hits)
+{
+    const struct mlrt_packet *packet = &bundle->tile->packets[place];
+    const uint32_t begun = m_bits(of->begun), backward = m_bits(of->backward);
+    uint32_t those = lanes & m_bits(of->certain);
+    if (!those) return lanes;
+    const uint32_t first = mlrt_lowest_bit(those);
+    const int at_end = begun >> first & 1, is_backward = backward >> first & 1;
+    those &= (at_end ? begun : ~begun) & (is_backward ? backward : ~backward);
+    struct mlrt_plane plane;
+    const struct mlrt_triangle triangle = mlrt_triangle_at(&job->tree->by_number, number);
+    mlrt_set_plane(&triangle, &plane);
+    const float *t = at_end ? packet->t_max : bundle->has_begins ? packet->t_min : NULL;
+    struct measured_lanes n;
+    measure_n(&plane, packet, 0, &n);
+    const struct sides_of_plane sides =
+        find_sides_of_plane(&plane, packet, t, is_backward ? -bundle->waist.sign : bundle->waist.sign, &n);
+    vm farther, nearer;
+    compare_planes(of, hits, &farther, &nearer);
+    const uint32_t missed = (at_end ? sides.before : sides.behind) >> v & those;
+    const uint32_t within = at_end ? sides.behind >> v : sides.before >> v & m_bits(nearer);
+    const uint32_t hit = those & within & m_bits(inside);
+    hits->triangle = i_select(m_from_bits(hit), i_set1(number), hits->triangle);
+    return lanes & ~(missed | hit);
+}
+
+/* A triangle of a leaf that a vector of rays leaves undecided. */
+struct close_triangle_of_leaf {
+    struct plane_of_rays plane;
+    vm inside;
+    uint32_t lanes; /* that are undecided */
+    uint32_t triangle;
+};
+
+/*
+ * Decides the triangles that a vector of rays left undecided when it was tested against a leaf. The other triangles of
+ * the leaf have been tested: where any hit will do and one of them is hit, nothing is left to decide. Returns the lanes
+ * whose nearest hit is not the one that the packet had before.
+ */
+static MLRT_NOINLINE uint32_t settle_leaf(const struct mlrt_job *job, struct mlrt_worker *worker,
+                                          struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
+                                          uint32_t place, struct close_triangle_of_leaf *close, uint32_t count, int v,
+                                          struct nearest_hits *nearest)
+{
+    uint32_t decided = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        struct plane_of_rays *plane = &close[i].plane;
+        const uint32_t number = leaf->numbers[close[i].triangle];
+        uint32_t left = close[i].lanes;
+        if (mlrt_is_stopped_in_step(worker)) return decided;
+        if (leaf->flipped >> close[i].triangle & 1) {
+            plane->backward = m_andnot(m_from_bits(ALL_LANES), plane->backward);
+        }
+        if (job->any) {
+            left &= m_bits(i_eq(nearest->triangle, i_set1(MLRT_NONE)));
+            if (left) left = settle_ends(job, bundle, place, number, left, close[i].inside, plane, v, nearest);
+        } else {
+            if (left) left = settle_lanes(job, worker, bundle, place, number, left, close[i].inside, plane, v, nearest);
+        }
+        if (left) {
+            decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, close[i].inside, v, nearest);
+        }
+    }
+    return decided;
+}
+
 /* Tests a vector of a packet's rays against triangles, given their edge values. Returns the lanes with a new hit. */
 MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_worker *worker,
                                         struct mlrt_bundle *bundle, const struct mlrt_bundle_leaf *leaf,
@@ -829,9 +978,10 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
     const struct plane_bounds bounds = {v_set1(PLANE_BOUND * hulls->reach[place]), has_places ? hulls->away[place] : 0,
                                         bundle->has_begins};
     const vi skip = packet->has_skip ? i_load(packet->skip + v) : i_set1(MLRT_NONE);
-    uint32_t decided = 0;
+    uint32_t decided = 0, close_count = 0;
     vf bound = v_set1(edges->bound[0]);
     struct bundle_vector of;
+    struct close_triangle_of_leaf close[MLRT_BVH_LEAF_LIMIT];
     load_bundle_vector(rays, packet, has_places, v, &of);
     for (uint32_t met = edges->of_vector[v / VW]; met; met &= met - 1) {
         const uint32_t triangle = mlrt_lowest_bit(met), number = leaf->numbers[triangle];
@@ -853,12 +1003,11 @@ MLRT_INLINE uint32_t test_bundle_vector(const struct mlrt_job *job, struct mlrt_
         const uint32_t undecided =
             test_distances(leaf, triangle, &bounds, rays->begin + v, has_places, may, inside, &of, &plane);
         if (MLRT_LIKELY(!undecided)) continue;
-        struct plane_of_rays where = plane; /* copies, so that the originals can stay in registers */
-        struct nearest_hits now = of.nearest;
-        if (leaf->flipped >> triangle & 1) where.backward = m_andnot(m_from_bits(ALL_LANES), where.backward);
-        uint32_t left = undecided;
-        if (!job->any) left = settle_lanes(job, worker, bundle, place, number, left, inside, &where, v, &now);
-        if (left) decided |= decide_bundle_lanes(job, worker, bundle, place, number, left, inside, v, &now);
+        close[close_count++] = (struct close_triangle_of_leaf){plane, inside, undecided, triangle};
+    }
+    if (MLRT_UNLIKELY(close_count != 0)) {
+        struct nearest_hits now = of.nearest; /* a copy, so that the original can stay in registers */
+        decided = settle_leaf(job, worker, bundle, leaf, place, close, close_count, v, &now);
         of.nearest = now;
     }
     return decided | store_nearest_hits(&of.nearest, v, rays, packet);
