@@ -25,6 +25,7 @@
 #include "rays/fetch_block.h"
 #include "rays/read_arrays.h"
 #include "trace/read_tile.h"
+#include "hits/report_ray.h"
 #include "hits/write_packet.h"
 #include "hits/shadow_packet.h"
 #include "trace/point_cells.h"
