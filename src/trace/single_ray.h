@@ -179,29 +179,48 @@ MLRT_INLINE uint64_t child_entry(float order, uint32_t child, int any)
     return (uint64_t)(mlrt_bvh_quad_count(child) ? 0 : ~order_bits(order)) << 32 | child;
 }
 
+MLRT_INLINE void sort_entries(uint64_t *first, uint64_t *second)
+{
+    const uint64_t a = *first, b = *second;
+    *first = a < b ? a : b;
+    *second = a < b ? b : a;
+}
+
+/* The entry of the lowest child of `met`, which it leaves. */
+MLRT_INLINE uint64_t take_child(const struct mlrt_bvh_node *node, uint32_t *met, const float order[MLRT_BVH_WIDTH],
+                                int any)
+{
+    const uint32_t i = mlrt_lowest_bit(*met);
+    *met &= *met - 1;
+    return child_entry(order[i], node->child[i], any);
+}
+
 /*
  * Returns the child to visit first of those in `met`, which has at least one bit. The others go on the stack, sorted,
- * so that the next one to visit is on top. Mostly one or two children are met; then only their number takes a branch.
+ * so that the next one to visit is on top. Up to three children are met mostly; then only their number takes branches.
  */
 MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met, const float order[MLRT_BVH_WIDTH],
                                   int any, uint64_t *stack, uint32_t *count)
 {
-    uint32_t i = mlrt_lowest_bit(met);
-    met &= met - 1;
-    if (!met) return node->child[i];
-    uint64_t nearest = child_entry(order[i], node->child[i], any);
-    const uint32_t first = *count;
-    do {
-        i = mlrt_lowest_bit(met);
-        met &= met - 1;
-        const uint64_t entry = child_entry(order[i], node->child[i], any);
-        uint64_t farther = entry > nearest ? entry : nearest;
-        nearest = entry > nearest ? nearest : entry;
+    if (!(met & (met - 1))) return node->child[mlrt_lowest_bit(met)];
+    const uint32_t bottom = *count;
+    uint64_t first = take_child(node, &met, order, any), second = take_child(node, &met, order, any);
+    sort_entries(&first, &second);
+    if (met) {
+        uint64_t third = take_child(node, &met, order, any);
+        sort_entries(&second, &third);
+        sort_entries(&first, &second);
+        stack[(*count)++] = third;
+    }
+    stack[(*count)++] = second;
+    while (met) {
+        uint64_t farther = take_child(node, &met, order, any);
+        sort_entries(&first, &farther);
         uint32_t place = (*count)++;
-        for (; place > first && stack[place - 1] < farther; --place) stack[place] = stack[place - 1];
+        for (; place > bottom && stack[place - 1] < farther; --place) stack[place] = stack[place - 1];
         stack[place] = farther;
-    } while (met);
-    return (uint32_t)nearest;
+    }
+    return (uint32_t)first;
 }
 
 MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
