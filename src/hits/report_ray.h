@@ -16,10 +16,10 @@
 
 MLRT_INLINE d4 cross_product_of_lanes(d4 a, d4 b)
 {
-    return d4_next(d4_mul_sub(a, d4_next(b), d4_mul(d4_next(a), b)));
+    return d4_next(d4_sub(d4_mul(a, d4_next(b)), d4_mul(d4_next(a), b)));
 }
 
-/* The function `report_ray` of job/job.h. */
+/* Sets *report. Returns 0 and sets nothing if the judge has to compute it. */
 MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
                                struct mlrt_hit_report *report)
 {
@@ -36,12 +36,14 @@ MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin
     /* The widths w of hit_numbers.h. */
     const d4 d_size = d4_lane(size, 3), inverse = d4_inverse(d4_lane(x, 3)), scale = d4_abs(inverse);
     const double n = MLRT_NUMERATOR_ERROR, d_error = MLRT_DENOMINATOR_ERROR;
-    const d4 from_d = d4_mul(d4_first_of(d4_abs(x), d_size),
-                             d4_set(d_error * MLRT_GREATEST_D_SIZE, d_error, d_error, d_error));
-    const d4 slack = d4_mul(d4_mul_add(d4_set(n, n, n, n), size, from_d), scale), quotient = d4_mul(x, inverse);
+    const d4 from_d =
+        d4_mul(d4_first_of(d4_abs(x), d_size), d4_set(d_error * MLRT_GREATEST_D_SIZE, d_error, d_error, d_error));
+    const d4 slack = d4_mul(d4_add(d4_mul(d4_set(n, n, n, n), size), from_d), scale), quotient = d4_mul(x, inverse);
     const unsigned certain = d4_round(values, d4_sub(quotient, slack), d4_add(quotient, slack));
     const double limit = MLRT_GREATEST_D_SIZE;
-    if (!MLRT_GUESS && MLRT_UNLIKELY((certain & 7) != 7 || !d4_lt(d4_mul(d_size, scale), d4_set(limit, limit, limit, limit)))) return 0;
+    if (!MLRT_GUESS &&
+        MLRT_UNLIKELY((certain & 7) != 7 || !d4_lt(d4_mul(d_size, scale), d4_set(limit, limit, limit, limit))))
+        return 0;
     *report = (struct mlrt_hit_report){values[0], values[1], values[2], d4_lt(x, d4_set(0, 0, 0, 0)) & 8 ? -1 : 1};
     return 1;
 }

@@ -28,9 +28,6 @@ MLRT_INLINE d4 d4_first_of(d4 a, d4 b) { return d4_set(a.x[0], b.x[1], b.x[2], b
 MLRT_INLINE d4 d4_mul(d4 a, d4 b) { return d4_set(a.x[0] * b.x[0], a.x[1] * b.x[1], a.x[2] * b.x[2], a.x[3] * b.x[3]); }
 MLRT_INLINE d4 d4_add(d4 a, d4 b) { return d4_set(a.x[0] + b.x[0], a.x[1] + b.x[1], a.x[2] + b.x[2], a.x[3] + b.x[3]); }
 MLRT_INLINE d4 d4_sub(d4 a, d4 b) { return d4_set(a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2], a.x[3] - b.x[3]); }
-/* with one rounding or two */
-MLRT_INLINE d4 d4_mul_add(d4 a, d4 b, d4 c) { return d4_add(d4_mul(a, b), c); }
-MLRT_INLINE d4 d4_mul_sub(d4 a, d4 b, d4 c) { return d4_sub(d4_mul(a, b), c); }
 MLRT_INLINE d4 d4_inverse(d4 a) { return d4_set(1 / a.x[0], 1 / a.x[1], 1 / a.x[2], 1 / a.x[3]); }
 MLRT_INLINE d4 d4_abs(d4 a) { return d4_set(fabs(a.x[0]), fabs(a.x[1]), fabs(a.x[2]), fabs(a.x[3])); }
 /* the sums of lanes 0 .. 2 of a, b, c and d */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Four doubles in AVX2 and FMA. four_doubles.h says what each word means.
+ * Four doubles in AVX2. four_doubles.h says what each word means.
  */
 #ifndef MLRT_FOUR_DOUBLES_AVX2_H
 #define MLRT_FOUR_DOUBLES_AVX2_H
@@ -28,14 +28,13 @@ MLRT_INLINE d4 d4_first_of(d4 a, d4 b) { return _mm256_blend_pd(b, a, 1); }
 MLRT_INLINE d4 d4_mul(d4 a, d4 b) { return _mm256_mul_pd(a, b); }
 MLRT_INLINE d4 d4_add(d4 a, d4 b) { return _mm256_add_pd(a, b); }
 MLRT_INLINE d4 d4_sub(d4 a, d4 b) { return _mm256_sub_pd(a, b); }
-MLRT_INLINE d4 d4_mul_add(d4 a, d4 b, d4 c) { return _mm256_fmadd_pd(a, b, c); }
-MLRT_INLINE d4 d4_mul_sub(d4 a, d4 b, d4 c) { return _mm256_fmsub_pd(a, b, c); }
 MLRT_INLINE d4 d4_inverse(d4 a) { return _mm256_div_pd(_mm256_set1_pd(1), a); }
 MLRT_INLINE d4 d4_abs(d4 a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a); }
 MLRT_INLINE d4 d4_sums(d4 a, d4 b, d4 c, d4 d)
 {
     const __m256d ab = _mm256_unpacklo_pd(a, b), cd = _mm256_unpacklo_pd(c, d);
-    const __m256d y = _mm256_insertf128_pd(_mm256_unpackhi_pd(a, b), _mm256_castpd256_pd128(_mm256_unpackhi_pd(c, d)), 1);
+    const __m256d y =
+        _mm256_insertf128_pd(_mm256_unpackhi_pd(a, b), _mm256_castpd256_pd128(_mm256_unpackhi_pd(c, d)), 1);
     const __m256d x = _mm256_insertf128_pd(ab, _mm256_castpd256_pd128(cd), 1);
     return _mm256_add_pd(_mm256_add_pd(x, y), _mm256_permute2f128_pd(ab, cd, 0x31));
 }
