@@ -427,10 +427,7 @@ static void mistakes_are_errors(void **state)
     mlrt_destroy_tree(tree);
 }
 
-/*
- * Calls leave the caller's exception flags as they were: none, or inexact alone, where a ray that misses the scene does
- * not look at them again.
- */
+/* Calls leave the caller's exception flags as they were: none, or inexact alone. */
 static void exception_flags_stay(void **state)
 {
     (void)state;

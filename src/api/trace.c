@@ -173,7 +173,7 @@ static MLRT_NOINLINE int32_t trace_as_call(const mlrt_tree *tree, const mlrt_ray
     const uint64_t environment = mlrt_enter_fp_environment();
     if (job.method == MLRT_METHOD_TILE && !counters) {
         lone->kernels = job.kernels;
-        (void)mlrt_trace_lone_ray(tree, lone, hit);
+        mlrt_trace_lone_ray(tree, lone, hit);
     } else {
         mlrt_trace_by_ray(tree, lone, counters ? &own : NULL, hit);
     }
@@ -234,7 +234,8 @@ static MLRT_NOINLINE int32_t trace_any_ray(const mlrt_tree *tree, const mlrt_ray
     }
     if (!is_plain) return trace_as_call(tree, ray, options, &lone, hit);
     const uint64_t environment = mlrt_enter_fp_environment();
-    mlrt_leave_after(mlrt_trace_lone_ray(tree, &lone, hit), environment);
+    mlrt_trace_lone_ray(tree, &lone, hit);
+    mlrt_leave_fp_environment(environment);
     return MLRT_OK;
 }
 
@@ -260,7 +261,7 @@ MLRT_INLINE int is_usual_call(const mlrt_tree *tree, const mlrt_ray *ray, const 
 }
 
 /*
- * Usual calls, in the environment of most programs, are told from others here, and rays that miss the scene end here.
+ * Usual calls, in the environment of the library, are told from others here, and rays that miss the scene end here.
  */
 MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, const mlrt_trace_options *options,
                                 mlrt_hit *hit)
@@ -270,9 +271,6 @@ MLRT_API int32_t mlrt_trace_ray(const mlrt_tree *tree, const mlrt_ray *ray, cons
     if (MLRT_UNLIKELY(!is_usual_call(tree, ray, options, hit) || !mlrt_has_usual_fp_environment(&environment)))
         return trace_any_ray(tree, ray, options, hit);
     switch (mlrt_take_lone_ray(&tree->bvh.whole, ray->origin, ray->direction, ray->t_min, resolve_t_max(ray), &lone)) {
-    case MLRT_LONE_RAY_QUIET_MISS:
-        mlrt_set_miss(options ? options->query : 0, hit);
-        return MLRT_OK;
     case MLRT_LONE_RAY_MISSES:
         mlrt_set_miss(options ? options->query : 0, hit);
         mlrt_leave_fp_environment(environment);

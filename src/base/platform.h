@@ -143,7 +143,6 @@ MLRT_INLINE uint32_t mlrt_lowest_bit(uint32_t bits)
 #include <xmmintrin.h>
 #define MLRT_WANTED_CONTROL 0x1F80u /* round to nearest, all exceptions masked; no flush to zero */
 #define MLRT_CONTROL_BITS   0xFFC0u /* the other bits are exception flags, and stay */
-#define MLRT_INEXACT_BIT    0x0020u /* the flag that nearly all arithmetic raises, so most programs have it raised */
 /* The control register. To gcc two calls of _mm_getcsr have one result if nothing is stored between them. */
 MLRT_INLINE uint32_t mlrt_get_control(void)
 {
@@ -161,29 +160,22 @@ MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
     if (MLRT_UNLIKELY((saved & MLRT_CONTROL_BITS) != MLRT_WANTED_CONTROL)) _mm_setcsr(MLRT_WANTED_CONTROL);
     return saved;
 }
+/*
+ * The register is written even if no flag was raised: reading it would wait for all arithmetic before. That made calls
+ * for one ray 3 to 8 % slower, on an AMD Zen 4.
+ */
 MLRT_INLINE void mlrt_leave_fp_environment(uint64_t saved)
 {
-    if (mlrt_get_control() != (uint32_t)saved) _mm_setcsr((uint32_t)saved);
+    _mm_setcsr((uint32_t)saved);
 }
 /*
- * As mlrt_leave_fp_environment. If `is_quiet`, the arithmetic raised no flag of <fenv.h> but inexact: if that was
- * raised before, there is nothing to restore. Reading the register would take 22 cycles.
- */
-MLRT_INLINE void mlrt_leave_after(int is_quiet, uint64_t saved)
-{
-    const uint32_t kept = MLRT_WANTED_CONTROL | MLRT_INEXACT_BIT;
-    if (!is_quiet || (saved & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) != kept) mlrt_leave_fp_environment(saved);
-}
-/*
- * Sets *saved to the environment. Returns 1 if it is that of the library and inexact was raised before. Then arithmetic
- * that raises no other flag may follow without a call between. Compilers leave it behind the branch on this result, as
- * it may trap; before the branch it could only raise flags that the caller did not have.
+ * Sets *saved to the environment. Returns 1 if it is that of the library, but for exception flags. Then arithmetic may
+ * follow without a call between: compilers leave it behind the branch on this result, as it may trap.
  */
 MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
 {
-    const uint32_t kept = MLRT_WANTED_CONTROL | MLRT_INEXACT_BIT, control = mlrt_get_control();
-    *saved = control;
-    return (control & (MLRT_CONTROL_BITS | MLRT_INEXACT_BIT)) == kept;
+    *saved = mlrt_get_control();
+    return (*saved & MLRT_CONTROL_BITS) == MLRT_WANTED_CONTROL;
 }
 #elif defined(__aarch64__) && defined(__GNUC__)
 MLRT_INLINE uint64_t mlrt_enter_fp_environment(void)
@@ -215,11 +207,6 @@ MLRT_INLINE int mlrt_has_usual_fp_environment(uint64_t *saved)
 {
     (void)saved;
     return 0;
-}
-MLRT_INLINE void mlrt_leave_after(int is_quiet, uint64_t saved)
-{
-    (void)is_quiet;
-    mlrt_leave_fp_environment(saved);
 }
 #endif
 

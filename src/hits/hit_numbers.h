@@ -295,29 +295,6 @@ MLRT_INLINE uint32_t report_lanes(const struct mlrt_packet *packet, const struct
     return report_rays(plane, origin, direction, direction_size, outputs, lane, values);
 }
 
-/* The function `report_ray` of job/job.h. */
-MLRT_INLINE int report_one_ray(const struct mlrt_corners *of, const float origin[3], const float direction[3],
-                               struct mlrt_hit_report *report)
-{
-    const double size = (double)(fabsf(direction[0]) + fabsf(direction[1]) + fabsf(direction[2])) * (1 + 0x1p-22);
-    vd corners[9], from[3], to[3];
-    struct plane_terms plane;
-    struct mlrt_packet_values values;
-    MLRT_UNROLL
-    for (size_t i = 0; i < 9; ++i) corners[i] = d_set1(of->corner[i * of->row]);
-    MLRT_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        from[k] = d_set1(origin[k]);
-        to[k] = d_set1(direction[k]);
-    }
-    set_plane_terms(corners, &plane);
-    const uint32_t reported =
-        report_rays(&plane, from, to, size, MLRT_OUTPUT_T | MLRT_OUTPUT_UV | MLRT_OUTPUT_FACING, 0, &values);
-    if (MLRT_UNLIKELY(!(reported & 1))) return 0;
-    *report = (struct mlrt_hit_report){values.t[0], values.uv[0][0], values.uv[1][0], reported >> 16 & 1 ? 1 : -1};
-    return 1;
-}
-
 /* Computes the numbers of a packet whose hits are all of one triangle, from different origins. */
 static uint32_t report_one_triangle(const struct mlrt_packet *packet, const struct mlrt_hit_terms *terms,
                                     double direction_size, uint32_t outputs, struct mlrt_packet_values *values)

@@ -12,12 +12,7 @@
 #include "trace/levels.h"
 #include "trace/one_ray.h"
 
-const struct mlrt_kernels BOX_KERNELS = {.trace_area = trace_area,
-                                         .trace_ray = trace_one_ray,
-#if VW == 8
-                                         .report_ray = report_for_others
-#endif
-};
+const struct mlrt_kernels BOX_KERNELS = {.trace_area = trace_area, .trace_ray = trace_one_ray};
 
 /* Sixteen lanes are no faster for a kd-tree than eight. */
 #if VW <= 8

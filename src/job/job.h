@@ -123,9 +123,6 @@ struct mlrt_worker {
 /* rays/lone_ray.h */
 struct mlrt_lone_ray;
 
-/* exact/predicate.h */
-struct mlrt_hit_report;
-
 /* The functions of an instruction set, for one structure. They are all that is called through a table. */
 struct mlrt_kernels {
     /* Traces the rays of a rectangle that starts at multiples of 4, and writes their results to frame and tile. */
@@ -136,12 +133,6 @@ struct mlrt_kernels {
      * there, this returns 0 and sets nothing. The kernels of the kd-tree have NULL. trace/one_ray.h
      */
     int (*trace_ray)(const struct mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit);
-    /*
-     * Sets t, u, v and facing of one ray's hit. Returns 0 and sets nothing if the judge has to compute them. Only those
-     * in AVX2, for those in AVX-512. hits/hit_numbers.h
-     */
-    int (*report_ray)(const struct mlrt_corners *corners, const float origin[3], const float direction[3],
-                      struct mlrt_hit_report *report);
 };
 
 /*

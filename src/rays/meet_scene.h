@@ -25,25 +25,9 @@ MLRT_INLINE f4 mlrt_load_three(const float numbers[3])
 /* What is known of a ray before it is traced. */
 enum mlrt_lone_ray_kind {
     MLRT_LONE_RAY_MISSES,      /* it can hit nothing (rule R1, exact/segment.h), or passes the box of the scene */
-    MLRT_LONE_RAY_QUIET_MISS,  /* the same, and finding it raised no flag of <fenv.h> but inexact */
     MLRT_LONE_RAY_NOT_CARRIED, /* float does not carry its numbers */
     MLRT_LONE_RAY_MAY_HIT
 };
-
-/*
- * Are the limits of a ray no NaNs, and is the magnitude of t_max 0, infinite, or 2^-40 .. 2^126? As integers, without
- * signs, floats are in order and NaNs are above infinity.
- */
-MLRT_INLINE int has_quiet_limits(float given_t_min, float given_t_max)
-{
-    const uint32_t infinity = 0xFF000000u, least = 2 * 0x2B800000u, greatest = 2 * 0x7E800000u;
-    uint32_t t_min, t_max;
-    memcpy(&t_min, &given_t_min, sizeof t_min);
-    memcpy(&t_max, &given_t_max, sizeof t_max);
-    t_min *= 2;
-    t_max *= 2;
-    return t_min <= infinity && (t_max == infinity || t_max == 0 || (t_max >= least && t_max <= greatest));
-}
 
 /*
  * Compares a ray with the box of all triangles, and sets the numbers of *ray if it may hit one; of the vectors as given
@@ -55,10 +39,6 @@ MLRT_INLINE int has_quiet_limits(float given_t_min, float given_t_max)
  * d_k is 0, a ray between the planes has the distances -inf and inf, another one has two equal ones; a ray in a plane has
  * a NaN, which f4_min and f4_max pass on in the order of operands below, and which t_min and t_max then replace. Planes
  * are at most 2^62 or infinite, so a box begins at t < 2^123 or never: rays end at 2^126 at the latest.
- *
- * QUIET. If all numbers of origin and direction have magnitudes of 2^-40 .. 2^40, reciprocals have them, too. A
- * difference from a plane is 0 or at least 2^-64, half of a unit in the last place of 2^-40, and at most 2^63 or
- * infinite. So products are 0, infinite, or 2^-104 .. 2^103, and nothing overflows, underflows, is divided by 0 or a NaN.
  */
 MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *box, const float given_origin[3],
                                                        const float given_direction[3], float given_t_min, float t_max,
@@ -66,9 +46,9 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *bo
 {
     const f4 origin = f4_three(given_origin);
     const f4 direction = f4_add(f4_three(given_direction), f4_set1(0)); /* -0 becomes 0 */
-    const int is_usual = f4_are_within(origin, direction, 0x1p-40f, 0x1p40f);
-    if (MLRT_UNLIKELY(!is_usual) && (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
-                                     f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
+    if (!f4_are_within(origin, direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &&
+        (f4_zeros_or_within(origin, MLRT_SAFE_MIN, MLRT_SAFE_MAX) &
+         f4_zeros_or_within(direction, MLRT_SAFE_MIN, MLRT_SAFE_MAX)) != 15) {
         return MLRT_LONE_RAY_NOT_CARRIED;
     }
     const f4 reciprocal = f4_div(f4_set1(1), direction);
@@ -76,8 +56,7 @@ MLRT_INLINE enum mlrt_lone_ray_kind mlrt_take_lone_ray(const struct mlrt_box *bo
     const f4 to_hi = f4_mul(f4_sub(mlrt_load_three(box->hi), origin), reciprocal);
     const f4 near = f4_max(f4_min(to_hi, to_lo), f4_set1(given_t_min));
     const f4 far = f4_min(f4_max(to_lo, to_hi), f4_set1(t_max < 0x1p126f ? t_max : 0x1p126f));
-    if (f4_hmax(near) > f4_hmin(far) * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f)
-        return is_usual && has_quiet_limits(given_t_min, t_max) ? MLRT_LONE_RAY_QUIET_MISS : MLRT_LONE_RAY_MISSES;
+    if (f4_hmax(near) > f4_hmin(far) * (1 + 2 * RECIPROCAL_SLACK) + 0x1p-126f) return MLRT_LONE_RAY_MISSES;
     const float t_min = given_t_min < 0 ? 0 : given_t_min;
     if (!(t_min < t_max) || f4_zeros(direction) == 15) return MLRT_LONE_RAY_MISSES;
     f4_store(ray->origin, origin);

@@ -26,38 +26,27 @@ static const struct mlrt_kernels *kernels_of(const mlrt_tree *tree, const struct
     return ray->kernels ? ray->kernels : mlrt_widest_kernels(tree->structure);
 }
 
-/* These, too, return 1 if no flag but inexact was raised. */
-
-/* Traces one ray in double. */
-static MLRT_NOINLINE int trace_in_double(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
-{
-    mlrt_trace_by_ray(tree, ray, NULL, hit);
-    return 0;
-}
-
 void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     (void)kernels_of(tree, ray)->trace_ray(tree, ray, hit);
 }
 
-int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
+void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit)
 {
     if (MLRT_UNLIKELY(tree->bvh.unit != 1)) {
-        return kernels_of(tree, ray)->trace_ray(tree, ray, hit) ? 0 : trace_in_double(tree, ray, hit);
+        if (!kernels_of(tree, ray)->trace_ray(tree, ray, hit)) mlrt_trace_by_ray(tree, ray, NULL, hit);
+        return;
     }
     switch (
         mlrt_take_lone_ray(&tree->bvh.whole, ray->given_origin, ray->given_direction, ray->t_min, ray->t_max, ray)) {
     case MLRT_LONE_RAY_MAY_HIT:
         mlrt_trace_in_scene(tree, ray, hit);
-        return 0;
+        break;
     case MLRT_LONE_RAY_NOT_CARRIED:
-        return trace_in_double(tree, ray, hit);
-    case MLRT_LONE_RAY_QUIET_MISS:
-        mlrt_set_miss(ray->any, hit);
-        return 1;
+        mlrt_trace_by_ray(tree, ray, NULL, hit);
+        break;
     default:
         mlrt_set_miss(ray->any, hit);
-        return 0;
     }
 }
 
@@ -86,21 +75,18 @@ static int should_go_together(const struct mlrt_job *job, struct mlrt_lone_ray *
                               ray) == MLRT_LONE_RAY_MAY_HIT;
 }
 
-int mlrt_trace_few_rays(const struct mlrt_job *job, int *is_quiet)
+int mlrt_trace_few_rays(const struct mlrt_job *job)
 {
     mlrt_hit hits[MLRT_PACKET_RAYS];
     struct mlrt_lone_ray ray;
-    *is_quiet = 0;
     if (should_go_together(job, &ray)) return 0;
-    int are_quiet = 1; /* what the first ray raised above, it raises again */
     ray.kernels = job->kernels;
     ray.any = job->any;
     for (uint32_t i = 0; i < job->source.count; ++i) {
         float room[3];
         mlrt_read_ray(&job->source, i, room, &ray);
-        are_quiet &= mlrt_trace_lone_ray(job->tree, &ray, &hits[i]);
+        mlrt_trace_lone_ray(job->tree, &ray, &hits[i]);
     }
     mlrt_write_hits(hits, job->source.count, &job->frame);
-    *is_quiet = are_quiet;
     return 1;
 }

@@ -14,10 +14,9 @@ void mlrt_trace_in_scene(const mlrt_tree *tree, const struct mlrt_lone_ray *ray,
 
 /*
  * Traces a ray through boxes; in double if float does not carry it. The caller has set its numbers as given, and
- * kernels, mask, `skip` and `any`, which are left as they are. Returns 1 if it raised no flag of <fenv.h> but inexact,
- * or 0 if it may have.
+ * kernels, mask, `skip` and `any`, which are left as they are.
  */
-int mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit);
+void mlrt_trace_lone_ray(const mlrt_tree *tree, struct mlrt_lone_ray *ray, mlrt_hit *hit);
 
 /* Traces a ray in double, through any structure. `counters` may be NULL. */
 void mlrt_trace_by_ray(const mlrt_tree *tree, const struct mlrt_lone_ray *ray, mlrt_counters *counters, mlrt_hit *hit);
@@ -28,9 +27,8 @@ struct mlrt_job;
 /*
  * Traces the rays of a job, which are at most MLRT_PACKET_RAYS of arrays, one by one through boxes, and writes the
  * results to the frame. All rays are read before a result is written, since arrays may overlap. Returns 0, and does
- * nothing, if it is faster to trace them together. *is_quiet is 1 if no flag of <fenv.h> but inexact was raised, or 0
- * if one may have been.
+ * nothing, if it is faster to trace them together.
  */
-int mlrt_trace_few_rays(const struct mlrt_job *job, int *is_quiet);
+int mlrt_trace_few_rays(const struct mlrt_job *job);
 
 #endif

@@ -179,13 +179,12 @@ static MLRT_NOINLINE int32_t run_block(const struct mlrt_job *job, const struct 
  */
 static int trace_without_worker(const struct mlrt_job *job, const struct mlrt_run_options *options)
 {
-    int is_quiet = 1;
     if (!mlrt_is_block(job) || !job->source.count || job->method != MLRT_METHOD_TILE || options->counters ||
         options->host.progress)
         return 0;
     const uint64_t environment = mlrt_enter_fp_environment();
-    const int is_done = mlrt_trace_few_rays(job, &is_quiet);
-    mlrt_leave_after(is_quiet, environment);
+    const int is_done = mlrt_trace_few_rays(job);
+    mlrt_leave_fp_environment(environment);
     return is_done;
 }
 

@@ -23,6 +23,7 @@
 #include <string.h>
 
 #include "base/platform.h"
+#include "simd/four_doubles.h"
 #include "simd/quad_scalar.h"
 
 #define VW        1

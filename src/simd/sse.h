@@ -5,6 +5,7 @@
 
 #include <emmintrin.h>
 
+#include "simd/four_doubles.h"
 #include "simd/quad_sse.h"
 
 #define VW        4

@@ -451,9 +451,9 @@ static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job,
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
             const float a = corners[k * row];
-            s[k] = v_sub(v_load(packet->origin[k] + v), v_set1(a));
-            f[k] = v_set1(corners[(3 + k) * row] - a);
-            g[k] = v_set1(corners[(6 + k) * row] - a);
+            s[k] = v_sub(v_set1(a), v_load(packet->origin[k] + v));
+            f[k] = v_set1(a - corners[(3 + k) * row]);
+            g[k] = v_set1(a - corners[(6 + k) * row]);
             d[k] = v_load(packet->direction[k] + v);
         }
         struct float_test test;

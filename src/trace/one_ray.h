@@ -5,30 +5,22 @@
 #ifndef MLRT_TRACE_ONE_RAY_H
 #define MLRT_TRACE_ONE_RAY_H
 
-#include "hits/hit_numbers.h"
+#include "hits/report_ray.h"
 #include "job/write_arrays.h"
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
 
 #if VW == 8
-/* The function `report_ray` of job/job.h. */
-static MLRT_NOINLINE int report_for_others(const struct mlrt_corners *corners, const float origin[3],
-                                           const float direction[3], struct mlrt_hit_report *report)
-{
-    return report_one_ray(corners, origin, direction, report);
-}
 #endif
 
 /*
- * Sets t, u, v and facing of a hit. Returns 0 and sets nothing if the judge has to compute them: in four lanes or one it
- * is as fast. One ray needs no vectors of eight doubles: AVX2 takes a third less time than AVX-512.
+ * Sets t, u, v and facing of a hit. Returns 0 and sets nothing if the judge has to compute them: without vectors of four
+ * doubles it is as fast.
  */
 MLRT_INLINE int report_lone_ray(const struct mlrt_corners *corners, const struct mlrt_lone_ray *ray,
                                 struct mlrt_hit_report *report)
 {
-#if VW == 16
-    return mlrt_kernels_avx2.report_ray(corners, ray->origin, ray->direction, report);
-#elif VW == 8
+#if VW >= 8
     return report_one_ray(corners, ray->origin, ray->direction, report);
 #else
     (void)corners, (void)ray, (void)report;

@@ -87,10 +87,10 @@
 struct single_ray {
     vf origin[3];
     vf direction[3];
-    vf near[3];
-    vf far[3];
+    vf near[3]; /* -1 / d, moved toward 0 */
+    vf far[3];  /* -1 / d, moved away from 0 */
     vf t_min;
-    size_t near_row[3]; /* per axis, the index in a node's floats of the planes that the ray crosses first */
+    size_t near_row[3]; /* per axis, the offset in a node of the planes that the ray crosses first */
     size_t far_row[3];  /* of those that it crosses last */
     float reach;        /* 4 m: see "Overflow" */
     uint32_t lane;
@@ -115,11 +115,11 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct m
     MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const float d = packet->direction[k][lane];
-        const size_t lo = (size_t)k * MLRT_BVH_WIDTH, hi = lo + 3 * MLRT_BVH_WIDTH;
+        const size_t lo = (size_t)k * sizeof(float[MLRT_BVH_WIDTH]), hi = lo + 3 * sizeof(float[MLRT_BVH_WIDTH]);
         ray->origin[k] = v_set1(packet->has_apex ? packet->apex[k] : packet->origin[k][lane]);
         ray->direction[k] = v_set1(d);
-        ray->near[k] = v_set1(reciprocals->near[k][lane]);
-        ray->far[k] = v_set1(reciprocals->far[k][lane]);
+        ray->near[k] = v_set1(-reciprocals->near[k][lane]);
+        ray->far[k] = v_set1(-reciprocals->far[k][lane]);
         ray->near_row[k] = d < 0 ? hi : lo;
         ray->far_row[k] = d < 0 ? lo : hi;
         reach = larger_of(fabsf(d), reach);
@@ -136,16 +136,17 @@ MLRT_INLINE void set_single_ray(const struct mlrt_packet *packet, const struct m
 MLRT_INLINE uint32_t meet_boxes(const struct single_ray *ray, const struct mlrt_bvh_node *node, float limit, int any,
                                 float order[MLRT_BVH_WIDTH])
 {
-    const float *planes = &node->lo[0][0];
+    const char *planes = (const char *)node;
     uint32_t met = 0;
+    MLRT_UNROLL
     for (int v = 0; v < MLRT_BVH_WIDTH; v += VW) {
         vf first = ray->t_min, last = v_set1(limit);
         MLRT_UNROLL
         for (int k = 0; k < 3; ++k) {
-            const vf to_near = v_sub(v_load(planes + ray->near_row[k] + v), ray->origin[k]);
-            const vf to_far = v_sub(v_load(planes + ray->far_row[k] + v), ray->origin[k]);
-            first = v_max(v_mul(to_near, ray->near[k]), first);
-            last = v_min(v_mul(to_far, ray->far[k]), last);
+            const float *near = (const float *)(const void *)(planes + ray->near_row[k]) + v;
+            const float *far = (const float *)(const void *)(planes + ray->far_row[k]) + v;
+            first = v_max(v_mul(v_sub(ray->origin[k], v_load(near)), ray->near[k]), first);
+            last = v_min(v_mul(v_sub(ray->origin[k], v_load(far)), ray->far[k]), last);
         }
         v_store(order + v, any ? v_sub(last, first) : first);
         met |= m_bits(v_le(first, last)) << v;
@@ -178,29 +179,48 @@ MLRT_INLINE uint64_t child_entry(float order, uint32_t child, int any)
     return (uint64_t)(mlrt_bvh_quad_count(child) ? 0 : ~order_bits(order)) << 32 | child;
 }
 
+MLRT_INLINE void sort_entries(uint64_t *first, uint64_t *second)
+{
+    const uint64_t a = *first, b = *second;
+    *first = a < b ? a : b;
+    *second = a < b ? b : a;
+}
+
+/* The entry of the lowest child of `met`, which it leaves. */
+MLRT_INLINE uint64_t take_child(const struct mlrt_bvh_node *node, uint32_t *met, const float order[MLRT_BVH_WIDTH],
+                                int any)
+{
+    const uint32_t i = mlrt_lowest_bit(*met);
+    *met &= *met - 1;
+    return child_entry(order[i], node->child[i], any);
+}
+
 /*
  * Returns the child to visit first of those in `met`, which has at least one bit. The others go on the stack, sorted,
- * so that the next one to visit is on top. Mostly one or two children are met; then only their number takes a branch.
+ * so that the next one to visit is on top. Up to three children are met mostly; then only their number takes branches.
  */
 MLRT_INLINE uint32_t choose_child(const struct mlrt_bvh_node *node, uint32_t met, const float order[MLRT_BVH_WIDTH],
                                   int any, uint64_t *stack, uint32_t *count)
 {
-    uint32_t i = mlrt_lowest_bit(met);
-    met &= met - 1;
-    if (!met) return node->child[i];
-    uint64_t nearest = child_entry(order[i], node->child[i], any);
-    const uint32_t first = *count;
-    do {
-        i = mlrt_lowest_bit(met);
-        met &= met - 1;
-        const uint64_t entry = child_entry(order[i], node->child[i], any);
-        uint64_t farther = entry > nearest ? entry : nearest;
-        nearest = entry > nearest ? nearest : entry;
+    if (!(met & (met - 1))) return node->child[mlrt_lowest_bit(met)];
+    const uint32_t bottom = *count;
+    uint64_t first = take_child(node, &met, order, any), second = take_child(node, &met, order, any);
+    sort_entries(&first, &second);
+    if (met) {
+        uint64_t third = take_child(node, &met, order, any);
+        sort_entries(&second, &third);
+        sort_entries(&first, &second);
+        stack[(*count)++] = third;
+    }
+    stack[(*count)++] = second;
+    while (met) {
+        uint64_t farther = take_child(node, &met, order, any);
+        sort_entries(&first, &farther);
         uint32_t place = (*count)++;
-        for (; place > first && stack[place - 1] < farther; --place) stack[place] = stack[place - 1];
+        for (; place > bottom && stack[place - 1] < farther; --place) stack[place] = stack[place - 1];
         stack[place] = farther;
-    } while (met);
-    return (uint32_t)nearest;
+    }
+    return (uint32_t)first;
 }
 
 MLRT_INLINE vf sum_of_magnitudes(const vf a[3])
@@ -225,8 +245,10 @@ MLRT_INLINE void set_bounds(const vf s[3], const vf f[3], const vf g[3], vf reac
 }
 
 /*
- * Computes the filter's numbers lane by lane: s goes from corner a to the origin, f and g from a to b and c. In this
- * order, few values wait at a time: compilers keep it, and there may be only sixteen registers.
+ * Computes the filter's numbers lane by lane: s goes from the origin to corner a, f and g from b and c to a. All three
+ * are those of the head of this file with other signs, so that a and the origin are the first operands, and loads the
+ * second ones. Of the products only N changes its sign. In this order, few values wait at a time: compilers keep it,
+ * and there may be only sixteen registers.
  */
 MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], const vf direction[3], vf reach,
                                 struct float_test *test)
@@ -237,7 +259,7 @@ MLRT_INLINE void set_float_test(const vf s[3], const vf f[3], const vf g[3], con
     const vf ca = dot_product(s, p);
     test->determinant = dot_product(f, p);
     cross_product(f, s, q);
-    test->distance = dot_product(g, q);
+    test->distance = v_sub(v_set1(0), dot_product(g, q));
     const vf ab = dot_product(direction, q);
     const vf bc = v_sub(v_sub(test->determinant, ca), ab);
     test->least = v_min(v_min(ab, ca), bc); /* bc is the last to be known */
@@ -253,9 +275,9 @@ MLRT_INLINE void set_single_test(const struct single_ray *ray, const float *corn
     MLRT_UNROLL
     for (size_t k = 0; k < 3; ++k) {
         const vf a = v_load_any(corners + k * stride);
-        s[k] = v_sub(ray->origin[k], a);
-        f[k] = v_sub(v_load_any(b + k * stride), a);
-        g[k] = v_sub(v_load_any(c + k * stride), a);
+        s[k] = v_sub(a, ray->origin[k]);
+        f[k] = v_sub(a, v_load_any(b + k * stride));
+        g[k] = v_sub(a, v_load_any(c + k * stride));
     }
     set_float_test(s, f, g, ray->direction, v_set1(ray->reach), test);
 }
