@@ -1237,7 +1237,8 @@ static int is_enough(const struct mlrt_triangle *triangle, const struct mlrt_box
         const double sign = side == 0 ? -1 : 1;
         const struct plane plane = {0, sign, position - sign * margin[0]};
         struct bounds bounds;
-        bound_inside(&polygon[current], &plane, margin, &bounds);
+        cut_polygon(&polygon[current], &plane, &polygon[1 - current]);
+        bound_polygon(&polygon[1 - current], margin, &bounds);
         if (!is_within(&true_half[side], &bounds)) return 0;
     }
     return 1;
