@@ -139,7 +139,7 @@ static int cut_by_box(const struct bounds *whole, const double margin[3], const 
     int current = 0;
     for (uint32_t k = 0; k < 3; k++) {
         const struct plane planes[2] = {{k, 1, box->lo[k] - margin[k]}, {k, -1, box->hi[k] + margin[k]}};
-        const int is_beyond[2] = {whole->lo[k]<planes[0].position, whole->hi[k]> planes[1].position};
+        const int is_beyond[2] = {planes[0].position > whole->lo[k], planes[1].position < whole->hi[k]};
         for (int side = 0; side < 2; side++) {
             if (!is_beyond[side]) continue;
             cut_polygon(&polygon[current], &planes[side], &polygon[1 - current]);
