@@ -149,36 +149,51 @@ struct chunk {
     uint32_t zero_area_count;
 };
 
+/* What follows from the options and the number of triangles. */
+struct limits {
+    uint32_t capacity;   /* references that there is room for */
+    uint32_t leaf_limit; /* leaves of the binary hierarchy, at most */
+    uint32_t task_size;  /* sets of at most so many references are tasks */
+    uint32_t task_capacity;
+    uint32_t level_capacity;
+    uint32_t chunk_count; /* of triangles */
+    double cut_work;      /* per reference of a set that is cut */
+};
+
+/* The arrays of a build but its references, in one block of memory. */
+struct work {
+    void *block;
+    uint64_t size;
+    struct portion *portions; /* the root, and the sides of all sets that are too large for tasks */
+    uint32_t portion_count;
+    struct portion **level; /* those of one depth that are too large */
+    struct task *tasks;
+    uint32_t task_count;
+    union filling *shares; /* of each worker; NULL = there is only one */
+    struct chunk *chunks;
+};
+
+/* The set whose bins, or slabs, all workers fill. */
+struct shared {
+    const struct portion *portion; /* NULL = none */
+    uint64_t least_size;           /* of the sets of a level that are shared */
+    int has_slabs;
+};
+
 struct build {
     struct mlrt_tree *tree;
     mlrt_pool *pool;
+    struct mlrt_progress *progress;
     const struct preset *preset;
     struct mlrt_bvh_costs costs;
+    struct limits limits;
     struct mlrt_quad_box *references;
-    struct mlrt_binary_tree binary;
-    struct portion *portions; /* the root, and the sides of all sets that are too large for tasks */
-    struct portion **level;   /* those of one depth that are too large */
-    struct task *tasks;
-    union filling *shares; /* of each worker; NULL = there is only one */
-    struct chunk *chunks;
-    void *work; /* the memory of these arrays, but for `references` */
-    uint64_t work_size;
-    uint32_t capacity; /* length of `references` */
     uint32_t reference_count;
-    uint32_t leaf_limit;
-    uint32_t task_capacity;
-    uint32_t task_count;
-    uint32_t portion_count;
-    uint32_t level_capacity;
-    uint32_t task_size;   /* sets of at most so many references are tasks */
-    uint64_t shared_size; /* sets of a level of at least so many: all workers fill their bins */
-    uint32_t chunk_count;
-    uint32_t depth_limit;
-    double scene_area;                    /* area of the core of the scene; a few boxes may be larger */
-    const struct portion *shared_portion; /* the portion whose bins all workers fill; NULL = none */
-    int shares_slabs;                     /* or its slabs */
-    struct mlrt_progress *progress;
-    double cut_work; /* work per reference of a set that is cut */
+    struct mlrt_binary_tree binary;
+    uint32_t depth_limit; /* of this attempt */
+    double scene_area;    /* area of the core of the scene; a few boxes may be larger */
+    struct work work;
+    struct shared shared;
 };
 
 /* A step of the build for the workers of the pool. `run` is called in the library's floating-point environment. */
@@ -246,7 +261,7 @@ static void set_reference(struct mlrt_quad_box *reference, const struct mlrt_tri
 /* Makes a reference for each triangle of a chunk that is not left out, from the place of the chunk's first triangle. */
 static double make_chunk_references(struct build *build, uint32_t number, uint32_t worker)
 {
-    struct chunk *chunk = &build->chunks[number];
+    struct chunk *chunk = &build->work.chunks[number];
     uint32_t first = number * CHUNK_SIZE, left = build->tree->triangle_count - first;
     uint32_t last = first + (left < CHUNK_SIZE ? left : CHUNK_SIZE);
     (void)worker;
@@ -281,9 +296,9 @@ static int32_t make_references(struct build *build)
     mlrt_tree_info *info = &build->tree->info;
     info->non_finite_count = info->zero_area_count = 0;
     build->reference_count = 0;
-    if (run_step(build, build->chunk_count, make_chunk_references) != MLRT_OK) return MLRT_ERROR_CANCELLED;
-    for (uint32_t i = 0; i < build->chunk_count; i++) {
-        const struct chunk *chunk = &build->chunks[i];
+    if (run_step(build, build->limits.chunk_count, make_chunk_references) != MLRT_OK) return MLRT_ERROR_CANCELLED;
+    for (uint32_t i = 0; i < build->limits.chunk_count; i++) {
+        const struct chunk *chunk = &build->work.chunks[i];
         if (build->reference_count != i * CHUNK_SIZE)
             memmove(&build->references[build->reference_count], &build->references[i * CHUNK_SIZE],
                     chunk->count * sizeof *build->references);
@@ -393,7 +408,7 @@ static void fill_chunk(const struct build *build, const struct portion *portion,
 
 static double fill_share(struct build *build, uint32_t chunk, uint32_t worker)
 {
-    fill_chunk(build, build->shared_portion, chunk, build->shares_slabs, &build->shares[worker]);
+    fill_chunk(build, build->shared.portion, chunk, build->shared.has_slabs, &build->work.shares[worker]);
     return 0;
 }
 
@@ -402,19 +417,19 @@ static void fill(struct build *build, const struct portion *portion, int has_sla
 {
     const uint32_t count = portion->set.count;
     clear(count, has_slabs, all);
-    if (build->shared_portion != portion) {
+    if (build->shared.portion != portion) {
         for (uint32_t i = 0; is_chunk_due(build, count, i); i++) fill_chunk(build, portion, i, has_slabs, all);
         return;
     }
     const uint32_t worker_count = mlrt_worker_count(build->pool);
-    for (uint32_t i = 0; i < worker_count; i++) clear(count, has_slabs, &build->shares[i]);
-    build->shares_slabs = has_slabs;
+    for (uint32_t i = 0; i < worker_count; i++) clear(count, has_slabs, &build->work.shares[i]);
+    build->shared.has_slabs = has_slabs;
     run_step(build, chunks_of(count), fill_share);
     for (uint32_t i = 0; i < worker_count; i++) {
         if (has_slabs)
-            mlrt_merge_spatial_bins(&build->shares[i].slabs, &all->slabs);
+            mlrt_merge_spatial_bins(&build->work.shares[i].slabs, &all->slabs);
         else
-            mlrt_merge_bins(&build->shares[i].bins, &all->bins);
+            mlrt_merge_bins(&build->work.shares[i].bins, &all->bins);
     }
 }
 
@@ -548,7 +563,7 @@ static int cut(struct build *build, struct portion *portion, struct mlrt_binary_
     struct choice choice;
     int is_small = portion->set.count <= MLRT_BVH_LEAF_LIMIT;
     if (is_small && (portion->budget < 2 || portion->set.count < 2)) return 0;
-    if (mlrt_advance(build->progress, build->cut_work * portion->set.count)) return 0;
+    if (mlrt_advance(build->progress, build->limits.cut_work * portion->set.count)) return 0;
     choose(build, portion, &choice);
     /* If cancelled, bins may be unfinished, and a plane chosen from them may cut more references than fit. */
     if (portion->set.count > CHUNK_SIZE && mlrt_is_cancelled(build->progress)) return 0;
@@ -579,16 +594,16 @@ static void build_subtree(struct build *build, struct portion *portion, struct m
 static double build_task(struct build *build, uint32_t item, uint32_t worker)
 {
     (void)worker;
-    build_subtree(build, build->tasks[item].portion, &build->tasks[item].costs);
+    build_subtree(build, build->work.tasks[item].portion, &build->work.tasks[item].costs);
     return 0;
 }
 
 static double cut_item(struct build *build, uint32_t item, uint32_t worker)
 {
-    struct portion *portion = build->level[item];
+    struct portion *portion = build->work.level[item];
     (void)worker;
-    if (build->shared_portion == NULL && portion->set.count >= build->shared_size) return 0;
-    (void)cut(build, portion, start_node(build, portion), &build->portions[build->portion_count + 2 * item]);
+    if (build->shared.portion == NULL && portion->set.count >= build->shared.least_size) return 0;
+    (void)cut(build, portion, start_node(build, portion), &build->work.portions[build->work.portion_count + 2 * item]);
     return 0;
 }
 
@@ -599,40 +614,42 @@ static void cut_level(struct build *build, uint32_t count)
 {
     const uint64_t worker_count = mlrt_worker_count(build->pool);
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < count; i++) sum += build->level[i]->set.count;
+    for (uint32_t i = 0; i < count; i++) sum += build->work.level[i]->set.count;
     const uint64_t much = 3 * sum / (2 * worker_count);
-    build->shared_size = build->shares == NULL ? UINT64_MAX : much > 2 * CHUNK_SIZE ? much : 2 * CHUNK_SIZE + 1;
+    build->shared.least_size = build->work.shares == NULL ? UINT64_MAX
+                               : much > 2 * CHUNK_SIZE    ? much
+                                                          : 2 * CHUNK_SIZE + 1;
     for (uint32_t i = 0; i < count; i++) {
-        build->shared_portion = build->level[i];
-        if (build->level[i]->set.count >= build->shared_size) cut_item(build, i, 0);
+        build->shared.portion = build->work.level[i];
+        if (build->work.level[i]->set.count >= build->shared.least_size) cut_item(build, i, 0);
     }
-    build->shared_portion = NULL;
+    build->shared.portion = NULL;
     run_step(build, count, cut_item);
-    build->portion_count += 2 * count;
+    build->work.portion_count += 2 * count;
 }
 
 /* Adds a task to those in depth-first order, which is that of the numbers of their nodes. */
 static void add_task(struct build *build, struct portion *portion)
 {
-    uint32_t i = build->task_count++;
-    build->tasks[i] = (struct task){.portion = NULL};
-    for (; i > 0 && build->tasks[i - 1].portion->node > portion->node; i--)
-        build->tasks[i].portion = build->tasks[i - 1].portion;
-    build->tasks[i].portion = portion;
+    uint32_t i = build->work.task_count++;
+    build->work.tasks[i] = (struct task){.portion = NULL};
+    for (; i > 0 && build->work.tasks[i - 1].portion->node > portion->node; i--)
+        build->work.tasks[i].portion = build->work.tasks[i - 1].portion;
+    build->work.tasks[i].portion = portion;
 }
 
 /* Cuts portions[0], level by level, until the parts are small enough for tasks. */
 static void find_tasks(struct build *build)
 {
-    build->portion_count = 1;
-    for (uint32_t i = 0; i < build->portion_count && !mlrt_is_cancelled(build->progress);) {
+    build->work.portion_count = 1;
+    for (uint32_t i = 0; i < build->work.portion_count && !mlrt_is_cancelled(build->progress);) {
         uint32_t count = 0;
-        for (; i < build->portion_count; i++) {
-            struct portion *portion = &build->portions[i];
-            if (portion->set.count <= build->task_size)
+        for (; i < build->work.portion_count; i++) {
+            struct portion *portion = &build->work.portions[i];
+            if (portion->set.count <= build->limits.task_size)
                 add_task(build, portion);
             else
-                build->level[count++] = portion;
+                build->work.level[count++] = portion;
         }
         cut_level(build, count);
     }
@@ -640,7 +657,7 @@ static void find_tasks(struct build *build)
 
 static int is_next_task(const struct build *build, uint32_t number, uint32_t next_task)
 {
-    return next_task < build->task_count && build->tasks[next_task].portion->node == number;
+    return next_task < build->work.task_count && build->work.tasks[next_task].portion->node == number;
 }
 
 /* Sets the choices of the nodes above the tasks, after all tasks have set theirs. */
@@ -648,7 +665,7 @@ static void choose_upper(const struct build *build, uint32_t number, uint32_t *n
                          struct mlrt_forest_costs *costs)
 {
     if (is_next_task(build, number, *next_task)) {
-        *costs = build->tasks[(*next_task)++].costs;
+        *costs = build->work.tasks[(*next_task)++].costs;
         return;
     }
     struct mlrt_binary_node *node = &build->binary.nodes[number];
@@ -671,7 +688,7 @@ static void write_upper(struct build *build, uint32_t number, uint32_t slots, ui
                         struct mlrt_bvh_cursor *cursor)
 {
     if (is_next_task(build, number, *next_task)) {
-        struct task *task = &build->tasks[(*next_task)++];
+        struct task *task = &build->work.tasks[(*next_task)++];
         task->slots = slots;
         task->from = *cursor;
         mlrt_add_size(&task->size, &cursor->size);
@@ -696,7 +713,7 @@ static struct mlrt_bvh_cursor write_upper_from(struct build *build, struct mlrt_
 
 static double measure_task(struct build *build, uint32_t item, uint32_t worker)
 {
-    struct task *task = &build->tasks[item];
+    struct task *task = &build->work.tasks[item];
     struct mlrt_bvh_cursor cursor = {.size = {.depth = task->from.depth}, .depth = task->from.depth};
     (void)worker;
     mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &cursor);
@@ -708,15 +725,15 @@ static struct mlrt_bvh_size measure_all(struct build *build)
 {
     const struct mlrt_bvh_cursor start = {.depth = 0};
     struct mlrt_bvh_size size = write_upper_from(build, start).size;
-    run_step(build, build->task_count, measure_task);
-    for (uint32_t i = 0; i < build->task_count; i++) mlrt_add_size(&build->tasks[i].size, &size);
+    run_step(build, build->work.task_count, measure_task);
+    for (uint32_t i = 0; i < build->work.task_count; i++) mlrt_add_size(&build->work.tasks[i].size, &size);
     if (build->binary.nodes[0].choice[1] == 0) size.node_count = size.depth = 1;
     return size;
 }
 
 static double write_task(struct build *build, uint32_t item, uint32_t worker)
 {
-    struct task *task = &build->tasks[item];
+    struct task *task = &build->work.tasks[item];
     (void)worker;
     mlrt_write_forest(&build->binary, task->portion->node, task->slots, build->tree, build->progress, &task->from);
     return LAST_WORK * task->portion->set.count;
@@ -734,7 +751,7 @@ static int32_t write_all(struct build *build)
                                           .parent = is_leaf ? build->tree->bvh.nodes : &above};
     mlrt_clear_node(start.parent);
     write_upper_from(build, start);
-    return run_step(build, build->task_count, write_task);
+    return run_step(build, build->work.task_count, write_task);
 }
 
 /* ---- memory -------------------------------------------------------------------------------------------------- */
@@ -752,30 +769,30 @@ static uint64_t lay_out_work(struct build *build, unsigned char *memory)
 {
     const uint32_t worker_count = mlrt_worker_count(build->pool);
     uint64_t size = 0;
-    build->chunks = take(memory, build->chunk_count, sizeof *build->chunks, &size);
-    build->binary.nodes = take(memory, 2 * (size_t)build->leaf_limit - 1, sizeof *build->binary.nodes, &size);
-    build->binary.triangles = take(memory, build->capacity, sizeof *build->binary.triangles, &size);
-    build->tasks = take(memory, build->task_capacity, sizeof *build->tasks, &size);
-    build->level = take(memory, build->level_capacity, sizeof *build->level, &size);
-    build->portions = take(memory, 2 * (size_t)build->task_capacity, sizeof *build->portions, &size);
-    build->shares = worker_count > 1 ? take(memory, worker_count, sizeof *build->shares, &size) : NULL;
+    build->work.chunks = take(memory, build->limits.chunk_count, sizeof *build->work.chunks, &size);
+    build->binary.nodes = take(memory, 2 * (size_t)build->limits.leaf_limit - 1, sizeof *build->binary.nodes, &size);
+    build->binary.triangles = take(memory, build->limits.capacity, sizeof *build->binary.triangles, &size);
+    build->work.tasks = take(memory, build->limits.task_capacity, sizeof *build->work.tasks, &size);
+    build->work.level = take(memory, build->limits.level_capacity, sizeof *build->work.level, &size);
+    build->work.portions = take(memory, 2 * (size_t)build->limits.task_capacity, sizeof *build->work.portions, &size);
+    build->work.shares = worker_count > 1 ? take(memory, worker_count, sizeof *build->work.shares, &size) : NULL;
     return size;
 }
 
 static int allocate_work(struct build *build)
 {
     struct mlrt_memory *memory = &build->tree->memory;
-    build->work_size = lay_out_work(build, NULL);
-    if (build->work_size > SIZE_MAX) return 0;
-    build->references = mlrt_allocate(memory, build->capacity, sizeof *build->references);
-    build->work = build->references ? mlrt_allocate(memory, (size_t)build->work_size, 1) : NULL;
-    if (build->work) lay_out_work(build, build->work);
-    return build->work != NULL;
+    build->work.size = lay_out_work(build, NULL);
+    if (build->work.size > SIZE_MAX) return 0;
+    build->references = mlrt_allocate(memory, build->limits.capacity, sizeof *build->references);
+    build->work.block = build->references ? mlrt_allocate(memory, (size_t)build->work.size, 1) : NULL;
+    if (build->work.block) lay_out_work(build, build->work.block);
+    return build->work.block != NULL;
 }
 
 static void release_references(struct build *build)
 {
-    mlrt_free(&build->tree->memory, build->references, build->capacity, sizeof *build->references);
+    mlrt_free(&build->tree->memory, build->references, build->limits.capacity, sizeof *build->references);
     build->references = NULL;
 }
 
@@ -833,18 +850,18 @@ static void measure_scene(struct build *build, const struct mlrt_quad_box *box)
 /* Builds the binary hierarchy, and sets *size to that of the result. Returns a status. */
 static int32_t build_binary(struct build *build, uint32_t depth_limit, struct mlrt_bvh_size *size)
 {
-    struct portion *root = &build->portions[0];
+    struct portion *root = &build->work.portions[0];
     root->set = mlrt_measure_set(build->references, 0, build->reference_count, build->progress);
-    root->spare = build->capacity - build->reference_count;
+    root->spare = build->limits.capacity - build->reference_count;
     root->node = root->depth = root->failed_count = 0;
-    root->budget = build->leaf_limit;
+    root->budget = build->limits.leaf_limit;
     struct mlrt_forest_costs costs;
     uint32_t next_task = 0;
     measure_scene(build, &root->set.box);
-    build->task_count = 0;
+    build->work.task_count = 0;
     build->depth_limit = depth_limit;
     find_tasks(build);
-    if (!mlrt_is_cancelled(build->progress)) run_step(build, build->task_count, build_task);
+    if (!mlrt_is_cancelled(build->progress)) run_step(build, build->work.task_count, build_task);
     if (mlrt_is_cancelled(build->progress)) return MLRT_ERROR_CANCELLED;
     choose_upper(build, 0, &next_task, &costs);
     *size = measure_all(build);
@@ -878,15 +895,16 @@ static void set_limits(const mlrt_tree_options *options, uint32_t triangle_count
     build->costs = COSTS;
     if (options != NULL && options->traversal_cost > 0) build->costs.node = options->traversal_cost;
     if (options != NULL && options->intersection_cost > 0) build->costs.triangle = options->intersection_cost;
-    build->capacity = triangle_count + (uint32_t)((float)triangle_count * build->preset->spare_share);
-    build->leaf_limit = build->capacity / LEAF_SHARE + 1;
-    build->task_size = build->capacity / TASK_SHARE > TASK_SIZE ? build->capacity / TASK_SHARE : TASK_SIZE;
+    build->limits.capacity = triangle_count + (uint32_t)((float)triangle_count * build->preset->spare_share);
+    build->limits.leaf_limit = build->limits.capacity / LEAF_SHARE + 1;
+    build->limits.task_size =
+        build->limits.capacity / TASK_SHARE > TASK_SIZE ? build->limits.capacity / TASK_SHARE : TASK_SIZE;
     /* A level has at most capacity / task_size sets larger than tasks, and cutting n of these leaves n + 1 tasks. */
-    build->level_capacity = build->capacity / build->task_size + 1;
-    build->task_capacity = BINARY_DEPTH * (build->capacity / build->task_size) + 1;
-    build->chunk_count = chunks_of(triangle_count);
+    build->limits.level_capacity = build->limits.capacity / build->limits.task_size + 1;
+    build->limits.task_capacity = BINARY_DEPTH * (build->limits.capacity / build->limits.task_size) + 1;
+    build->limits.chunk_count = chunks_of(triangle_count);
     const double levels = log2((double)triangle_count / MLRT_BVH_LEAF_LIMIT + 2);
-    build->cut_work = (MLRT_BVH_WORK - FIRST_WORK - LAST_WORK) / levels;
+    build->limits.cut_work = (MLRT_BVH_WORK - FIRST_WORK - LAST_WORK) / levels;
 }
 
 static const struct build NOTHING_BUILT;
@@ -903,7 +921,7 @@ int32_t mlrt_build_bvh(struct mlrt_tree *tree, const mlrt_tree_options *options,
     set_limits(options, tree->triangle_count, &build);
     int32_t status = build_hierarchy(&build);
     release_references(&build);
-    mlrt_free(&tree->memory, build.work, (size_t)build.work_size, 1);
+    mlrt_free(&tree->memory, build.work.block, (size_t)build.work.size, 1);
     if (status == MLRT_OK) {
         mlrt_measure_bvh(tree, &build.costs, progress);
         if (mlrt_is_cancelled(progress)) status = MLRT_ERROR_CANCELLED;
@@ -926,7 +944,7 @@ struct mlrt_demand mlrt_foresee_bvh(const void *tree_options, uint32_t triangle_
     struct build build = NOTHING_BUILT;
     set_limits(options, triangle_count, &build);
     build.pool = options->pool;
-    const uint64_t references = (uint64_t)build.capacity * sizeof *build.references;
+    const uint64_t references = (uint64_t)build.limits.capacity * sizeof *build.references;
     const uint64_t work = lay_out_work(&build, NULL);
     const uint64_t result = (uint64_t)(RESULT_SIZES[options->preset] * triangle_count) + sizeof(struct mlrt_bvh_node) +
                             2 * 52 * sizeof(float);
