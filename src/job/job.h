@@ -187,7 +187,7 @@ struct mlrt_kernels {
                             uint32_t *number);
     /*
      * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (trace/camera_cells.h),
-     * or of the tiles of points that rays from a light lead to (trace/point_cells.h). Returns 0 if that is not
+     * or of the tiles of arrays with one origin or one direction (trace/array_cells.h). Returns 0 if that is not
      * possible.
      */
     int (*gather_cells)(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,

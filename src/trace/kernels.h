@@ -27,16 +27,16 @@
 #include "trace/read_tile.h"
 #include "hits/write_packet.h"
 #include "hits/shadow_packet.h"
-#include "trace/point_cells.h"
+#include "trace/array_cells.h"
 #endif
 
-/* See job.h. Kernels that count have no cells of points. */
+/* See job.h. Kernels that count have no cells of arrays. */
 static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                         struct mlrt_bundle *bundle)
 {
     if (mlrt_is_pinhole(&job->source)) return gather_camera_cells(job, area, side, bundle);
 #if !MLRT_COUNTING
-    if (side == 16 && job->source.kind == MLRT_SOURCE_POINT_LIGHT) return gather_point_cells(job, area, bundle);
+    if (side == 16 && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, bundle);
 #endif
     return 0;
 }

@@ -521,8 +521,8 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
                                       struct mlrt_bundle *bundle)
 {
     begin_bundle(job, worker, bundle);
-    bundle->is_apex = find_apex(bundle, bundle->apex);
-    bundle->has_places = 0;
+    bundle->is_apex = bundle->apexes && find_apex(bundle, bundle->apex);
+    bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
     set_scene_depths(&job->tree->bvh, bundle);
     for (uint32_t left = ~bundle->going & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
     finish_all_hulls(bundle);
@@ -531,7 +531,7 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
     }
     sum_up_hulls(bundle);
-    bundle->far_first = 0;
+    bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_going_packets(job, worker, bundle);
     if (bundle->set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->set_aside);
