@@ -195,7 +195,10 @@ struct mlrt_kernels {
     /* Traces a bundle whose packets, or tiles, have no rays yet. trace/tile.h */
     void (*trace_cells)(const struct mlrt_job *job, struct mlrt_worker *worker, int is_open,
                         struct mlrt_bundle *bundle);
-    /* Traces the packets `waiting` (bit per place) of a bundle's tile, whose rays are made. trace/tile.h */
+    /*
+     * Traces the packets `waiting` (bit per place) of a bundle's tile, whose rays are made, and the cells in its
+     * `closed`. trace/tile.h
+     */
     void (*trace_bundle)(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle,
                          uint32_t waiting);
     /* Makes the shadow rays of a packet's hits. Kernels that count have NULL. hits/shadow_packet.h */
