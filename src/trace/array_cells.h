@@ -43,6 +43,14 @@ enum array_kind {
     IS_MIXED
 };
 
+/* Do the rays at the corners of a tile skip one triangle? If not, which is common, its blocks need not be read. */
+static int corners_skip_one(const struct mlrt_array_layout *skip, size_t element, size_t row_length)
+{
+    const unsigned char *first = skip->data + element * skip->stride, *last = first + 15 * row_length * skip->stride;
+    const size_t across = 15 * skip->stride;
+    return !memcmp(first, first + across, 8) && !memcmp(first, last, 8) && !memcmp(first, last + across, 8);
+}
+
 /* Do all rays of a block skip the triangle of `pair`? */
 MLRT_INLINE int skips_triangle(const struct mlrt_array_layout *skip, size_t element, const uint32_t pair[2])
 {
@@ -134,6 +142,7 @@ static enum array_kind add_array_cell(const struct array_cells *cells, const str
     uint32_t pair[2];
     if (tile->width + tile->height < 32 || element + 15 * (size_t)source->width + 16 > source->count) return IS_MIXED;
     if (skip->data) {
+        if (!corners_skip_one(skip, element, source->width)) return IS_MIXED;
         memcpy(pair, skip->data + element * skip->stride, sizeof pair);
         find_mesh(source->tree, pair[0], known);
         if (pair[1] < known->range.count) bundle->hulls.skip[place] = known->range.first + pair[1];
