@@ -318,8 +318,8 @@ static void points_on_both_sides_of_one_triangle(void **state)
     for (size_t i = 0; i < points.count; i++) {
         points.positions[3 * i + 2] = draw_below(&random, 3) ? draw_range(&random, 0.99f, 1.01f) : 1.01f;
     }
-    const mlrt_light light = light_at(0.1f, 0.2f, 0);
-    check(&fixture, &points, &light);
+    const mlrt_light lights[] = {light_at(0.1f, 0.2f, 0), light_from(0.1f, 0.2f, 1), light_from(0.1f, 0.2f, -1)};
+    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) check(&fixture, &points, &lights[i]);
     free_points(&points);
     free_fixture(&fixture);
 }
@@ -434,9 +434,37 @@ static struct points points_of_wall(float height)
         if (x >= 96 && y >= 96) point[y % 3] = x % 2 ? NAN : INFINITY;
         if (i % 7001 == 0) point[0] = NAN;
         points.skip[2 * i] = 0;
-        points.skip[2 * i + 1] = x < 80 ? 0 : 2;
+        points.skip[2 * i + 1] = x < 72 ? 0 : 2;
     }
     return points;
+}
+
+/* Compares rays that have one origin, or one direction, in the tile method with each of them alone. */
+static void check_shared_vector(const struct fixture *fixture, const struct points *points, const float one[3],
+                                int is_origin)
+{
+    const mlrt_const_array all = {one, MLRT_STRIDE_ALL}, each = {points->positions, 0};
+    const mlrt_rays rays = {.struct_size = sizeof rays,
+                            .count = points->count,
+                            .row_length = points->row_length,
+                            .origins = is_origin ? all : each,
+                            .directions = is_origin ? each : all,
+                            .skip = {points->skip, 0}};
+    mlrt_trace_options options = {.struct_size = sizeof options, .query = MLRT_QUERY_ANY, .method = MLRT_METHOD_RAY};
+    uint8_t *expected = allocate_or_fail(points->count, 1), *got = allocate_or_fail(points->count, 1);
+    mlrt_hits hits = {.struct_size = sizeof hits, .occluded = {expected, 0, 0}};
+    assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+    hits.occluded.data = got;
+    options.method = MLRT_METHOD_TILE;
+    for (int32_t isa = MLRT_ISA_SCALAR; isa <= MLRT_ISA_AVX512; isa++) {
+        options.isa = isa;
+        if (isa_is_supported(isa)) {
+            assert_int_equal(mlrt_trace_packet(fixture->tree, &rays, &options, &hits), MLRT_OK);
+            assert_memory_equal(expected, got, points->count);
+        }
+    }
+    free(expected);
+    free(got);
 }
 
 /* The wall is there twice, and points lie before it, in it or behind it: only one of its triangles is skipped. */
@@ -454,13 +482,30 @@ static void squares_of_points(void **state)
     struct fixture fixture = fixture_of_soup("a doubled wall", 7, &soup);
     for (size_t i = 0; i < sizeof heights / sizeof heights[0]; i++) {
         struct points points = points_of_wall(heights[i]);
-        const mlrt_light lights[] = {light_at(-1, -2, 3), light_at(0.5f, 0.25f, -4), light_at(40, 1, 0.5f)};
-        for (size_t l = 0; l < scaled(3) && l < 3; l++) {
+        const mlrt_light lights[] = {light_at(-1, -2, 3),       light_from(0.25f, 0.5f, 1), light_at(40, 1, 0.5f),
+                                     light_at(0.5f, 0.25f, -4), light_from(0, 0, -1e-30f),  light_from(1, 0.5f, 0.01f)};
+        for (size_t l = 0; l < scaled(6) && l < 6; l++) {
             check(&fixture, &points, &lights[l]);
             check_points(&fixture, points.positions, NULL, points.count, points.row_length, &lights[l]);
+            check_shared_vector(&fixture, &points, lights[l].position, lights[l].kind == MLRT_LIGHT_POINT);
         }
         free_points(&points);
     }
+    free_fixture(&fixture);
+}
+
+/* Points in a wall, of which those in one square skip different triangles: the wall shades those that skip another. */
+static void squares_that_skip_two_triangles(void **state)
+{
+    (void)state;
+    const float corner[3] = {-9, -9, 0}, side[3] = {18, 0, 0}, other_side[3] = {0, 18, 0};
+    struct soup soup = {0};
+    soup_add_quad(&soup, corner, side, other_side);
+    struct fixture fixture = fixture_of_soup("a wall", 7, &soup);
+    struct points points = points_of_wall(0);
+    const mlrt_light lights[] = {light_at(-1, -2, 3), light_from(0.25f, 0.5f, 1)};
+    for (size_t l = 0; l < sizeof lights / sizeof lights[0]; l++) check(&fixture, &points, &lights[l]);
+    free_points(&points);
     free_fixture(&fixture);
 }
 
@@ -471,8 +516,10 @@ static void squares_of_points(void **state)
 static void a_chip_before_the_edge_of_each_square(void **state)
 {
     (void)state;
-    const float eyes[][3] = {{-1, -2, 3}, {0.5f, 0.25f, -4}, {40, 1, 0.5f}};
-    for (size_t e = 0; e < sizeof eyes / sizeof eyes[0]; e++) {
+    const mlrt_light lights[] = {light_at(-1, -2, 3), light_at(0.5f, 0.25f, -4), light_at(40, 1, 0.5f),
+                                 light_from(0.25f, 0.5f, 1), light_from(2, -1, -3)};
+    for (size_t e = 0; e < sizeof lights / sizeof lights[0]; e++) {
+        const int is_point = lights[e].kind == MLRT_LIGHT_POINT;
         struct points points = points_of_wall(0);
         struct soup soup = {0};
         size_t square = e;
@@ -483,7 +530,8 @@ static void a_chip_before_the_edge_of_each_square(void **state)
                 float corners[3][3];
                 for (int c = 0; c < 3; c++) {
                     for (int k = 0; k < 3; k++) {
-                        const float middle = 0.5f * (points.positions[3 * i + (size_t)k] + eyes[e][k]);
+                        const float point = points.positions[3 * i + (size_t)k], at = lights[e].position[k];
+                        const float middle = is_point ? 0.5f * (point + at) : point + at;
                         corners[c][k] = middle + (c == k ? 0.0005f : -0.0005f);
                     }
                 }
@@ -491,8 +539,7 @@ static void a_chip_before_the_edge_of_each_square(void **state)
             }
         }
         struct fixture fixture = fixture_of_soup("chips", 9, &soup);
-        const mlrt_light light = light_at(eyes[e][0], eyes[e][1], eyes[e][2]);
-        check_points(&fixture, points.positions, NULL, points.count, points.row_length, &light);
+        check_points(&fixture, points.positions, NULL, points.count, points.row_length, &lights[e]);
         free_points(&points);
         free_fixture(&fixture);
     }
@@ -539,6 +586,7 @@ int main(void)
         cmocka_unit_test(an_empty_tree_shades_nothing),
         cmocka_unit_test(strides_of_points_and_results),
         cmocka_unit_test(squares_of_points),
+        cmocka_unit_test(squares_that_skip_two_triangles),
         cmocka_unit_test(a_chip_before_the_edge_of_each_square),
         cmocka_unit_test(the_query_option_is_ignored),
     };

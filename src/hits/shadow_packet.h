@@ -44,6 +44,7 @@ static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, 
 {
     const vd is_point = d_set1(light->kind == MLRT_SOURCE_POINT_LIGHT);
     vd ab[3], ac[3], p[3], to_light[3];
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         const vd corner = d_load(points->corners[k] + lane), origin = d_load(points->origin[k] + lane);
         const vd l = d_set1(light->light[k]);
@@ -56,6 +57,7 @@ static MLRT_NOINLINE void set_up_shadow_terms(const struct seen_points *points, 
     cross_product_of_doubles(ab, ac, terms->m);
     const vd greatest = greatest_of_doubles(terms->m), size = d_mul(size_of_doubles(ab), size_of_doubles(ac));
     const vd scale = d_div(d_set1(1), greatest);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) terms->m[k] = d_mul(terms->m[k], scale);
     terms->n = dot_product_of_doubles(p, terms->m);
     terms->plane_size = d_mul(d_set1(MLRT_SHADOW_PLANE), greatest_of_doubles(p));
@@ -73,14 +75,17 @@ MLRT_INLINE uint32_t make_shadow_vector(const struct shadow_terms *terms, const 
                                         uint32_t *facing, float (*ends)[MLRT_PACKET_RAYS])
 {
     vd d[3], f[3], x[3];
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) d[k] = d_load(seen->direction[k] + lane);
     const vd steepness = dot_product_of_doubles(d, terms->m), t = d_div(terms->n, steepness);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) {
         f[k] = d_mul(t, d[k]);
         x[k] = d_add(terms->from[k], f[k]);
     }
     const vd size = d_max(d_max(greatest_of_doubles(x), greatest_of_doubles(f)), terms->plane_size);
     const vd step = d_flip(d_mul(d_set1(-MLRT_SHADOW_STEP), size), steepness);
+    MLRT_UNROLL
     for (int k = 0; k < 3; ++k) d_store(ends[k] + lane, d_add(x[k], d_mul(step, terms->m[k])));
     *facing = d_gt(d_flip(terms->height, steepness), d_set1(0));
     return terms->certain & d_gt(d_abs(steepness), d_mul(d_set1(MLRT_SHADOW_GRAZING), size_of_doubles(d))) &

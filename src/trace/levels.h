@@ -4,7 +4,7 @@
  * of sixteen packets of 4x4. Tiles and packets that one triangle covers, or that meet none, are finished at once; the
  * others are cut further.
  *
- * Squares exist for cameras and for points only, whose slopes are known before rays are made. Other sources begin with
+ * Squares exist for cameras, and for arrays with one origin or one direction. Other sources begin with
  * tiles.
  */
 #ifndef MLRT_TRACE_LEVELS_H
@@ -14,21 +14,21 @@
 #include "job/stop.h"
 #include "job/write_arrays.h"
 #include "simd/sixteen.h"
+#include "trace/array_cells.h"
 #include "trace/camera_cells.h"
 #include "trace/make_rays.h"
-#include "trace/point_cells.h"
 #include "trace/shadows.h"
 #include "trace/tile.h"
 
 /*
  * Makes a bundle without rays of the cells of `side` x `side` pixels of a camera's picture (camera_cells.h), or of the
- * tiles of points that rays from a light lead to (point_cells.h). Returns 0 if that is not possible.
+ * tiles of arrays with one origin or one direction (array_cells.h). Returns 0 if that is not possible.
  */
 static int gather_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, uint32_t side,
                         struct mlrt_bundle *bundle)
 {
     if (mlrt_is_pinhole(&job->source)) return gather_camera_cells(job, area, side, bundle);
-    if (side == 16 && job->source.kind == MLRT_SOURCE_POINT_LIGHT) return gather_point_cells(job, area, bundle);
+    if (side == 16 && job->source.kind != MLRT_SOURCE_CAMERA) return gather_array_cells(job, area, bundle);
     return 0;
 }
 

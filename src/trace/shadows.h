@@ -101,27 +101,27 @@ static void shade_packets(const struct mlrt_job *job, const struct mlrt_job *lig
 {
     struct mlrt_ray_tile tile;
     struct mlrt_bundle bundle;
-    uint32_t dark = 0, lit = 0, waiting = 0, made = 0;
+    uint32_t dark = 0, cells = 0, waiting = 0;
     mlrt_begin_tile(&seen->area, 0, &tile);
     tile.seen = seen;
     tile.picture = job;
     bundle.tile = &tile;
+    bundle.closed = 0;
     const uint32_t covered = covered_cells(seen->cells), missed = seen->cells->closed & ~covered;
     if (mlrt_count_bits(covered) >= MLRT_LEAST_LIT_CELLS && have_lit_cells(job, light)) {
-        lit = trace_lit_cells(light, worker, seen->cells, covered, &bundle, &dark);
-        made = tile.made;
+        cells = gather_lit_cells(light, seen->cells, covered, &bundle, &dark);
     }
-    for (uint32_t left = tile.blocks & ~(dark | lit | missed | made); left; left &= left - 1) {
+    for (uint32_t left = tile.blocks & ~(dark | cells | missed); left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         make_rays_to_light(light, &tile, place);
         waiting |= ((tile.packets[place].active | tile.packets[place].single) != 0u) << place;
-        made |= 1u << place;
+        tile.made |= 1u << place;
     }
-    tile.made = 0xFFFF;
     trace_bundle(light, worker, &bundle, waiting);
+    dark |= cells & covered_cells(&bundle);
     for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
         dark_lanes[place] = dark >> place & 1 ? 0xFFFF : 0;
-        if (!(made >> place & 1)) continue;
+        if (!(tile.made >> place & 1)) continue;
         COUNT(&worker->counters, ray_count, mlrt_count_bits(find_seen(job, seen, place) & ~tile.dark[place]));
         finish_packet(light, worker, &tile.packets[place]);
         dark_lanes[place] = tile.dark[place] | lanes_with_hit(&tile.packets[place]);

@@ -377,22 +377,23 @@ static uint32_t check_odd_packets(const struct mlrt_bundle *bundle, uint32_t pla
     return some;
 }
 
-/* Adds to the bundle the packets whose rays float carries. Returns the others that have active rays. */
+/* Adds to the cells of a bundle the packets whose rays float carries. Returns the others that have active rays. */
 static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
 {
+    const uint32_t cells = bundle->going;
     uint32_t odd = 0, others = 0;
-    for (uint32_t left = ~places & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
+    for (uint32_t left = ~(places | cells) & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
     for (uint32_t left = places; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), fit = bound_from_anywhere(bundle, place);
         odd |= (uint32_t)((bundle->tile->packets[place].active & ~fit) != 0) << place;
     }
-    bundle->going = hulls_fit(bundle, places & ~odd);
+    bundle->going = cells | hulls_fit(bundle, places & ~odd);
     for (uint32_t left = places & ~bundle->going; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left), bit = left & (0u - left);
         struct mlrt_packet *packet = &bundle->tile->packets[place];
         check_odd_packet(bundle->unit, packet);
         const int fits = packet->active && !(packet->active & ~bound_from_anywhere(bundle, place));
-        if (fits && hulls_fit(bundle, bundle->going | bit) & bit) {
+        if (fits && hulls_fit(bundle, bit)) {
             bundle->going |= bit;
         } else {
             leave_bundle(bundle, place);
@@ -410,9 +411,9 @@ static uint32_t add_packets(struct mlrt_bundle *bundle, uint32_t places)
  * Takes packets that are far wider than the others out of a bundle. Where any hit will do they ride along: triangles
  * are still offered to them, since one may hide all of their rays.
  */
-static void set_wide_packets_aside(const struct mlrt_job *job, struct mlrt_bundle *bundle)
+static void set_wide_packets_aside(const struct mlrt_job *job, uint32_t places, struct mlrt_bundle *bundle)
 {
-    for (uint32_t left = find_wide_packets(bundle); left; left &= left - 1) {
+    for (uint32_t left = find_wide_packets(bundle) & places; left; left &= left - 1) {
         const uint32_t place = mlrt_lowest_bit(left);
         if (job->any && !bundle->tile->packets[place].has_masks) {
             leave_bundle(bundle, place);
@@ -424,7 +425,7 @@ static void set_wide_packets_aside(const struct mlrt_job *job, struct mlrt_bundl
     }
 }
 
-/* Begins a bundle of which only `tile` is set. */
+/* Begins a bundle of which only `tile` and its cells are set. */
 static void begin_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, struct mlrt_bundle *bundle)
 {
     bundle->cache = &worker->bundles->caches[job->any];
@@ -447,33 +448,36 @@ static void finish_all_hulls(struct mlrt_bundle *bundle)
 }
 
 /*
- * Makes a bundle from the packets `places`. Sets `going` to those that fit it: their rays go along its main axis.
- * Returns the others that have active rays.
+ * Makes a bundle from the packets `places` and the cells that it has, if any (`closed`). Sets `going` to those that fit
+ * it: their rays go along its main axis. Returns the others that have active rays.
  */
 static MLRT_NOINLINE uint32_t make_bundle(const struct mlrt_job *job, struct mlrt_worker *worker, uint32_t places,
                                           struct mlrt_bundle *bundle)
 {
     struct ray_sample samples[SAMPLE_LIMIT];
-    const uint32_t sample_count = take_samples(bundle->tile, places, bundle->unit, samples);
+    const uint32_t cells = bundle->closed;
+    const uint32_t sample_count = cells ? 0 : take_samples(bundle->tile, places, bundle->unit, samples);
     begin_bundle(job, worker, bundle);
-    bundle->going = bundle->apexes = 0;
+    bundle->going = bundle->apexes = cells;
     bundle->has_places = 1;
-    if (!choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
+    if (!cells && !choose_waist(&job->tree->bvh.core, samples, sample_count, &bundle->cache->waist, &bundle->waist)) {
         return check_odd_packets(bundle, places);
     }
     set_scene_depths(&job->tree->bvh, bundle);
-    bundle->is_apex = memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
-                      mlrt_are_float_safe(samples[0].origin) && find_apex(bundle, bundle->apex);
+    const int may_be_apex = cells || (memcmp(bundle->waist.point, samples[0].origin, sizeof samples[0].origin) == 0 &&
+                                      mlrt_are_float_safe(samples[0].origin));
+    bundle->is_apex = may_be_apex && find_apex(bundle, bundle->apex);
     const uint32_t others = add_packets(bundle, places);
     if (!bundle->going) return others;
     bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
     finish_all_hulls(bundle);
     bundle->closed = worker->bundles->open_bundles[job->any] ? 0 : bundle->going;
     if (worker->bundles->open_bundles[job->any]) --worker->bundles->open_bundles[job->any];
-    for (uint32_t left = bundle->closed; left; left &= left - 1) {
+    bundle->closed |= cells;
+    for (uint32_t left = bundle->closed & places; left; left &= left - 1) {
         if (bundle->tile->packets[mlrt_lowest_bit(left)].has_masks) bundle->closed &= ~(left & (0u - left));
     }
-    set_wide_packets_aside(job, bundle);
+    set_wide_packets_aside(job, places, bundle);
     sum_up_hulls(bundle);
     bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
@@ -521,8 +525,8 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
                                       struct mlrt_bundle *bundle)
 {
     begin_bundle(job, worker, bundle);
-    bundle->is_apex = find_apex(bundle, bundle->apex);
-    bundle->has_places = 0;
+    bundle->is_apex = bundle->apexes && find_apex(bundle, bundle->apex);
+    bundle->has_places = (bundle->going & ~bundle->apexes) != 0;
     set_scene_depths(&job->tree->bvh, bundle);
     for (uint32_t left = ~bundle->going & 0xFFFF; left; left &= left - 1) leave_bundle(bundle, mlrt_lowest_bit(left));
     finish_all_hulls(bundle);
@@ -531,7 +535,7 @@ static MLRT_NOINLINE void trace_cells(const struct mlrt_job *job, struct mlrt_wo
         open_bundle_packet(job, bundle, mlrt_lowest_bit(left));
     }
     sum_up_hulls(bundle);
-    bundle->far_first = 0;
+    bundle->far_first = job->any && ends_closer(bundle);
     keep_bundle_waist(&bundle->waist, bundle->cache);
     trace_going_packets(job, worker, bundle);
     if (bundle->set_aside) trace_packets_by_lanes(job, worker, bundle->tile, bundle->set_aside);
@@ -542,23 +546,27 @@ static uint32_t trace_as_bundle(const struct mlrt_job *job, struct mlrt_worker *
                                 uint32_t places)
 {
     const uint32_t others = make_bundle(job, worker, places, bundle);
-    const uint32_t closed = bundle->closed;
+    const uint32_t closed = bundle->closed & places;
     if (8 * mlrt_count_bits(bundle->going) < mlrt_count_bits(others))
         worker->bundles->lane_tiles[job->any] = MLRT_LANE_TILES;
     if (!bundle->going) return others;
     trace_going_packets(job, worker, bundle);
-    if (closed && !(bundle->closed & bundle->going) && !bundle->covered) {
+    if (closed && !(bundle->closed & bundle->going & places) && !(bundle->covered & places)) {
         worker->bundles->open_bundles[job->any] = MLRT_TILE_RUN;
     }
     return others | bundle->set_aside;
 }
 
-/* Traces the packets of a tile, whose rays are as their source gave them: those that are active or single exist. */
+/*
+ * Traces the packets `places` of a tile, whose rays are as their source gave them: those that are active or single
+ * exist. The bundle may have cells as well, which are `closed`, and rays from its waist.
+ */
 static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_worker *worker,
                                        struct mlrt_bundle *bundle, uint32_t places)
 {
     struct mlrt_ray_tile *tile = bundle->tile;
-    uint32_t alone;
+    const uint32_t cells = bundle->closed;
+    uint32_t alone = 0;
     bundle->unit = job->tree->bvh.unit;
     for (uint32_t left = places; left; left &= left - 1) {
         struct mlrt_packet *packet = &tile->packets[mlrt_lowest_bit(left)];
@@ -567,11 +575,12 @@ static MLRT_NOINLINE void trace_bundle(const struct mlrt_job *job, struct mlrt_w
         if (job->tree->bvh.node_count == 0) mlrt_fill_words(packet->triangle, MLRT_NONE);
     }
     if (job->tree->bvh.node_count == 0) return;
-    if (!(places & (places - 1))) {
+    if (!cells && !(places & (places - 1))) {
         alone = check_odd_packets(bundle, places);
     } else if (worker->bundles->lane_tiles[job->any]) {
         --worker->bundles->lane_tiles[job->any];
         alone = check_odd_packets(bundle, places);
+        if (cells) alone |= trace_as_bundle(job, worker, bundle, 0);
     } else {
         alone = trace_as_bundle(job, worker, bundle, places);
     }

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The tiles of a square of rays from the caller's arrays, as a bundle without rays, where all rays start at one point (a
+ * point light, one origin) or have one direction (a sun). Of the rays of a tile only the hull is kept. A tile that stays
+ * closed needs no packets; the rays of the others are read again. A tile none of whose rays is finite, as where a
+ * picture shows nothing, is closed from the start, and is not traced.
+ *
+ * Parallel rays are those from a point at infinity: a ray is known by two numbers, which are the slopes of its vector if
+ * all rays start at the waist, and the places of its origin if they are parallel, and by one depth: where it ends, or
+ * where it begins. Slopes and places are computed as in ray_hulls.h, so L2, L3 and L10 bound them. As in camera_cells.h,
+ * SLOPE_FLOOR is added to the slopes of rays from a point, which may be denormal. The waist of parallel rays is in the
+ * middle of the scene.
+ */
+#ifndef MLRT_TRACE_ARRAY_CELLS_H
+#define MLRT_TRACE_ARRAY_CELLS_H
+
+#include "rays/read_arrays.h"
+#include "trace/camera_cells.h"
+#include "trace/ray_hulls.h"
+
+/* What all rays of a square have in common. */
+struct array_cells {
+    struct mlrt_array_reader reader;
+    const struct mlrt_array_layout *vectors; /* directions, or origins of parallel rays; `from` is subtracted */
+    const float *from;                       /* the waist, not in units; NULL: 0 */
+    int are_parallel;
+    int have_ends;  /* they end at t = 1 */
+    float slope[2]; /* of parallel rays */
+    float unit;     /* of the bundle */
+};
+
+/* Lane by lane, of all rays of a tile. */
+struct array_extremes {
+    struct extremes across[2]; /* slopes; or places */
+    struct extremes depth;     /* |d_main|, not in units; or depths of origins */
+    vf sum;                    /* of all |slopes| or |places|: a NaN if one of them is */
+};
+
+/* What is known of a block, or of a tile. */
+enum array_kind {
+    HAS_HULL, /* of all rays */
+    IS_VOID,  /* no ray is finite: they hit nothing (rule R1) */
+    IS_MIXED
+};
+
+/* Do the rays at the corners of a tile skip one triangle? If not, which is common, its blocks need not be read. */
+static int corners_skip_one(const struct mlrt_array_layout *skip, size_t element, size_t row_length)
+{
+    const unsigned char *first = skip->data + element * skip->stride, *last = first + 15 * row_length * skip->stride;
+    const size_t across = 15 * skip->stride;
+    return !memcmp(first, first + across, 8) && !memcmp(first, last, 8) && !memcmp(first, last + across, 8);
+}
+
+/* Do all rays of a block skip the triangle of `pair`? */
+MLRT_INLINE int skips_triangle(const struct mlrt_array_layout *skip, size_t element, const uint32_t pair[2])
+{
+    uint32_t others = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vi meshes, triangles;
+        i_pairs_at(skip->data + element * skip->stride + offset_of_lane(skip, v), skip->step, skip->row_step, &meshes,
+                   &triangles);
+        others |= ~m_bits(m_and(i_eq(meshes, i_set1(pair[0])), i_eq(triangles, i_set1(pair[1])))) & ALL_LANES;
+    }
+    return !others;
+}
+
+/* Extends `of` by the rays of a block. It is mixed if one of them has an infinite slope or place, or a NaN. */
+static MLRT_NOINLINE enum array_kind add_block(const struct array_cells *cells, size_t element,
+                                               const struct mlrt_waist *waist, struct array_extremes *of)
+{
+    MLRT_ALIGNED(64) float rows[3][MLRT_PACKET_RAYS];
+    const struct mlrt_array_layout *vectors = cells->vectors;
+    const int a = waist->main_axis;
+    const vf zero = v_set1(0);
+    read_vectors(vectors, vectors->data + element * vectors->stride, cells->from, rows, NULL);
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf depth = v_flip(v_load(rows[a] + v), v_set1(waist->sign)), across[2];
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) across[i] = v_load(rows[mlrt_slope_axis(a, i)] + v);
+        if (cells->are_parallel) {
+            depth = v_mul(depth, v_set1(cells->unit));
+            MLRT_UNROLL
+            for (int i = 0; i < 2; ++i) {
+                across[i] = v_sub(v_mul(across[i], v_set1(cells->unit)), v_mul(v_set1(cells->slope[i]), depth));
+            }
+        } else {
+            const vf inverse = v_div(v_set1(1), depth);
+            MLRT_UNROLL
+            for (int i = 0; i < 2; ++i) across[i] = v_mul(across[i], inverse);
+        }
+        of->depth.least = v_min(depth, of->depth.least);
+        of->depth.negated = v_min(v_sub(zero, depth), of->depth.negated);
+        MLRT_UNROLL
+        for (int i = 0; i < 2; ++i) {
+            of->across[i].least = v_min(across[i], of->across[i].least);
+            of->across[i].negated = v_min(v_sub(zero, across[i]), of->across[i].negated);
+            of->sum = v_add(v_abs(across[i]), of->sum);
+        }
+    }
+    if (MLRT_LIKELY(m_bits(v_le(of->sum, v_set1(MLRT_SAFE_MAX))) == ALL_LANES)) return HAS_HULL;
+    uint32_t finite = 0;
+    for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
+        vf zero_or_nan = zero;
+        for (int k = 0; k < 3; ++k) zero_or_nan = v_mul_add(v_load(rows[k] + v), zero, zero_or_nan);
+        finite |= m_bits(v_eq(zero_or_nan, zero));
+    }
+    return finite ? IS_MIXED : IS_VOID;
+}
+
+/* Sets the hull of a tile. It is mixed if float does not carry its rays. */
+static enum array_kind set_array_cell(const struct array_cells *cells, const struct array_extremes *of, uint32_t place,
+                                      struct mlrt_bundle *bundle)
+{
+    struct mlrt_hulls *hulls = &bundle->hulls;
+    MLRT_ALIGNED(16) float least[4];
+    f4_store(least, v_hmin4(of->across[0].least, of->across[1].least, of->across[0].negated, of->across[1].negated));
+    const float scale = cells->are_parallel ? 1 : cells->unit;
+    const float near = v_hmin(of->depth.least) * scale, far = -v_hmin(of->depth.negated) * scale;
+    int fits = cells->are_parallel || (near >= LEAST_PACE && far <= GREATEST_PACE);
+    for (int i = 0; i < 2; ++i) {
+        const float lo = least[i], hi = -least[2 + i];
+        struct mlrt_hull_row *slope = &hulls->term[MLRT_SLOPE_J + i], *at = &hulls->term[MLRT_PLACE_J + i];
+        slope->lo[place] = cells->are_parallel ? cells->slope[i] : lo - SLOPE_FLOOR;
+        slope->hi[place] = cells->are_parallel ? cells->slope[i] : hi + SLOPE_FLOOR;
+        if (cells->are_parallel) at->lo[place] = lo, at->hi[place] = hi;
+        fits &= cells->are_parallel || (lo >= -STEEPEST_SLOPE && hi <= STEEPEST_SLOPE);
+    }
+    if (cells->are_parallel) hulls->first[place] = near, hulls->core_first[place] = far;
+    if (cells->have_ends) hulls->core_last[place] = near, hulls->last[place] = far;
+    return fits ? HAS_HULL : IS_MIXED;
+}
+
+/* Makes a cell of a tile of rays, if it is a whole one. */
+static enum array_kind add_array_cell(const struct array_cells *cells, const struct mlrt_rectangle *tile,
+                                      struct known_mesh *known, uint32_t place, struct mlrt_bundle *bundle)
+{
+    const struct mlrt_source *source = cells->reader.source;
+    const struct mlrt_array_layout *skip = &cells->reader.skip;
+    const size_t element = (size_t)tile->y * source->width + tile->x;
+    struct array_extremes of = {{NO_EXTREMES, NO_EXTREMES}, NO_EXTREMES, v_set1(0)};
+    enum array_kind kind = HAS_HULL;
+    uint32_t pair[2];
+    if (tile->width + tile->height < 32 || element + 15 * (size_t)source->width + 16 > source->count) return IS_MIXED;
+    if (skip->data) {
+        if (!corners_skip_one(skip, element, source->width)) return IS_MIXED;
+        memcpy(pair, skip->data + element * skip->stride, sizeof pair);
+        find_mesh(source->tree, pair[0], known);
+        if (pair[1] < known->range.count) bundle->hulls.skip[place] = known->range.first + pair[1];
+    }
+    for (uint32_t block = 0; block < 16; ++block) {
+        const size_t first = element + (size_t)(block & ~3u) * source->width + 4 * (block & 3);
+        mlrt_prefetch_row(source, tile->x + 16, tile->y + block);
+        if (skip->data && !skips_triangle(skip, first, pair)) return IS_MIXED;
+        const enum array_kind kind_of_block = add_block(cells, first, &bundle->waist, &of);
+        if (kind_of_block == IS_MIXED || (block && kind_of_block != kind)) return IS_MIXED;
+        kind = kind_of_block;
+    }
+    return kind == HAS_HULL ? set_array_cell(cells, &of, place, bundle) : kind;
+}
+
+/* Begins cells of parallel rays. Returns 0 if float does not carry them. */
+static int begin_parallel_cells(const struct mlrt_bvh *bvh, struct array_cells *cells, float middle[3],
+                                struct mlrt_waist *waist)
+{
+    const float *direction = (const float *)(const void *)cells->reader.directions.data;
+    mlrt_set_main_axis(direction, waist);
+    const float given = fabsf(direction[waist->main_axis]), pace = given * bvh->unit;
+    int fits = pace >= LEAST_PACE && pace <= GREATEST_PACE && given <= GREATEST_PACE;
+    waist->is_beam = 1;
+    for (int i = 0; i < 2; ++i) {
+        const float slope = direction[mlrt_slope_axis(waist->main_axis, i)] * (1 / given);
+        waist->slope[i] = cells->slope[i] = slope;
+        fits &= fabsf(slope) >= LEAST_SLOPE || direction[mlrt_slope_axis(waist->main_axis, i)] == 0;
+    }
+    for (int k = 0; k < 3; ++k) middle[k] = 0.5f * (bvh->core.lo[k] + bvh->core.hi[k]) / bvh->unit;
+    cells->vectors = &cells->reader.points;
+    cells->from = middle;
+    return fits && mlrt_set_apex(middle, bvh->unit, waist);
+}
+
+/* Begins cells of rays from one point. `first` is the element of one ray, which gives the main axis. */
+static int begin_apex_cells(const struct mlrt_source *source, size_t first, float unit, struct array_cells *cells,
+                            struct mlrt_waist *waist)
+{
+    const int is_light = source->kind == MLRT_SOURCE_POINT_LIGHT;
+    const float *point = is_light ? source->light : (const float *)(const void *)cells->reader.points.data;
+    float direction[3];
+    cells->vectors = is_light ? &cells->reader.points : &cells->reader.directions;
+    cells->from = is_light ? source->light : NULL;
+    cells->have_ends = is_light;
+    memcpy(direction, cells->vectors->data + first * cells->vectors->stride, sizeof direction);
+    for (int k = 0; k < 3; ++k) direction[k] -= is_light ? source->light[k] : 0;
+    mlrt_set_main_axis(direction, waist);
+    return mlrt_set_apex(point, unit, waist);
+}
+
+/* Makes a bundle of the tiles of rays in `area`. Returns 0 if there is none. */
+static int gather_array_cells(const struct mlrt_job *job, const struct mlrt_rectangle *area, struct mlrt_bundle *bundle)
+{
+    struct array_cells cells = {.from = NULL};
+    struct known_mesh known = NO_MESH;
+    const struct mlrt_source *source = &job->source;
+    float middle[3];
+    uint32_t there = 0, is_void = 0;
+    if (!job->any || source->has_masks || !mlrt_begin_reading(source, &cells.reader)) return 0;
+    if (cells.reader.t_min.data || cells.reader.t_max.data) return 0;
+    const int is_light = source->kind != MLRT_SOURCE_RAYS;
+    cells.are_parallel = source->kind == MLRT_SOURCE_DIRECTIONAL_LIGHT || (!is_light && !cells.reader.directions.step);
+    if (!is_light && cells.reader.directions.step && cells.reader.points.step) return 0;
+    bundle->unit = cells.unit = job->tree->bvh.unit;
+    begin_cells(0, bundle);
+    if (cells.are_parallel && !begin_parallel_cells(&job->tree->bvh, &cells, middle, &bundle->waist)) return 0;
+    for (uint32_t place = 0; place < MLRT_CELL_COUNT; ++place) {
+        const struct mlrt_rectangle tile = mlrt_cut_piece(area, 16 * (place % 4), 16 * (place / 4), 16);
+        const size_t first = (size_t)tile.y * source->width + tile.x;
+        if (16 * (place % 4) >= area->width || 16 * (place / 4) >= area->height) continue;
+        if (!there && !cells.are_parallel && !begin_apex_cells(source, first, bundle->unit, &cells, &bundle->waist))
+            return 0;
+        const enum array_kind kind = add_array_cell(&cells, &tile, &known, place, bundle);
+        there |= (uint32_t)(kind == HAS_HULL) << place;
+        is_void |= (uint32_t)(kind == IS_VOID) << place;
+    }
+    if (cells.are_parallel) there = hulls_fit(bundle, there);
+    bundle->going = there;
+    bundle->apexes = cells.are_parallel ? 0 : there;
+    bundle->closed = there | is_void;
+    return bundle->closed != 0;
+}
+
+#endif
