@@ -62,14 +62,6 @@
 /* This many lanes, or fewer, are traced one by one. */
 #define FEW_LANES 4
 
-/*
- * In trees of more nodes, rays of different origins whose directions have different signs are traced one by one from
- * the root on. With vectors of 16, diffuse rays are faster lane by lane in conference (2226 nodes, by 8 %) and sponza
- * (723, 5 %), and slower in clinic (17,840, 8 %). With vectors of 8 they are slower in sponza (5 %) and dragon (6895,
- * 6 %), as fast in conference, and faster in office (296, 4 %).
- */
-#define SMALL_TREE (VW < MLRT_BVH_WIDTH ? 500 : 10000)
-
 /* For this many lanes, or fewer, the hull is not worth its cost: the lanes are tested against all boxes. */
 #define FEW_FOR_HULL 6
 
@@ -636,9 +628,7 @@ static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, str
     struct lanes_search search;
     uint32_t child = 0;
     begin_lanes(packet, lanes, &search);
-    const int agree = search.agree[0] && search.agree[1] && search.agree[2];
-    if (mlrt_count_bits(lanes) <= FEW_LANES ||
-        (!agree && !search.one_origin && job->tree->bvh.node_count > SMALL_TREE)) {
+    if (mlrt_count_bits(lanes) <= FEW_LANES) {
         trace_few_lanes(job, 0, lanes, &search, packet, worker);
         return;
     }
