@@ -23,9 +23,8 @@ static void get_pinhole_packet(const struct mlrt_view *view, uint32_t x, uint32_
         const vf xs = v_add(v_add(x0, v_load(mlrt_lane_x + v)), v_set1(view->sample_x));
         const vf ys = v_add(v_add(y0, v_load(mlrt_lane_y + v)), v_set1(view->sample_y));
         vf d[3];
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 3; ++k)
             d[k] = v_add(v_add(v_set1(view->d00[k]), v_mul(xs, v_set1(view->dx[k]))), v_mul(ys, v_set1(view->dy[k])));
-        }
         take_directions(d, v, packet, &checked);
         take_limits(v_set1(view->t_min), v_set1(view->t_max), v, packet);
     }
