@@ -587,6 +587,7 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
         return;
     }
     if (mlrt_count_bits(lanes) < row) {
+        COUNT(&worker->counters, packet_count, mlrt_count_bits(lanes)); /* each goes alone */
         for (uint32_t v = 0; v < row && lanes; v += VW) {
             const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (row - v)) - 1;
             const uint32_t changed = test_triangles_lane_by_lane(job, lanes, corners + v, row, places, numbers + v,
