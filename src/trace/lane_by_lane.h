@@ -8,8 +8,7 @@
  * triangles at once; if all rays start at one point, its triangles are set up once, and each is tested against all
  * lanes. From a box on that only few lanes meet, these are traced one by one (single_ray.h).
  *
- * All arithmetic and its bounds are those of single_ray.h, with rays in the lanes of a vector in place of boxes or
- * triangles.
+ * All arithmetic of boxes and its bounds are those of single_ray.h, with rays in the lanes of a vector in place of boxes.
  *
  * HULLS. Before the lanes of a node are tested, its boxes are compared with a hull of all lanes. Along an axis where
  * the signs of all directions agree, the hull is the intervals of origins and of reciprocals: the product of a
@@ -18,6 +17,17 @@
  * computed, t d is off by 1.001 u of itself, so of |o| + |e|, and by 2^-150, and the sum by u |e|. So e is moved
  * outward by 4 u (|o| + |e|) + 2^-126. This also covers the rounding of the moved end, u of itself. If e is infinite,
  * the sum or the difference is a NaN, which v_min and v_max drop: then o is the end, which is right.
+ *
+ * SIDES. The sides of a triangle and their products belong to all rays of a leaf. Let p = fl(a - o), g = fl(c - a),
+ * h = fl(a - b), n = g x h, r = p x d. Then, as in predicate.c,
+ *
+ *     e_ca = g . r     e_ab = h . r     D = d . n     N = p . n     e_bc = D - e_ca - e_ab
+ *
+ * These are the determinants of single_ray.h, with as many roundings: p, g and h have 1 per component, n 4, r 3 (p,
+ * product, difference), and so e_ca, e_ab and D 7, and N 8. The sums of products are the same ones, so all bounds there
+ * hold, with the greatest |d_k| of all lanes for m. Underflow is as there: n and r lose 2^-149 per component. So is
+ * overflow: n and r are at most 2^124; and the bound of edge functions, 11 u (S (4 m (G + H)) + 4 m G H) / 4, overflows
+ * where 4 m (S G + S H + G H) does.
  *
  * ONE ORIGIN. If all rays start at o, s = o - a belongs to the triangle, and so do s x g, f x s and f x g:
  *
@@ -51,14 +61,6 @@
 
 /* This many lanes, or fewer, are traced one by one. */
 #define FEW_LANES 4
-
-/*
- * In trees of more nodes, rays of different origins whose directions have different signs are traced one by one from
- * the root on. With vectors of 16, diffuse rays are faster lane by lane in conference (2226 nodes, by 8 %) and sponza
- * (723, 5 %), and slower in clinic (17,840, 8 %). With vectors of 8 they are slower in sponza (5 %) and dragon (6895,
- * 6 %), as fast in conference, and faster in office (296, 4 %).
- */
-#define SMALL_TREE (VW < MLRT_BVH_WIDTH ? 500 : 10000)
 
 /* For this many lanes, or fewer, the hull is not worth its cost: the lanes are tested against all boxes. */
 #define FEW_FOR_HULL 6
@@ -438,28 +440,88 @@ static MLRT_NOINLINE uint32_t test_triangles_from_origin(const struct mlrt_job *
     return all_changed;
 }
 
-/* Tests lanes against one triangle. Returns the lanes with a nearer hit. `reach` is that of the search. */
-static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, uint32_t lanes, const float *corners,
-                                                     uint32_t row, uint32_t number, float reach,
-                                                     struct mlrt_packet *packet, struct mlrt_worker *worker)
+/* What all rays share of their tests against a triangle: see "SIDES" above. */
+enum side_term {
+    SIDE_CORNER,            /* a */
+    SIDE_CA = 3,            /* g */
+    SIDE_AB = 6,            /* h */
+    SIDE_NORMAL = 9,        /* n */
+    SIDE_EDGE_FACTOR = 12,  /* 4 m (G + H): times S it is a part of the bound of edge functions */
+    SIDE_PLANE_FACTOR = 13, /* 4 m G H: the rest of it */
+    SIDE_PLANE_SIZE = 14,   /* G H */
+    SIDE_TERMS = 15
+};
+
+/* Sets the terms of a vector of triangles. */
+MLRT_INLINE void set_side_terms(const float *corners, uint32_t row, float reach, vf term[SIDE_TERMS])
+{
+    MLRT_UNROLL
+    for (uint32_t k = 0; k < 3; ++k) {
+        term[k] = v_load_any(corners + k * row);
+        term[SIDE_CA + k] = v_sub(v_load_any(corners + (6 + k) * row), term[k]);
+        term[SIDE_AB + k] = v_sub(term[k], v_load_any(corners + (3 + k) * row));
+    }
+    cross_product(&term[SIDE_CA], &term[SIDE_AB], &term[SIDE_NORMAL]);
+    const vf size_g = sum_of_magnitudes(&term[SIDE_CA]), size_h = sum_of_magnitudes(&term[SIDE_AB]);
+    term[SIDE_PLANE_SIZE] = v_mul(size_g, size_h);
+    term[SIDE_EDGE_FACTOR] = v_mul(v_add(size_g, size_h), v_set1(reach));
+    term[SIDE_PLANE_FACTOR] = v_mul(term[SIDE_PLANE_SIZE], v_set1(reach));
+}
+
+/* Sets edge functions and D. `to` goes from the origin to corner a. */
+MLRT_INLINE void set_edges_by_sides(const vf term[SIDE_TERMS], const vf to[3], const vf d[3], struct float_test *test)
+{
+    vf moment[3];
+    const vf edge_size = v_mul_add(sum_of_magnitudes(to), term[SIDE_EDGE_FACTOR], term[SIDE_PLANE_FACTOR]);
+    cross_product(to, d, moment);
+    test->above = MLRT_GUESS ? v_set1(0) : v_mul_add(edge_size, v_set1(EDGE_BOUND / 4), v_set1(DISTANCE_FLOOR));
+    test->below = v_sub(v_set1(0), test->above);
+    test->determinant = dot_product(d, &term[SIDE_NORMAL]);
+    const vf ca = dot_product(&term[SIDE_CA], moment), ab = dot_product(&term[SIDE_AB], moment);
+    const vf bc = v_sub(v_sub(test->determinant, ca), ab);
+    test->least = v_min(v_min(ab, ca), bc);
+    test->greatest = v_max(v_max(ab, ca), bc);
+}
+
+/* Sets N, and the bounds of N and D. */
+MLRT_INLINE void set_plane_by_sides(const vf term[SIDE_TERMS], const vf to[3], struct float_test *test)
+{
+    test->distance = dot_product(to, &term[SIDE_NORMAL]);
+    test->plane_bound = test->distance_bound = v_set1(0);
+    if (MLRT_GUESS) return;
+    const vf floor = v_set1(DISTANCE_FLOOR), size = v_mul(sum_of_magnitudes(to), v_set1(4));
+    test->plane_bound = v_mul_add(term[SIDE_PLANE_FACTOR], v_set1(PLANE_BOUND / 4), floor);
+    test->distance_bound = v_mul_add(v_mul(size, term[SIDE_PLANE_SIZE]), v_set1(DISTANCE_BOUND / 4),
+                                     v_mul_add(test->plane_bound, v_set1(QUOTIENT_FLOOR), floor));
+}
+
+/* Tests lanes against the triangle at `place`. Returns the lanes with a nearer hit. */
+static MLRT_NOINLINE uint32_t test_triangle_by_lanes(const struct mlrt_job *job, uint32_t lanes,
+                                                     const float (*terms)[MLRT_BVH_LEAF_LIMIT], uint32_t place,
+                                                     uint32_t number, struct mlrt_packet *packet,
+                                                     struct mlrt_worker *worker)
 {
     struct outcome outcome = {0, 0, 0};
+    vf term[SIDE_TERMS];
+    MLRT_UNROLL
+    for (int i = 0; i < SIDE_TERMS; i += 3) {
+        MLRT_UNROLL
+        for (int k = 0; k < 3; ++k) term[i + k] = v_set1(terms[i + k][place]);
+    }
     for (int v = 0; v < MLRT_PACKET_RAYS; v += VW) {
         const vm active = concerned_rays(packet, lanes, number, v);
         if (!m_bits(active)) continue;
-        vf s[3], f[3], g[3], d[3];
+        vf to[3], d[3];
         MLRT_UNROLL
         for (uint32_t k = 0; k < 3; ++k) {
-            const float a = corners[k * row];
-            s[k] = v_sub(v_set1(a), v_load(packet->origin[k] + v));
-            f[k] = v_set1(a - corners[(3 + k) * row]);
-            g[k] = v_set1(a - corners[(6 + k) * row]);
+            to[k] = v_sub(term[k], v_load(packet->origin[k] + v));
             d[k] = v_load(packet->direction[k] + v);
         }
         struct float_test test;
-        set_float_test(s, f, g, d, v_set1(reach), &test);
+        set_edges_by_sides(term, to, d, &test);
         const vm candidates = may_be_inside(&test, active);
         if (!m_bits(candidates)) continue;
+        set_plane_by_sides(term, to, &test);
         const struct verdict verdict = compare_distances(&test, candidates, v_load(packet->t_min + v),
                                                          v_load(packet->lo + v), v_load(packet->hi + v), 0);
         keep_verdict(&verdict, number, v, packet, &outcome);
@@ -480,6 +542,34 @@ static MLRT_NOINLINE void trace_few_lanes(const struct mlrt_job *job, uint32_t c
     }
 }
 
+/* Tests each of `lanes` against the triangles at `places` of a vector. Returns the lanes with a nearer hit. */
+MLRT_INLINE uint32_t test_triangles_lane_by_lane(const struct mlrt_job *job, uint32_t lanes, const float *corners,
+                                                 uint32_t row, uint32_t places, const uint32_t *numbers, float reach,
+                                                 struct mlrt_packet *packet, struct mlrt_worker *worker)
+{
+    uint32_t all_changed = 0;
+    vf term[SIDE_TERMS];
+    set_side_terms(corners, row, reach, term);
+    for (; lanes; lanes &= lanes - 1) {
+        const uint32_t lane = mlrt_lowest_bit(lanes);
+        vf to[3], d[3];
+        MLRT_UNROLL
+        for (uint32_t k = 0; k < 3; ++k) {
+            to[k] = v_sub(term[k], v_set1(packet->origin[k][lane]));
+            d[k] = v_set1(packet->direction[k][lane]);
+        }
+        struct float_test test;
+        set_edges_by_sides(term, to, d, &test);
+        const vm inside = may_be_inside(&test, m_from_bits(ALL_LANES));
+        if (!(m_bits(inside) & places) && !MLRT_COUNTING) continue;
+        set_plane_by_sides(term, to, &test);
+        const vf t_min = v_set1(packet->t_min[lane]);
+        const uint32_t changed = settle_places(job, numbers, inside, places, &test, lane, t_min, packet, worker);
+        if (changed != NO_PLACE) all_changed |= 1u << lane;
+    }
+    return all_changed;
+}
+
 /* Tests lanes against the triangles of a leaf. */
 static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_t leaf, uint32_t lanes,
                                              struct lanes_search *search, struct mlrt_packet *packet,
@@ -489,7 +579,7 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
     const uint32_t row = 4 * mlrt_bvh_quad_count(leaf);
     const float *corners = bvh->corners + (size_t)36 * mlrt_bvh_offset(leaf);
     const uint32_t *numbers = bvh->numbers + (size_t)4 * mlrt_bvh_offset(leaf);
-    if (search->one_origin) {
+    if (search->one_origin && mlrt_count_bits(lanes) > FEW_LANES) {
         struct triangles_from_origin terms;
         set_up_from_origin(search, corners, row, &terms);
         const uint32_t changed = test_triangles_from_origin(job, &terms, numbers, row, lanes, packet, worker);
@@ -497,16 +587,34 @@ static MLRT_NOINLINE void test_leaf_by_lanes(const struct mlrt_job *job, uint32_
         return;
     }
     if (mlrt_count_bits(lanes) < row) {
-        trace_few_lanes(job, leaf, lanes, search, packet, worker);
+        COUNT(&worker->counters, packet_count, mlrt_count_bits(lanes)); /* each goes alone */
+        for (uint32_t v = 0; v < row && lanes; v += VW) {
+            const uint32_t places = VW <= 4 ? ALL_LANES : (1u << (row - v)) - 1;
+            const uint32_t changed = test_triangles_lane_by_lane(job, lanes, corners + v, row, places, numbers + v,
+                                                                 search->reach, packet, worker);
+            if (!job->any) continue;
+            lanes &= ~changed;
+            search->alive &= ~changed;
+        }
         return;
+    }
+    MLRT_ALIGNED(64) float terms[SIDE_TERMS][MLRT_BVH_LEAF_LIMIT];
+    for (uint32_t v = 0; v < row; v += VW) {
+        vf term[SIDE_TERMS];
+        set_side_terms(corners + v, row, search->reach, term);
+        MLRT_UNROLL
+        for (int i = 0; i < SIDE_TERMS; i += 3) {
+            MLRT_UNROLL
+            for (int k = 0; k < 3; ++k) v_store(terms[i + k] + v, term[i + k]);
+        }
     }
     for (uint32_t i = 0; i < row && numbers[i] != MLRT_NONE && lanes; ++i) {
         const uint32_t seeing = lanes_that_see(job, worker, packet, numbers[i], lanes);
         if (!seeing) continue;
         COUNT(&worker->counters, triangle_test_count, 1);
         COUNT(&worker->counters, lane_test_count, mlrt_count_bits(seeing));
-        const uint32_t changed =
-            test_triangle_by_lanes(job, seeing, corners + i, row, numbers[i], search->reach, packet, worker);
+        const uint32_t changed = test_triangle_by_lanes(job, seeing, (const float(*)[MLRT_BVH_LEAF_LIMIT])terms, i,
+                                                        numbers[i], packet, worker);
         if (!job->any) continue;
         lanes &= ~changed;
         search->alive &= ~changed;
@@ -521,9 +629,7 @@ static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, str
     struct lanes_search search;
     uint32_t child = 0;
     begin_lanes(packet, lanes, &search);
-    const int agree = search.agree[0] && search.agree[1] && search.agree[2];
-    if (mlrt_count_bits(lanes) <= FEW_LANES ||
-        (!agree && !search.one_origin && job->tree->bvh.node_count > SMALL_TREE)) {
+    if (mlrt_count_bits(lanes) <= FEW_LANES) {
         trace_few_lanes(job, 0, lanes, &search, packet, worker);
         return;
     }
@@ -549,7 +655,7 @@ static void trace_lanes_in_units(const struct mlrt_job *job, uint32_t lanes, str
                 if (!lanes) continue;
             }
             child = top->child;
-            if (mlrt_count_bits(lanes) > FEW_LANES) break;
+            if (mlrt_count_bits(lanes) > FEW_LANES || mlrt_bvh_quad_count(child)) break;
             trace_few_lanes(job, child, lanes, &search, packet, worker);
         }
     }

@@ -10,9 +10,6 @@
 #include "rays/lone_ray.h"
 #include "trace/single_ray.h"
 
-#if VW == 8
-#endif
-
 /*
  * Sets t, u, v and facing of a hit. Returns 0 and sets nothing if the judge has to compute them: without vectors of four
  * doubles it is as fast.
