@@ -30,6 +30,7 @@ LAYERS = ["base", "simd", "exact", "scene", "rays", "bvh", "job", "hits", "mlrta
 # As in the Makefile: KERNELS, COUNTING_KERNELS and ISA_FLAGS_...
 KDTREES = [
     Kernel("kdtree", "mlrta/kernels.c", None, None, False),
+    Kernel("kdtree_counting", "mlrta/counting.c", None, None, False),
     Kernel("kdtree_avx2", "mlrta/avx2.c", "MLRT_HAVE_SSE", "avx2,fma", False),
 ]
 KERNELS = [

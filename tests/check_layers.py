@@ -28,7 +28,8 @@ LAYERS = [
 ]
 
 # What is compiled once per instruction set; what includes CHOSEN is text for them.
-UNITS = ["trace/scalar.c", "trace/sse.c", "trace/avx2.c", "trace/avx512.c", "mlrta/kernels.c", "mlrta/avx2.c"]
+UNITS = ["trace/scalar.c", "trace/sse.c", "trace/avx2.c", "trace/avx512.c", "mlrta/kernels.c",
+         "mlrta/counting.c", "mlrta/avx2.c"]
 CHOSEN = "simd/simd.h"
 
 # Headers that need an instruction set.

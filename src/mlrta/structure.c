@@ -75,7 +75,7 @@ const struct mlrt_structure mlrt_structure_kdtree = {
 #else
                .kernels = {[MLRT_ISA_SCALAR] = &mlrt_kernels_kdtree},
 #endif
-               .counting = &mlrt_kernels_kdtree,
+               .counting = &mlrt_kernels_kdtree_counting,
                .lay_out = lay_out,
                .trace_ray = mlrt_trace_cells},
 };

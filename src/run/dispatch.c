@@ -5,7 +5,7 @@
  *
  * With counters, the scalar kernels run, which do the same work in more steps: counting kernels for every instruction
  * set would nearly double the size of the library. If there is SSE, the scalar kernels serve no other purpose and
- * always count. The kernels of the kd-tree count in SSE2, too (plain C without it); those in AVX2 do not.
+ * always count. Those of the kd-tree that count are in SSE2 (plain C without it).
  */
 #include "run/dispatch.h"
 
@@ -65,8 +65,9 @@ const struct mlrt_kernels *mlrt_select_kernels(const struct mlrt_structure *stru
     if (isa > widest) return NULL;
     if (isa == MLRT_ISA_AUTO) isa = widest;
     if (method == MLRT_METHOD_RAY) return &mlrt_kernels_ray;
+    if (counting) return structure->tracer.counting;
     /* Squares of 2x2 rays have four lanes, so packets of them gain nothing from eight. */
-    if (counting || method == MLRT_METHOD_PACKET2) return structure->tracer.counting;
+    if (method == MLRT_METHOD_PACKET2 && isa > MLRT_ISA_SSE) isa = MLRT_ISA_SSE;
     while (!structure->tracer.kernels[isa]) --isa;
     return structure->tracer.kernels[isa];
 }
