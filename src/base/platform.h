@@ -55,8 +55,8 @@
 #define MLRT_THREAD_LOCAL _Thread_local
 #endif
 
-/* Before a short loop that must be unrolled at every optimisation level. */
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
+/* Before a short loop that must be unrolled at every optimisation level, except in kernels that count. */
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8 && !(defined(MLRT_COUNTING) && MLRT_COUNTING)
 #define MLRT_UNROLL _Pragma("GCC unroll 9")
 #else
 #define MLRT_UNROLL
